@@ -1,0 +1,3 @@
+//! CAN frames and the two wire formats: bytes to meaning and back, nothing else.
+pub mod frame;
+pub use frame::{Frame, Id};

@@ -1,0 +1,7 @@
+//! The narx control core.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod bus;
+pub mod motor;
+pub mod units;
