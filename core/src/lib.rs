@@ -4,4 +4,5 @@
 
 pub mod bus;
 pub mod motor;
+pub mod recording;
 pub mod units;
