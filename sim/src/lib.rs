@@ -1,2 +1,5 @@
 #![no_std]
+#![forbid(unsafe_code)]
 //! The bench.
+
+pub mod can;
