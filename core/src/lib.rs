@@ -3,5 +3,6 @@
 #![forbid(unsafe_code)]
 
 pub mod bus;
+pub mod dictionary;
 pub mod motor;
 pub mod units;
