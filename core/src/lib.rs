@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bus;
+pub mod dictionary;
 pub mod motor;
 pub mod recording;
 pub mod units;

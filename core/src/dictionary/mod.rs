@@ -1,0 +1,67 @@
+//! The dictionary: every parameter of the drive with its number, name, unit, scale, range, factory value and
+//! access. The rows in `general`, `control` and `own` are the one place where these facts stand; coefficients,
+//! node, bindings and documents are made from them.
+
+mod category;
+mod control;
+mod decimal;
+mod general;
+pub mod number;
+mod own;
+mod parameter;
+mod values;
+
+pub use category::Category;
+pub use decimal::Decimal;
+pub use parameter::{Access, Effect, Kind, Parameter};
+pub use values::{ParameterError, Parameters};
+
+/// Parameters of the specification: numbers 0 to 121.
+pub const PRINTED_COUNT: usize = GENERAL.len() + CONTROL.len();
+
+/// All parameters.
+pub const PARAMETER_COUNT: usize = PRINTED_COUNT + OWN.len();
+
+/// Our own parameters are numbered from here.
+pub const OWN_FIRST: u16 = 256;
+
+/// The table of all parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Dictionary;
+
+impl Dictionary {
+    /// Every row in the order of the numbers.
+    pub fn rows() -> impl Iterator<Item = &'static Parameter> {
+        GENERAL.iter().chain(&CONTROL).chain(&OWN)
+    }
+
+    /// The row of a number.
+    pub fn row(number: u16) -> Option<&'static Parameter> {
+        let index = Self::index(number)?;
+        if let Some(own) = index.checked_sub(PRINTED_COUNT) {
+            OWN.get(own)
+        } else if let Some(control) = index.checked_sub(GENERAL.len()) {
+            CONTROL.get(control)
+        } else {
+            GENERAL.get(index)
+        }
+    }
+
+    /// The row with a printed name; case does not matter.
+    pub fn find(name: &str) -> Option<&'static Parameter> {
+        Self::rows().find(|row| row.name.eq_ignore_ascii_case(name))
+    }
+
+    /// Place of a number among the rows.
+    pub(crate) fn index(number: u16) -> Option<usize> {
+        let (first, place) = match number.checked_sub(OWN_FIRST) {
+            None => (usize::from(number), PRINTED_COUNT),
+            Some(own) => (usize::from(own) + PRINTED_COUNT, PARAMETER_COUNT),
+        };
+        (first < place).then_some(first)
+    }
+}
+
+static GENERAL: [Parameter; general::GENERAL.len()] = general::GENERAL;
+static CONTROL: [Parameter; control::CONTROL.len()] = control::CONTROL;
+static OWN: [Parameter; own::OWN.len()] = own::OWN;

@@ -1,0 +1,176 @@
+//! Our own parameters, from number 256 on.
+
+use super::category::Category::{CommandSaturation, Control, Diagnostics, Limitation, Machine, Services};
+use super::number;
+use super::parameter::Kind::{I32, U16, U32};
+use super::parameter::Parameter;
+
+/// Our own parameters, from number 256 on.
+pub(super) const OWN: [Parameter; 30] = [
+    Parameter::new(number::STORE, "Store parameters", Services, U16)
+        .range(0, 1)
+        .factory(0)
+        .command()
+        .about("Writing 0 then 1 stores every parameter but those of parameter 257."),
+    Parameter::new(number::STORE_ONCE, "Store once parameters", Services, U16)
+        .range(0, 1)
+        .factory(0)
+        .command()
+        .about("Writing 0 then 1 stores the device number and the calibration (category 02)."),
+    Parameter::new(number::RESET_CALIBRATION, "Reset calibration parameters", Services, U16)
+        .range(0, 1)
+        .factory(0)
+        .command()
+        .about("Writing 0 then 1 sets the calibration (category 02) to its factory values."),
+    Parameter::new(number::AUTO_CALIBRATE, "Auto-calibrate", Services, U16)
+        .range(0, 1)
+        .factory(0)
+        .command()
+        .about(
+            "Writing 0 then 1 with the bridge off: the bus current reads 0 and the bus voltage reads parameter \
+             266.",
+        ),
+    Parameter::new(number::SCOPE_STATE, "Scope state", Diagnostics, U16)
+        .range(0, 3)
+        .factory(0)
+        .read_only()
+        .about("0 idle, 1 armed, 2 recording, 3 done."),
+    Parameter::new(number::DRIVE_STATE, "Drive state", Diagnostics, U16)
+        .range(0, 7)
+        .factory(0)
+        .read_only()
+        .about("Exact state of section 7."),
+    Parameter::new(number::HALL_ORDER, "Hall order", Machine, U16)
+        .range(0, 5)
+        .factory(0)
+        .about("Permutation of the hall lines: 0 ABC, 1 ACB, 2 BAC, 3 BCA, 4 CAB, 5 CBA."),
+    Parameter::new(number::HALL_POLARITY, "Hall polarity mask", Machine, U16)
+        .range(0, 7)
+        .factory(0)
+        .about("Hall lines to invert before the permutation: bit 0 A, bit 1 B, bit 2 C."),
+    Parameter::new(number::HALL_CALIBRATE, "Hall calibration request", Services, U16)
+        .range(0, 1)
+        .factory(0)
+        .command()
+        .at_next_start()
+        .about(
+            "Writing 0 then 1 makes the next start turn the motor one electrical revolution each way to find \
+             parameters 262, 263 and 80; writing 0 withdraws it.",
+        ),
+    Parameter::new(number::HALL_STALL_TIME, "Hall stall time", Limitation, U16)
+        .unit("ms", 0)
+        .range(10, 10000)
+        .factory(500)
+        .about("Time in state 5 without a hall edge that becomes fault bit 6."),
+    Parameter::new(number::NOMINAL_SUPPLY, "Nominal supply voltage", Machine, U16)
+        .unit("V", -3)
+        .range(12000, 60000)
+        .factory(48000)
+        .about(
+            "Voltage that the rotor-lock and open-loop duties are per cent of; the drive divides by the live bus \
+             voltage.",
+        ),
+    Parameter::new(number::BACK_EMF_CONSTANT, "Back-EMF constant", Machine, I32)
+        .unit("V/rpm", -6)
+        .range(0, 1_000_000)
+        .factory(0)
+        .about(
+            "Mean six-step back-EMF between two lines per mechanical rpm, the inverse of the speed constant; 0 \
+             unknown.",
+        ),
+    Parameter::new(number::WINDING_RESISTANCE, "Winding resistance", Machine, I32)
+        .unit("ohm", -3)
+        .range(0, 100_000)
+        .factory(0)
+        .about("Between two lines; 0 unknown."),
+    Parameter::new(number::PHASE_CURRENT_MAX, "Phase current limit", CommandSaturation, U16)
+        .unit("A", -3)
+        .range(100, 12000)
+        .factory(12000)
+        .about("Bound of the estimated phase current, peak (Table 1)."),
+    Parameter::new(number::SHUTDOWN_INPUT, "Digital shutdown input", Limitation, U16)
+        .range(0, 2)
+        .factory(0)
+        .about("Digital input that commands a shutdown (fault bit 28): 0 none, 1 DSI1, 2 DSI2."),
+    Parameter::new(number::DUTY_SLEW, "Duty slew limit", Control, U16)
+        .unit("%/ms", -2)
+        .range(1, 10000)
+        .factory(1000)
+        .about("Fastest change of the duty."),
+    Parameter::new(number::ON_TIME_MIN, "Minimum on-time", Control, U16)
+        .unit("ns", 0)
+        .range(0, 20000)
+        .factory(2000)
+        .about("Shortest pulse that still gives a valid sample."),
+    Parameter::new(number::TIMING_ADVANCE, "Timing advance", Control, U16)
+        .unit("deg", -2)
+        .range(0, 3000)
+        .factory(0)
+        .about("Commutation ahead of its place, electrical degrees."),
+    Parameter::new(number::REFUSED_FRAMES, "Refused frames", Diagnostics, U32)
+        .range(0, u32::MAX as i64)
+        .factory(0)
+        .read_only()
+        .about("Well-formed frames of the master that were not obeyed, since power-up."),
+    Parameter::new(number::MALFORMED_FRAMES, "Malformed frames", Diagnostics, U32)
+        .range(0, u32::MAX as i64)
+        .factory(0)
+        .read_only()
+        .about("Frames with an address or shape that no message has, since power-up."),
+    Parameter::new(number::START_REFUSAL, "Start refusal", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about(
+            "Why the last start was refused: 0 it was not, 1 no mode enabled, 2 parameters do not fit together, 3 \
+             no estimator, 4 Standby was not requested since the last stop.",
+        ),
+    Parameter::new(number::HALL_INVALID, "Hall invalid codes", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about("Codes 000 and 111 since power-up, saturating."),
+    Parameter::new(number::HALL_JUMPS, "Hall jumps", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about("Changes between sectors that are not neighbours since power-up, saturating."),
+    Parameter::new(number::HALL_CALIBRATION_STATE, "Hall calibration state", Diagnostics, U16)
+        .range(0, 3)
+        .factory(0)
+        .read_only()
+        .about("0 none, 1 running, 2 done, 3 failed."),
+    Parameter::new(number::ACTIVE_LIMITER, "Active limiter", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about(
+            "What bounds the duty: 0 bridge off, 1 fixed level, 2 speed loop, 3 bus current, 4 phase current, 5 \
+             power, 6 temperature, 7 maximum duty, 8 slew.",
+        ),
+    Parameter::new(number::HALL_INTERPOLATION_SPEED, "Hall interpolation speed", Control, I32)
+        .unit("rpm", 0)
+        .range(0, 65535)
+        .factory(100)
+        .about("Mechanical speed above which the angle is interpolated between hall edges."),
+    Parameter::new(number::EXTENDED_FAULT_CODE, "Extended fault code", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about("Code of the first critical fault: fault bit times 256 plus cause; 0 without one."),
+    Parameter::new(number::WINDING_INDUCTANCE, "Winding inductance", Machine, I32)
+        .unit("H", -6)
+        .range(0, 100_000)
+        .factory(0)
+        .about("Between two lines; 0 unknown."),
+    Parameter::new(number::FRAMES_LOST, "Frames lost", Diagnostics, U32)
+        .range(0, u32::MAX as i64)
+        .factory(0)
+        .read_only()
+        .about("Frames that found no room in the output queue, since power-up."),
+    Parameter::new(number::REJECTED_PARAMETER, "Rejected parameter", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(65535)
+        .read_only()
+        .about("Number of the parameter for which the set does not build; 65535 when it builds."),
+];

@@ -1,0 +1,148 @@
+//! One row of the dictionary.
+
+use super::category::Category;
+use super::decimal::Decimal;
+use serde::{Deserialize, Serialize};
+
+/// Everything there is to know of one parameter but its value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    /// Number on the wire.
+    pub number: u16,
+    /// Name as printed in Tables 10 and 11.
+    pub name: &'static str,
+    /// Category as printed.
+    pub category: Category,
+    /// Unit of the engineering value; "-" without one.
+    pub unit: &'static str,
+    /// Type on the wire.
+    pub kind: Kind,
+    /// Engineering value = raw value * 10^exponent, exactly.
+    pub exponent: i8,
+    /// Smallest raw value.
+    pub min: i64,
+    /// Largest raw value.
+    pub max: i64,
+    /// Raw factory value.
+    pub default: i64,
+    /// Who may write it, when.
+    pub access: Access,
+    /// Writing 0 then 1 is a command; nothing is configured by it.
+    pub command: bool,
+    /// When a written value acts.
+    pub effect: Effect,
+    /// What it means, in one or two sentences.
+    pub description: &'static str,
+}
+
+/// Type of a value on the wire, always carried in 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Kind {
+    /// Unsigned 16 bits, zero-extended.
+    U16,
+    /// Signed 32 bits, two's complement.
+    I32,
+    /// Unsigned 32 bits.
+    U32,
+}
+
+/// Who may write a parameter, when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Access {
+    /// The drive alone writes it.
+    ReadOnly,
+    /// In Standby, and in Fault at standstill.
+    Stopped,
+    /// At any time.
+    Live,
+}
+
+/// When a written value acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Effect {
+    /// Within a control tick or two of the write.
+    Immediately,
+    /// When the drive next leaves Standby.
+    NextStart,
+    /// After it was stored and the drive rebooted.
+    Reboot,
+}
+
+impl Kind {
+    /// The number that 32 bits of this kind mean.
+    pub const fn widen(self, raw: i32) -> i64 {
+        match self {
+            Self::U16 | Self::I32 => raw as i64,
+            Self::U32 => raw as u32 as i64,
+        }
+    }
+
+    /// Name as C and the data base files write it.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::U16 => "uint16",
+            Self::I32 => "int32",
+            Self::U32 => "uint32",
+        }
+    }
+}
+
+impl Parameter {
+    /// Whether the 32 bits `raw` are a value within the range.
+    pub const fn accepts(&self, raw: i32) -> bool {
+        let value = self.kind.widen(raw);
+        value >= self.min && value <= self.max
+    }
+
+    /// The factory value as 32 bits.
+    pub const fn factory_raw(&self) -> i32 {
+        self.default as i32
+    }
+
+    /// A raw value in the parameter's unit.
+    pub const fn engineering(&self, raw: i32) -> Decimal {
+        Decimal { digits: self.kind.widen(raw), exponent: self.exponent }
+    }
+
+    pub(super) const fn new(number: u16, name: &'static str, category: Category, kind: Kind) -> Self {
+        Self {
+            number,
+            name,
+            category,
+            unit: "-",
+            kind,
+            exponent: 0,
+            min: 0,
+            max: 0,
+            default: 0,
+            access: category.access(),
+            command: false,
+            effect: Effect::Immediately,
+            description: "",
+        }
+    }
+    pub(super) const fn unit(self, unit: &'static str, exponent: i8) -> Self {
+        Self { unit, exponent, ..self }
+    }
+    pub(super) const fn range(self, min: i64, max: i64) -> Self {
+        Self { min, max, ..self }
+    }
+    pub(super) const fn factory(self, default: i64) -> Self {
+        Self { default, ..self }
+    }
+    pub(super) const fn read_only(self) -> Self {
+        Self { access: Access::ReadOnly, ..self }
+    }
+    pub(super) const fn command(self) -> Self {
+        Self { command: true, ..self }
+    }
+    pub(super) const fn at_next_start(self) -> Self {
+        Self { effect: Effect::NextStart, ..self }
+    }
+    pub(super) const fn after_reboot(self) -> Self {
+        Self { effect: Effect::Reboot, ..self }
+    }
+    pub(super) const fn about(self, description: &'static str) -> Self {
+        Self { description, ..self }
+    }
+}

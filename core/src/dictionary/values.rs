@@ -1,0 +1,129 @@
+//! The values of all parameters.
+
+use super::parameter::Parameter;
+use super::{Dictionary, PARAMETER_COUNT};
+use core::fmt;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// A value for every row of the dictionary, each within its range. Serialises as the raw values in the order of
+/// the rows.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Raw", into = "Raw")]
+pub struct Parameters(Raw);
+
+type Raw = Vec<i32, PARAMETER_COUNT>;
+
+/// Why a value was not accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterError {
+    /// There is no such parameter.
+    Unknown {
+        /// The number asked for.
+        number: u16,
+    },
+    /// The value lies outside the allowed range.
+    OutOfRange {
+        /// The row that states the range.
+        parameter: &'static Parameter,
+        /// The raw value offered.
+        raw: i32,
+    },
+    /// The set was of another dictionary.
+    Layout,
+}
+
+impl Parameters {
+    /// Factory values.
+    pub fn new() -> Self {
+        Self(Dictionary::rows().map(Parameter::factory_raw).collect())
+    }
+
+    /// The raw value of a parameter (unit and scale: its row), or `None` if there is no such number.
+    pub fn value(&self, number: u16) -> Option<i32> {
+        self.0.get(Dictionary::index(number)?).copied()
+    }
+
+    /// The raw value of a parameter that exists: for the constants of [`super::number`]. 0 for any other number.
+    pub fn raw(&self, number: u16) -> i32 {
+        self.value(number).unwrap_or(0)
+    }
+
+    /// The raw value of a parameter of kind U32 that exists.
+    pub fn raw_u32(&self, number: u16) -> u32 {
+        self.raw(number) as u32
+    }
+
+    /// Sets a raw value within its range. Who may write, and when, is the node's business; whether values fit each
+    /// other is decided when they are built.
+    ///
+    /// # Errors
+    /// Unknown number, or a value outside the range; nothing has changed then.
+    pub fn set(&mut self, number: u16, raw: i32) -> Result<(), ParameterError> {
+        let unknown = ParameterError::Unknown { number };
+        let index = Dictionary::index(number).ok_or(unknown)?;
+        let parameter = Dictionary::row(number).ok_or(unknown)?;
+        if !parameter.accepts(raw) {
+            return Err(ParameterError::OutOfRange { parameter, raw });
+        }
+        if let Some(value) = self.0.get_mut(index) {
+            *value = raw;
+        }
+        Ok(())
+    }
+
+    /// Every row with its raw value, in the order of the numbers.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Parameter, i32)> + '_ {
+        Dictionary::rows().zip(self.0.iter().copied())
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl From<Parameters> for Raw {
+    fn from(parameters: Parameters) -> Self {
+        parameters.0
+    }
+}
+
+impl TryFrom<Raw> for Parameters {
+    type Error = ParameterError;
+
+    /// Checks a set that comes from outside: its size and every range.
+    fn try_from(raw: Raw) -> Result<Self, ParameterError> {
+        if raw.len() != PARAMETER_COUNT {
+            return Err(ParameterError::Layout);
+        }
+        match Dictionary::rows().zip(&raw).find(|(row, raw)| !row.accepts(**raw)) {
+            Some((parameter, &raw)) => Err(ParameterError::OutOfRange { parameter, raw }),
+            None => Ok(Self(raw)),
+        }
+    }
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown { number } => write!(f, "there is no parameter {number}"),
+            Self::OutOfRange { parameter, raw } => {
+                let decimal = |digits| super::Decimal { digits, exponent: parameter.exponent };
+                let unit = if parameter.unit == "-" { "" } else { parameter.unit };
+                let space = if unit.is_empty() { "" } else { " " };
+                let (value, min, max) =
+                    (parameter.engineering(*raw), decimal(parameter.min), decimal(parameter.max));
+                write!(
+                    f,
+                    "parameter {} \"{}\": {value}{space}{unit} is outside {min} to {max}{space}{unit}",
+                    parameter.number, parameter.name
+                )
+            }
+            Self::Layout => f.write_str("a parameter set of another dictionary"),
+        }
+    }
+}
+
+impl core::error::Error for ParameterError {}

@@ -1,0 +1,3 @@
+//! The NarMotion-X protocol: dictionary, wire formats and node, through their public interfaces.
+
+mod dictionary;
