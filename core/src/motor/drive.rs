@@ -1,7 +1,7 @@
 //! The control tick: samples in, PWM command out, one straight line.
 
 use super::coefficients::Coefficients;
-use super::commutation::{Direction, Step};
+use super::commutation::Step;
 use super::commutator::Commutator;
 use super::control::{Control, Demand};
 use super::event::{Event, HallCalibration, Health, Limiter, SlowMeasurements, Status};
@@ -16,14 +16,9 @@ use super::ramp::Ramp;
 use super::rotor::Rotor;
 use super::samples::{SampleMode, Samples};
 use super::state::State;
-use crate::units::{Amps, ElectricalAngle, ElectricalSpeed, Volts, Watts};
+use crate::recording::Replayable;
+use crate::units::{Amps, Duty, ElectricalAngle, ElectricalSpeed, Volts, Watts};
 use serde::{Deserialize, Serialize};
-
-/// Layout of the serialised [`Drive`]; changes with any field.
-pub const LAYOUT_VERSION: u16 = 1;
-
-/// Answers of this firmware to the same inputs; changes when a controller does.
-pub const BEHAVIOUR_VERSION: u16 = 1;
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -126,7 +121,7 @@ impl Drive {
     }
 
     /// The report of the last tick, if one is due: every millisecond, and when state or fault word change.
-    pub fn take_status(&mut self) -> Option<Status> {
+    pub fn poll_status(&mut self) -> Option<Status> {
         self.status.take()
     }
 
@@ -301,7 +296,7 @@ impl Drive {
     fn command(
         &self,
         pattern: Pattern,
-        duty: crate::units::Duty,
+        duty: Duty,
         rectification: Rectification,
     ) -> PwmCommand {
         let now = self.applied.duty.to_bits();
@@ -310,7 +305,7 @@ impl Drive {
             if idle { (Step::Coast, Commutations::NONE) } else { (pattern.step, pattern.commutations) };
         let (sample_at, sample_mode) = self.sampling(duty.to_bits());
         PwmCommand {
-            duty: if matches!(pattern.demand, Demand::Off) { crate::units::Duty::ZERO } else { duty },
+            duty: if matches!(pattern.demand, Demand::Off) { Duty::ZERO } else { duty },
             rectification,
             sample_at,
             sample_mode,
@@ -386,7 +381,19 @@ impl Drive {
     }
 }
 
+impl Replayable for Drive {
+    fn handle_event(&mut self, event: Event) {
+        Self::handle_event(self, event);
+    }
+
+    fn step(&mut self, samples: &Samples) -> PwmCommand {
+        Self::step(self, samples)
+    }
+
+    fn poll_status(&mut self) -> Option<Status> {
+        Self::poll_status(self)
+    }
+}
+
 /// Where rotor lock leaves the rotor: 180 degrees.
 const LOCKED_AT: u32 = 1 << 31;
-
-const _: () = assert!(matches!(Step::for_sector(0, Direction::Forward), Step::AB));
