@@ -1,2 +1,5 @@
 #![no_std]
 //! The bench.
+
+pub mod plant;
+pub mod random;
