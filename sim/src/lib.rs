@@ -1,5 +1,8 @@
+//! The bench.
 #![no_std]
 #![forbid(unsafe_code)]
-//! The bench.
 
 pub mod can;
+pub mod commissioning;
+pub mod plant;
+pub mod random;
