@@ -52,7 +52,7 @@ fn main() {
                     n = k;
                     if std::env::args().nth(2).is_some_and(|x| x == name) && std::env::args().nth(3).is_some_and(|x| x.parse::<f64>().unwrap() == supply) && std::env::args().nth(4).is_some_and(|x| (x == "l") == (load > 0.0)) && k >= 5500 && k % std::env::args().nth(5).map_or(200, |x| x.parse::<u64>().unwrap()) == 0 {
                         let st = drive.clone(); let _ = st;
-                        println!("{:.4} w {w:7.1} duty {:.4} {:?} {:?} I {:6.2} {:6.2} {:6.2} V {:.2} Ib {:.3} lim {:?} T {:.3}", o.time, f64::from(p.duty.to_bits()) / 32768.0, p.step, p.rectification, o.current[0], o.current[1], o.current[2], o.bus_voltage, o.bus_current, lim, o.torque);
+                        println!("{:.4} w {w:7.1} duty {:.4} {:?} {:?} I {:6.2} {:6.2} {:6.2} V {:.2} Ib {:.3} lim {:?} T {:.3} L {:?} el {:.3}", o.time, f64::from(p.duty.to_bits()) / 32768.0, p.step, p.rectification, o.current[0], o.current[1], o.current[2], o.bus_voltage, o.bus_current, lim, o.torque, drive.limiter(), o.electrical_turns.rem_euclid(1.0));
                     }
                 }
                 let o = plant.observe();

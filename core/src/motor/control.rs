@@ -157,8 +157,9 @@ impl Control {
         self.apply(c, measurement.duty(voltage), duty_max, limiter, measured);
         let duty = self.output.duty.to_bits().saturating_sub(self.dead_time(c));
         self.applied = share(measured.bus_voltage.to_bits(), duty);
+        // The slew limit passes within a tick or two and is no reason to forget; maximum duty is the loop's own ceiling.
         if let Demand::Speed { gains, .. } = demand
-            && self.output.limiter != Limiter::Speed
+            && limiter != Limiter::Speed
         {
             self.speed.track(&gains, self.applied, self.speed_error);
         }
