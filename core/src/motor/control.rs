@@ -97,6 +97,8 @@ const RETURN: i32 = -(1 << 16) / 100;
 const CEILING: i64 = 128 << 32;
 /// Mean bus current beyond which diodes take over: -0.3 A.
 const REGENERATING: i32 = -(1 << 16) * 3 / 10;
+/// 0.25 V.
+const GUARD_HYSTERESIS: i32 = 1 << 14;
 /// Mean bus current that is clearly forward: 50 mA.
 const MOTORING: i32 = (1 << 16) / 20;
 
@@ -283,12 +285,15 @@ impl Control {
         self.output = Output { duty: Duty::from_bits(next), rectification, limiter };
     }
 
-    /// Diodes take over while the bus is fed in earnest or stands near its limit: current in a diode cannot reverse.
+    /// Diodes take over while the bus is fed in earnest or stands near its limit: current in a diode cannot reverse. The
+    /// switches come back when the motor draws current, and is not too fast: with diodes it can only coast to its set-point,
+    /// and must be left to.
     fn rectification(&self, c: &ControlCoefficients, measured: &Measured) -> Rectification {
         let current = measured.bus_current_filtered.to_bits();
-        if measured.bus_voltage.to_bits() > c.bus_guard || current < REGENERATING {
+        let voltage = measured.bus_voltage.to_bits();
+        if voltage > c.bus_guard || current < REGENERATING {
             Rectification::Diode
-        } else if current > MOTORING {
+        } else if current > MOTORING && self.speed_error >= 0 && voltage < c.bus_guard - GUARD_HYSTERESIS {
             Rectification::Synchronous
         } else {
             self.output.rectification
