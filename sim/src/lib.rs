@@ -2,4 +2,5 @@
 //! The bench.
 
 pub mod plant;
+pub mod presets;
 pub mod random;
