@@ -5,18 +5,24 @@ use super::emf::{EmfShape, Linear3};
 use super::event::Event;
 use super::gates::Gate;
 use super::ledger::Ledger;
-use super::mechanics::Shaft;
+use super::mechanics::{Shaft, Turn};
 use super::network::Network;
 use super::segment::{Electric, Leg, Segment};
 
-/// Longest interval, s: half a period at 10 kHz, a tenth of the shortest L / R of common motors.
+/// Longest interval, s: half a period at 10 kHz.
 const INTERVAL_MAX: f64 = 50e-6;
+/// Longest interval in time constants L / R: Simpson's rule gives losses to 1e-4 then.
+const TIME_CONSTANTS_MAX: f64 = 0.35;
 /// Largest electrical angle of an interval, rad: the back-EMF is linear in it to 1e-3.
 const ANGLE_MAX: f64 = 0.15;
 /// A current below this is none, A.
 const CURRENT_ZERO: f64 = 1e-9;
 /// A diode or the source turns on or off when its voltage is this far beyond, V. Keeps rounding from toggling it.
 pub(crate) const VOLTAGE_EDGE: f64 = 1e-7;
+/// Largest error of a phase's back-EMF because the speed was predicted wrongly, V.
+const EMF_ERROR: f64 = 1e-4;
+/// Attempts to get below it.
+const CORRECTIONS_MAX: u32 = 3;
 /// Shorter intervals are none, s.
 const INSTANT: f64 = 1e-13;
 
@@ -161,39 +167,57 @@ impl Stage {
 
     /// Advances by `limit` seconds or less, to the next event at most. Returns by how much.
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
-        let h = limit.min(self.longest());
-        let speed = self.shaft.predict(h);
+        let mut h = limit.min(self.longest());
+        let mut speed = self.shaft.predict(h);
+        for corrections in 0.. {
+            let solved = self.solve(h, speed);
+            if solved.h <= INSTANT {
+                if let Some(event) = solved.event {
+                    self.apply(event, true);
+                }
+                return 0.0;
+            }
+            let simpson = Simpson { h: solved.h, points: [&self.electric, &solved.middle, &solved.end] };
+            let impulse = simpson.impulse(&solved.shape);
+            let turn = self.shaft.turn(impulse, solved.h, speed);
+            let mean = turn.path / solved.h;
+            if corrections == CORRECTIONS_MAX || (mean - speed).abs() * self.shape.peak() < EMF_ERROR {
+                self.commit(&solved, impulse, &turn);
+                return solved.h;
+            }
+            // The shaft went faster or slower than the circuit was told: once more with what it did.
+            speed = mean;
+            h = h.min(1.001 * solved.h);
+        }
+        0.0
+    }
+
+    /// Solves the circuit for `h` seconds or to its first event, the shaft turning at `speed`.
+    fn solve(&mut self, h: f64, speed: f64) -> Solved {
         let span = speed * self.shaft.turns_per_radian() * h;
         let shape = self.shape.over(self.shaft.angle + 0.5 * span, span, h);
         let emf = Linear3 { start: shape.start.map(|k| k * speed), slope: shape.slope.map(|k| k * speed) };
         let segment = self.settle(emf);
-        let half = self.network.decay(segment.topology, segment.source_on, 0.5 * h);
-        let full = self.network.squared(segment.topology, segment.source_on, &half);
-        let middle = segment.at(0.5 * h, &half);
-        let end = segment.at(h, &full);
+        let (middle, end) = self.ends(&segment, h);
         match self.first_event(&segment, h, &middle, &end) {
-            None => {
-                self.commit(&segment, &shape, h, &middle, &end);
-                h
-            }
-            Some((event, t)) if t > INSTANT => {
-                let half = self.network.decay(segment.topology, segment.source_on, 0.5 * t);
-                let full = self.network.squared(segment.topology, segment.source_on, &half);
-                let (middle, end) = (segment.at(0.5 * t, &half), segment.at(t, &full));
-                self.commit(&segment, &shape, t, &middle, &end);
-                self.apply(event, false);
-                t
-            }
-            Some((event, _)) => {
-                self.apply(event, true);
-                0.0
+            None => Solved { segment, shape, h, middle, end, event: None },
+            Some((event, t)) => {
+                let (middle, end) = self.ends(&segment, t);
+                Solved { segment, shape, h: t, middle, end, event: Some(event) }
             }
         }
     }
 
+    /// State after half of `h` and after `h` seconds.
+    fn ends(&self, segment: &Segment, h: f64) -> (Electric, Electric) {
+        let half = self.network.decay(segment.topology, segment.source_on, 0.5 * h);
+        let full = self.network.squared(segment.topology, segment.source_on, &half);
+        (segment.at(0.5 * h, &half), segment.at(h, &full))
+    }
+
     /// Longest interval that the approximations allow.
     fn longest(&self) -> f64 {
-        let mut h = INTERVAL_MAX;
+        let mut h = INTERVAL_MAX.min(TIME_CONSTANTS_MAX * self.network.l / self.network.r);
         let turns_per_second = self.shaft.speed * self.shaft.turns_per_radian();
         if turns_per_second != 0.0 {
             let rate = turns_per_second.abs();
@@ -201,10 +225,6 @@ impl Stage {
             if let Some(turns) = self.shape.turns_to_corner(self.shaft.angle, turns_per_second.signum()) {
                 h = h.min(turns / rate);
             }
-        }
-        // While the source charges an empty capacitor, its loss needs a closer look.
-        if self.source_on && self.network.source_v - self.electric.v > 2.0 {
-            h = h.min(0.5 * self.network.c / self.network.source_g);
         }
         h
     }
@@ -359,26 +379,27 @@ impl Stage {
         }
     }
 
-    /// Takes over the state after `h` seconds and books the energies.
-    fn commit(&mut self, segment: &Segment, shape: &Linear3, h: f64, middle: &Electric, end: &Electric) {
+    /// Takes over what was solved, books the energies and lets the event happen.
+    fn commit(&mut self, solved: &Solved, impulse: f64, turn: &Turn) {
+        let Solved { segment, shape, h, middle, end, event } = solved;
         let start = self.electric;
-        let (link, volt_seconds) = segment.integrals(&self.network, h, &start, end);
+        let (link, volt_seconds) = segment.integrals(&self.network, *h, &start, end);
         self.shunt_charge += link + self.network.leak_g * volt_seconds;
-        let simpson = Simpson { h, points: [&start, middle, end] };
-        let impulse = simpson.impulse(shape);
         self.impulse += impulse;
-        self.book(segment, &simpson, volt_seconds);
+        self.book(segment, &Simpson { h: *h, points: [&start, middle, end] }, volt_seconds);
+        self.ledger.shaft += impulse * turn.path / h;
+        self.ledger.friction += turn.friction;
+        self.ledger.load += turn.load;
+        let torque_at = |x: usize| (shape.start[x] + shape.slope[x] * h) * end.i[x];
+        self.shaft.apply(turn, torque_at(0) + torque_at(1) + torque_at(2));
         self.electric = *end;
-        let before = self.shaft.angle;
-        let moved = self.shaft.turn(impulse, h);
-        let ledger = &mut self.ledger;
-        ledger.shaft += impulse * (self.shaft.angle - before) / (self.shaft.turns_per_radian() * h);
-        ledger.friction += moved.friction;
-        ledger.load += moved.load;
         self.held = [false; 3];
-        self.neutral = segment.neutral(h, end.v, self.network.drop);
+        self.neutral = segment.neutral(*h, end.v, self.network.drop);
         for x in 0..3 {
-            self.terminals[x] = segment.terminal(&self.network, x, h, end);
+            self.terminals[x] = segment.terminal(&self.network, x, *h, end);
+        }
+        if let Some(event) = *event {
+            self.apply(event, false);
         }
     }
 
@@ -394,18 +415,28 @@ impl Stage {
             }
         }
         if segment.source_on {
-            let charge = network.source_g * (network.source_v * simpson.h - volt_seconds);
-            ledger.source += network.source_v * charge;
-            ledger.source_loss += network.source_g
-                * simpson.integral(|at| {
-                    let fall = network.source_v - at.v;
-                    fall * fall
-                });
+            let fall = network.source_v * simpson.h - volt_seconds;
+            ledger.source += network.source_v * network.source_g * fall;
+            let links = simpson.points.map(|at| segment.link(at));
+            ledger.source_loss +=
+                network.source_loss(simpson.h, simpson.points[0].v, simpson.points[2].v, fall, links);
         }
         if network.leak_g > 0.0 {
             ledger.leak += network.leak_g * simpson.integral(|at| at.v * at.v);
         }
     }
+}
+
+/// One interval, solved.
+struct Solved {
+    segment: Segment,
+    /// Back-EMF per speed.
+    shape: Linear3,
+    h: f64,
+    middle: Electric,
+    end: Electric,
+    /// What ended it early.
+    event: Option<Event>,
 }
 
 /// Simpson's rule over an interval.
