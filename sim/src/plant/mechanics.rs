@@ -2,6 +2,7 @@
 
 use super::config::{LoadConfig, MotorConfig};
 use super::emf::sin_cos;
+use super::segment::Motion;
 
 /// The shaft's state and constants.
 #[derive(Clone, Debug)]
@@ -75,10 +76,17 @@ impl Shaft {
         self.angle / self.turns_per_radian()
     }
 
-    /// Speed to expect in the middle of an interval of `h` seconds, rad/s.
-    pub(crate) fn predict(&self, h: f64) -> f64 {
-        let middle = self.speed + 0.5 * h * self.acceleration;
-        if middle * self.speed > 0.0 { middle } else { 0.0 }
+    /// How the shaft is expected to move over `h` seconds.
+    pub(crate) fn predict(&self, h: f64) -> Motion {
+        let (speed, acceleration) = (self.speed, self.acceleration);
+        if self.blocked || speed == 0.0 {
+            return Motion { speed: 0.0, acceleration: 0.0, per_inertia: 0.0, h };
+        }
+        if (speed + acceleration * h) * speed <= 0.0 {
+            // About to stop: on average half way there.
+            return Motion { speed, acceleration: -speed / h, per_inertia: 0.0, h };
+        }
+        Motion { speed, acceleration, per_inertia: 1.0 / (self.inertia + self.load.inertia), h }
     }
 
     /// Kinetic and cogging energy, J.

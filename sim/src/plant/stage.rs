@@ -7,10 +7,10 @@ use super::gates::Gate;
 use super::ledger::Ledger;
 use super::mechanics::{Shaft, Turn};
 use super::network::Network;
-use super::segment::{Electric, Leg, Segment};
+use super::segment::{Electric, Leg, Motion, Segment};
 
-/// Longest interval, s: half a period at 10 kHz.
-const INTERVAL_MAX: f64 = 50e-6;
+/// Longest interval, s: a period at 10 kHz.
+const INTERVAL_MAX: f64 = 100e-6;
 /// Longest interval in time constants L / R: Simpson's rule gives losses to 1e-4 then.
 const TIME_CONSTANTS_MAX: f64 = 0.35;
 /// Largest electrical angle of an interval, rad: the back-EMF is linear in it to 1e-3.
@@ -47,9 +47,11 @@ pub(crate) struct Stage {
     pub(crate) impulse: f64,
     /// Changes of diodes since the start.
     pub(crate) diode_events: u64,
-    /// Terminal voltages at the end of the last interval.
-    pub(crate) terminals: [f64; 3],
+    /// Intervals solved since the start, corrections included.
+    pub(crate) intervals: u64,
+    /// Star point and back-EMF at the end of the last interval, V.
     pub(crate) neutral: f64,
+    emf: [f64; 3],
 }
 
 impl Stage {
@@ -80,11 +82,28 @@ impl Stage {
             shunt_charge: 0.0,
             impulse: 0.0,
             diode_events: 0,
-            terminals: [0.0; 3],
+            intervals: 0,
             neutral: 0.0,
+            emf: [0.0; 3],
         };
         stage.stored_at_start = stage.stored();
         stage
+    }
+
+    /// Terminal voltages now, V. A broken cable leaves the motor's side to the divider: it reads 0.
+    pub(crate) fn terminals(&self) -> [f64; 3] {
+        let (v, drop) = (self.electric.v, self.network.drop);
+        [0, 1, 2].map(|x| {
+            let fall = self.network.switch * self.electric.i[x];
+            match self.legs[x] {
+                Leg::Idle if self.open[x] => 0.0,
+                Leg::Idle => (self.neutral + self.emf[x]).clamp(-drop, v + drop),
+                Leg::HighSwitch => v - fall,
+                Leg::LowSwitch => -fall,
+                Leg::HighDiode => v + drop - fall,
+                Leg::LowDiode => -drop - fall,
+            }
+        })
     }
 
     /// Energy in capacitor, inductances and shaft, J.
@@ -167,10 +186,9 @@ impl Stage {
 
     /// Advances by `limit` seconds or less, to the next event at most. Returns by how much.
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
-        let mut h = limit.min(self.longest());
-        let mut speed = self.shaft.predict(h);
+        let mut motion = self.shaft.predict(limit.min(self.longest()));
         for corrections in 0.. {
-            let solved = self.solve(h, speed);
+            let solved = self.solve(&motion);
             if solved.h <= INSTANT {
                 if let Some(event) = solved.event {
                     self.apply(event, true);
@@ -179,25 +197,29 @@ impl Stage {
             }
             let simpson = Simpson { h: solved.h, points: [&self.electric, &solved.middle, &solved.end] };
             let impulse = simpson.impulse(&solved.shape);
-            let turn = self.shaft.turn(impulse, solved.h, speed);
+            let expected = motion.speed + 0.5 * solved.segment.acceleration * solved.h;
+            let turn = self.shaft.turn(impulse, solved.h, expected);
             let mean = turn.path / solved.h;
-            if corrections == CORRECTIONS_MAX || (mean - speed).abs() * self.shape.peak() < EMF_ERROR {
+            if corrections == CORRECTIONS_MAX || (mean - expected).abs() * self.shape.peak() < EMF_ERROR {
                 self.commit(&solved, impulse, &turn);
                 return solved.h;
             }
             // The shaft went faster or slower than the circuit was told: once more with what it did.
-            speed = mean;
-            h = h.min(1.001 * solved.h);
+            motion.acceleration = 2.0 * (mean - motion.speed) / solved.h;
+            motion.per_inertia = 0.0;
+            motion.h = motion.h.min(1.001 * solved.h);
         }
         0.0
     }
 
-    /// Solves the circuit for `h` seconds or to its first event, the shaft turning at `speed`.
-    fn solve(&mut self, h: f64, speed: f64) -> Solved {
-        let span = speed * self.shaft.turns_per_radian() * h;
+    /// Solves the circuit over `motion`'s interval or to its first event.
+    #[inline]
+    fn solve(&mut self, motion: &Motion) -> Solved {
+        self.intervals += 1;
+        let h = motion.h;
+        let span = (motion.speed + 0.5 * h * motion.acceleration) * self.shaft.turns_per_radian() * h;
         let shape = self.shape.over(self.shaft.angle + 0.5 * span, span, h);
-        let emf = Linear3 { start: shape.start.map(|k| k * speed), slope: shape.slope.map(|k| k * speed) };
-        let segment = self.settle(emf);
+        let segment = self.settle(&shape, motion);
         let (middle, end) = self.ends(&segment, h);
         match self.first_event(&segment, h, &middle, &end) {
             None => Solved { segment, shape, h, middle, end, event: None },
@@ -230,16 +252,17 @@ impl Stage {
     }
 
     /// Turns diodes and source on or off until they agree with the voltages, and returns the circuit.
-    fn settle(&mut self, emf: Linear3) -> Segment {
+    fn settle(&mut self, shape: &Linear3, motion: &Motion) -> Segment {
         self.settle_source();
-        let mut segment = Segment::new(&self.network, self.legs, self.source_on, &self.electric, emf);
+        let mut segment =
+            Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
         // Each pass changes one diode; six are more than three legs can need.
         for _ in 0..6 {
             if !self.settle_diode(&segment) {
                 break;
             }
             self.diode_events += 1;
-            segment = Segment::new(&self.network, self.legs, self.source_on, &self.electric, emf);
+            segment = Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
         }
         segment
     }
@@ -266,6 +289,9 @@ impl Stage {
                     return true;
                 }
             }
+        }
+        if !self.outside(segment, 0.0, &self.electric) {
+            return false;
         }
         let mut most = (VOLTAGE_EDGE, None);
         for event in self.starts(segment).into_iter().flatten() {
@@ -327,38 +353,40 @@ impl Stage {
         middle: &Electric,
         end: &Electric,
     ) -> Option<(Event, f64)> {
-        let mut first: Option<(Event, f64)> = None;
-        let mut consider = |event: Event, edge: f64| {
-            let at_middle = event.beyond(segment, &self.network, 0.5 * h, middle);
-            let bracket = if at_middle > edge {
-                Some((0.0, event.beyond(segment, &self.network, 0.0, &self.electric), 0.5 * h, at_middle))
-            } else {
-                let at_end = event.beyond(segment, &self.network, h, end);
-                (at_end > edge).then_some((0.5 * h, at_middle, h, at_end))
-            };
-            if let Some(bracket) = bracket {
-                let t = event.locate(segment, &self.network, bracket);
-                if first.is_none_or(|(_, earliest)| t < earliest) {
-                    first = Some((event, t));
-                }
-            }
-        };
+        let mut first = First { stage: self, segment, h, middle, end, found: None };
         for x in 0..3 {
-            if self.legs[x].is_diode() {
-                consider(Event::Stops(x), 0.0);
+            match self.legs[x] {
+                Leg::HighDiode if middle.i[x] > 0.0 || end.i[x] > 0.0 => first.consider(Event::Stops(x)),
+                Leg::LowDiode if middle.i[x] < 0.0 || end.i[x] < 0.0 => first.consider(Event::Stops(x)),
+                _ => {}
             }
         }
-        for event in self.starts(segment).into_iter().flatten() {
-            consider(event, VOLTAGE_EDGE);
+        let may_start = self.outside(segment, 0.5 * h, middle) || self.outside(segment, h, end);
+        if may_start {
+            for event in self.starts(segment).into_iter().flatten() {
+                first.consider(event);
+            }
         }
         if !self.may_sink {
-            if self.source_on {
-                consider(Event::SourceStops, VOLTAGE_EDGE);
-            } else {
-                consider(Event::SourceStarts, VOLTAGE_EDGE);
-            }
+            first.consider(if self.source_on { Event::SourceStops } else { Event::SourceStarts });
         }
-        first
+        first.found
+    }
+
+    /// True if the terminal of any idle leg is outside the rails: a quick look before a close one.
+    fn outside(&self, segment: &Segment, t: f64, at: &Electric) -> bool {
+        let edge = self.network.drop + VOLTAGE_EDGE;
+        if segment.is_tied() {
+            let neutral = segment.neutral(t, at.v, self.network.drop);
+            return (0..3).any(|x| {
+                self.legs[x] == Leg::Idle && {
+                    let terminal = neutral + segment.emf_at(x, t);
+                    terminal < -edge || terminal > at.v + edge
+                }
+            });
+        }
+        let [a, b, c] = [0, 1, 2].map(|x| segment.emf_at(x, t));
+        a.max(b).max(c) - a.min(b).min(c) > at.v + self.network.drop + edge
     }
 
     /// Makes `event` happen. One that comes without any delay holds its leg for an interval.
@@ -395,9 +423,7 @@ impl Stage {
         self.electric = *end;
         self.held = [false; 3];
         self.neutral = segment.neutral(*h, end.v, self.network.drop);
-        for x in 0..3 {
-            self.terminals[x] = segment.terminal(&self.network, x, *h, end);
-        }
+        self.emf = [0, 1, 2].map(|x| segment.emf_at(x, *h));
         if let Some(event) = *event {
             self.apply(event, false);
         }
@@ -437,6 +463,37 @@ struct Solved {
     end: Electric,
     /// What ended it early.
     event: Option<Event>,
+}
+
+/// The search for the first event of an interval.
+struct First<'a> {
+    stage: &'a Stage,
+    segment: &'a Segment,
+    h: f64,
+    middle: &'a Electric,
+    end: &'a Electric,
+    found: Option<(Event, f64)>,
+}
+
+impl First<'_> {
+    fn consider(&mut self, event: Event) {
+        let (network, h) = (&self.stage.network, self.h);
+        let edge = event.edge();
+        let at_middle = event.beyond(self.segment, network, 0.5 * h, self.middle);
+        let bracket = if at_middle > edge {
+            (0.0, event.beyond(self.segment, network, 0.0, &self.stage.electric), 0.5 * h, at_middle)
+        } else {
+            let at_end = event.beyond(self.segment, network, h, self.end);
+            if at_end <= edge {
+                return;
+            }
+            (0.5 * h, at_middle, h, at_end)
+        };
+        let t = event.locate(self.segment, network, bracket);
+        if self.found.is_none_or(|(_, earliest)| t < earliest) {
+            self.found = Some((event, t));
+        }
+    }
 }
 
 /// Simpson's rule over an interval.
