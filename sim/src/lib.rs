@@ -5,4 +5,5 @@
 pub mod can;
 pub mod commissioning;
 pub mod plant;
+pub mod presets;
 pub mod random;
