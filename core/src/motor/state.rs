@@ -1,9 +1,9 @@
-//! The eight states (section 7).
+//! The eight states (section 7) and their transitions (Table 7) as one table.
 
 use serde::{Deserialize, Serialize};
 
 /// System states, numbered as the specification numbers them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum State {
     /// 0: boot and self-tests, PWM off.
@@ -23,4 +23,135 @@ pub enum State {
     Fault = 6,
     /// 7: tries to catch or restart a sensorless motor that has stopped.
     SensorlessAutoRestart = 7,
+}
+
+impl State {
+    /// Every state in order of its number.
+    pub const ALL: [Self; 8] = [
+        Self::Initialization,
+        Self::Standby,
+        Self::RotorLock,
+        Self::OpenLoop,
+        Self::SensorlessClosedLoop,
+        Self::HallClosedLoop,
+        Self::Fault,
+        Self::SensorlessAutoRestart,
+    ];
+
+    /// PWMs are on (states 2, 3, 4, 5, 7).
+    #[must_use]
+    pub const fn is_driving(self) -> bool {
+        !matches!(self, Self::Initialization | Self::Standby | Self::Fault)
+    }
+}
+
+bitflags::bitflags! {
+    /// What the transitions depend on.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+    pub struct Conditions: u16 {
+        /// Boot time has elapsed and the self-tests passed.
+        const BOOTED = 1 << 0;
+        /// A critical fault is present.
+        const CRITICAL = 1 << 1;
+        /// A self-test or the parameter store failed at boot.
+        const UNHEALTHY = 1 << 2;
+        /// Standby is requested.
+        const STANDBY = 1 << 3;
+        /// Drive or Reverse is requested by a fresh edge, and nothing refuses the start.
+        const START = 1 << 4;
+        /// Closed-loop hall enabled.
+        const HALL = 1 << 5;
+        /// Closed-loop sensorless enabled.
+        const SENSORLESS = 1 << 6;
+        /// Open loop enabled.
+        const OPEN_LOOP = 1 << 7;
+        /// A hall calibration is to be run by this start.
+        const CALIBRATION = 1 << 8;
+        /// The calibration has a result.
+        const CALIBRATED = 1 << 9;
+        /// No valid command for the time-out.
+        const EXPIRED = 1 << 10;
+        /// This state's duration has elapsed.
+        const ELAPSED = 1 << 11;
+        /// Estimated speed is 0.
+        const STOPPED = 1 << 12;
+        /// The other direction is requested.
+        const REVERSAL = 1 << 13;
+        /// Fault acknowledged: causes gone, wait elapsed, Standby requested since.
+        const ACKNOWLEDGED = 1 << 14;
+    }
+}
+
+/// One row: in `from`, when all of `all` and none of `none` hold, go to `to`.
+#[derive(Clone, Copy, Debug)]
+pub struct Transition {
+    /// Name in Table 7; the reversal rows carry the name of the transition they share.
+    pub name: &'static str,
+    /// State before.
+    pub from: State,
+    /// State after.
+    pub to: State,
+    /// All of these must hold.
+    pub all: Conditions,
+    /// None of these may hold.
+    pub none: Conditions,
+}
+
+const fn t(name: &'static str, from: State, to: State, all: Conditions, none: Conditions) -> Transition {
+    Transition { name, from, to, all, none }
+}
+
+const ANY: Conditions = Conditions::empty();
+const REVERSED: Conditions = Conditions::REVERSAL.union(Conditions::STOPPED);
+
+use Conditions as C;
+use State::{
+    Fault, HallClosedLoop, Initialization, OpenLoop, RotorLock, SensorlessAutoRestart, SensorlessClosedLoop,
+    Standby,
+};
+
+/// Table 7, with T06, T16, T76 and the reversals. The first row that holds wins, so the order is the priority: critical fault,
+/// Standby request, communication time-out, reversal, time and speed.
+pub const TRANSITIONS: [Transition; 33] = [
+    t("T06", Initialization, Fault, C::UNHEALTHY, ANY),
+    t("T01", Initialization, Standby, C::BOOTED, ANY),
+    t("T16", Standby, Fault, C::CRITICAL, ANY),
+    t("T12", Standby, RotorLock, C::START.union(C::CALIBRATION), ANY),
+    t("T15", Standby, HallClosedLoop, C::START.union(C::HALL), ANY),
+    t("T12", Standby, RotorLock, C::START.union(C::SENSORLESS), C::HALL),
+    t("T13", Standby, OpenLoop, C::START.union(C::OPEN_LOOP), C::HALL.union(C::SENSORLESS)),
+    t("T26", RotorLock, Fault, C::CRITICAL, ANY),
+    t("T21", RotorLock, Standby, C::STANDBY, ANY),
+    t("T26", RotorLock, Fault, C::EXPIRED, ANY),
+    t("T21", RotorLock, Standby, C::REVERSAL, ANY),
+    t("T23", RotorLock, OpenLoop, C::ELAPSED, ANY),
+    t("T36", OpenLoop, Fault, C::CRITICAL, ANY),
+    t("T31", OpenLoop, Standby, C::STANDBY, ANY),
+    t("T36", OpenLoop, Fault, C::EXPIRED, ANY),
+    t("T31", OpenLoop, Standby, C::CALIBRATED, ANY),
+    t("T31", OpenLoop, Standby, REVERSED, ANY),
+    t("T34", OpenLoop, SensorlessClosedLoop, C::ELAPSED.union(C::SENSORLESS), C::HALL.union(C::CALIBRATION).union(C::REVERSAL)),
+    t("T46", SensorlessClosedLoop, Fault, C::CRITICAL, ANY),
+    t("T41", SensorlessClosedLoop, Standby, C::STANDBY, ANY),
+    t("T46", SensorlessClosedLoop, Fault, C::EXPIRED, ANY),
+    t("T41", SensorlessClosedLoop, Standby, REVERSED, ANY),
+    t("T47", SensorlessClosedLoop, SensorlessAutoRestart, C::STOPPED, C::REVERSAL),
+    t("T56", HallClosedLoop, Fault, C::CRITICAL, ANY),
+    t("T51", HallClosedLoop, Standby, C::STANDBY, ANY),
+    t("T56", HallClosedLoop, Fault, C::EXPIRED, ANY),
+    t("T51", HallClosedLoop, Standby, REVERSED, ANY),
+    t("T61", Fault, Standby, C::ACKNOWLEDGED, ANY),
+    t("T76", SensorlessAutoRestart, Fault, C::CRITICAL, ANY),
+    t("T71", SensorlessAutoRestart, Standby, C::STANDBY, ANY),
+    t("T76", SensorlessAutoRestart, Fault, C::EXPIRED, ANY),
+    t("T71", SensorlessAutoRestart, Standby, C::ELAPSED.union(C::STOPPED), ANY),
+    t("T74", SensorlessAutoRestart, SensorlessClosedLoop, C::ELAPSED, C::STOPPED),
+];
+
+/// The transition that fires, if any.
+#[must_use]
+pub fn transition(state: State, conditions: Conditions) -> Option<&'static Transition> {
+    TRANSITIONS
+        .iter()
+        .find(|row| row.from == state && conditions.contains(row.all) && !conditions.intersects(row.none))
 }

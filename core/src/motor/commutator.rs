@@ -1,0 +1,101 @@
+//! Electrical angle and speed to the step now and the commutation instants inside this period.
+
+use super::commutation::{Direction, Step, sector_of};
+use super::pwm::{Commutation, Commutations};
+use crate::units::ElectricalAngle;
+use serde::{Deserialize, Serialize};
+
+const SIXTH: u32 = u32::MAX / 6;
+/// A rotor that appears to have fallen back behind a boundary by less than this does not commutate back.
+const HYSTERESIS: i32 = (SIXTH / 4) as i32;
+
+/// Coefficients of the commutator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CommutatorCoefficients {
+    /// First instant of a period at which a pattern can change, in 1/65 536.
+    pub earliest: u16,
+    /// Timing advance, u32 turn (parameter 273).
+    pub advance: u32,
+}
+
+/// State of the commutator: the sector it last commutated to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Commutator {
+    sector: Option<u8>,
+}
+
+impl Commutator {
+    /// Forgets the sector: the next call commutates to wherever the rotor is.
+    pub fn reset(&mut self) {
+        self.sector = None;
+    }
+
+    /// The step at `earliest`, and the changes later in this period, for a rotor at `angle` (at the period's boundary)
+    /// turning by `speed` a tick, with torque in `torque`.
+    pub fn step(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> (Step, Commutations) {
+        // Advance looks ahead in the direction of motion.
+        let angle = if speed < 0 { angle.wrapping_sub(c.advance) } else { angle.wrapping_add(c.advance) };
+        let at_earliest = angle.wrapping_add(((speed as i64 * c.earliest as i64) >> 16) as u32);
+        let mut sector = self.settle(at_earliest, speed);
+        let first = Step::for_sector(sector, torque);
+        let mut commutations = Commutations::default();
+        for _ in 0..2 {
+            let Some(instant) = instant_of_next(c, angle, speed, sector) else { break };
+            sector = if speed > 0 { (sector + 1) % 6 } else { (sector + 5) % 6 };
+            commutations.push(Commutation { instant, step: Step::for_sector(sector, torque) });
+        }
+        self.sector = Some(sector);
+        (first, commutations)
+    }
+
+    /// The sector of `angle`, or the sector before it was left if the rotor seems to have moved back a little.
+    fn settle(&self, angle: u32, speed: i32) -> u8 {
+        let now = sector_of(ElectricalAngle((angle >> 16) as u16));
+        let Some(last) = self.sector else { return now };
+        let behind = if speed < 0 { (now + 5) % 6 == last } else { (now + 1) % 6 == last };
+        if !behind || speed == 0 {
+            return now;
+        }
+        // Distance back to the boundary between `now` and `last`.
+        let boundary = entry(last, speed);
+        let distance = boundary.wrapping_sub(angle) as i32;
+        if distance.wrapping_abs() < HYSTERESIS { last } else { now }
+    }
+}
+
+/// The angle at which a rotor turning with `speed` enters `sector`.
+fn entry(sector: u8, speed: i32) -> u32 {
+    let start = SIXTH.wrapping_mul(sector as u32).wrapping_add(SIXTH / 2);
+    if speed < 0 { start.wrapping_add(SIXTH) } else { start }
+}
+
+/// When within this period the rotor leaves `sector`. A boundary that falls between the period's end and the middle of the
+/// next period's blind start (before `earliest`) is taken at the end of this one: that is nearer.
+fn instant_of_next(c: &CommutatorCoefficients, angle: u32, speed: i32, sector: u8) -> Option<u16> {
+    if speed == 0 {
+        return None;
+    }
+    let next = if speed > 0 { (sector + 1) % 6 } else { (sector + 5) % 6 };
+    let boundary = entry(next, speed);
+    let ahead = if speed > 0 { boundary.wrapping_sub(angle) } else { angle.wrapping_sub(boundary) };
+    // More than half a turn ahead is behind: due at once.
+    let ahead = if ahead > u32::MAX / 2 { 0 } else { ahead };
+    let per_tick = speed.unsigned_abs();
+    let window = per_tick as u64 + ((per_tick as u64 * c.earliest as u64) >> 17);
+    if ahead as u64 >= window {
+        return None;
+    }
+    if ahead >= per_tick {
+        return Some(u16::MAX);
+    }
+    // ahead / per_tick in 1/65 536, in 32 bits: both scaled until the divisor has 16.
+    let scale = 16_u32.saturating_sub(per_tick.leading_zeros());
+    let instant = ((ahead >> scale) << 16) / (per_tick >> scale).max(1);
+    Some((instant.min(u16::MAX as u32) as u16).max(c.earliest))
+}

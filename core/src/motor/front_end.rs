@@ -1,0 +1,64 @@
+//! The board's constants that the control core must know: converter scales, tick rate, gate timing.
+
+use serde::{Deserialize, Serialize};
+
+/// One channel of the analogue-to-digital converter: value = (code - `zero`) * `micro_per_code` / 1 000 000.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Nominal code at 0 V or 0 A.
+    pub zero: u16,
+    /// Micro-units (uV or uA) of one code; positive.
+    pub micro_per_code: i32,
+}
+
+/// Scales of the 12-bit converter channels that the tick reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FrontEnd {
+    /// Bus voltage, uV per code.
+    pub bus_voltage: Channel,
+    /// Terminal voltages of the three phases against ground, uV per code.
+    pub phase_voltage: Channel,
+    /// DC-link current, uA per code; positive from the supply into the bridge.
+    pub bus_current: Channel,
+}
+
+impl FrontEnd {
+    /// Largest code of the 12-bit converter.
+    pub const CODE_MAX: u16 = 4095;
+
+    /// Voltages reach 80 V (the specification allows 60 V in, 62 V at shutdown: section 2, Table 2); the
+    /// current is bidirectional and reaches 16.4 A (12 A peak: Table 1). The specification prints no scales:
+    /// these are narx's own.
+    pub const NARX: Self = Self {
+        bus_voltage: Channel { zero: 0, micro_per_code: 19_531 },
+        phase_voltage: Channel { zero: 0, micro_per_code: 19_531 },
+        bus_current: Channel { zero: 2048, micro_per_code: 8_000 },
+    };
+}
+
+/// What a board promises the control core.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Board {
+    /// Control ticks, and PWM periods, per second (Hz).
+    pub tick_rate: u32,
+    /// First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken
+    /// and `step` has returned.
+    pub earliest: u16,
+    /// Both switches of a leg stay off this long between one and the other, ns.
+    pub dead_time_ns: u16,
+    /// The hall lines have time-stamping input captures.
+    pub hall_capture: bool,
+    /// Scales of the converter.
+    pub front_end: FrontEnd,
+}
+
+impl Board {
+    /// The simulated board: 10 kHz (Table 2, switching frequency), a tick that takes at most 12.5 us, 500 ns dead time.
+    pub const BENCH: Self = Self {
+        tick_rate: 10_000,
+        earliest: 8_192,
+        dead_time_ns: 500,
+        hall_capture: true,
+        front_end: FrontEnd::NARX,
+    };
+}

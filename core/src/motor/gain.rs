@@ -1,0 +1,65 @@
+//! A gain as mantissa x 2^-shift: any motor's range without float or division.
+
+use crate::units::saturate64;
+use serde::{Deserialize, Serialize};
+
+/// Significant bits that a gain other than 0 must keep.
+pub const SIGNIFICANT_BITS: u32 = 8;
+const MANTISSA_BITS: u32 = 30;
+const SHIFT_MAX: u32 = 62;
+
+/// A non-negative factor `mantissa x 2^-shift`. The product with any `i32` fits `i64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Gain {
+    mantissa: i32,
+    shift: u8,
+}
+
+impl Gain {
+    /// 0.
+    pub const ZERO: Self = Self { mantissa: 0, shift: 0 };
+
+    /// The gain nearest to `numerator / denominator`. `None` if negative, too large (2^30 and more) or too small
+    /// to keep [`SIGNIFICANT_BITS`].
+    pub const fn from_ratio(numerator: i128, denominator: i128) -> Option<Self> {
+        if numerator < 0 || denominator <= 0 {
+            return None;
+        }
+        if numerator == 0 {
+            return Some(Self::ZERO);
+        }
+        // Widest mantissa first; the shift that gives it.
+        let mut shift = SHIFT_MAX;
+        let mut scaled = (numerator << SHIFT_MAX) / denominator;
+        while scaled >= 1 << MANTISSA_BITS {
+            if shift == 0 {
+                return None;
+            }
+            scaled >>= 1;
+            shift -= 1;
+        }
+        if scaled < 1 << (SIGNIFICANT_BITS - 1) {
+            return None;
+        }
+        Some(Self { mantissa: scaled as i32, shift: shift as u8 })
+    }
+
+    /// `self x value`, rounded down.
+    #[inline]
+    pub const fn apply(self, value: i32) -> i64 {
+        (value as i64 * self.mantissa as i64) >> self.shift
+    }
+
+    /// `self x value`, rounded down, saturating.
+    #[inline]
+    pub const fn apply32(self, value: i32) -> i32 {
+        saturate64(self.apply(value))
+    }
+
+    /// `self x value x 2^16`: the product with 16 extra fraction bits, saturating.
+    #[inline]
+    pub const fn apply_extended(self, value: i32) -> i64 {
+        let product = value as i64 * self.mantissa as i64;
+        if self.shift >= 16 { product >> (self.shift - 16) } else { product.saturating_mul(1 << (16 - self.shift)) }
+    }
+}

@@ -1,0 +1,108 @@
+//! Converter codes to volts and amperes, with calibration, and the reciprocal of the bus voltage.
+
+use super::gain::Gain;
+use super::samples::Samples;
+use crate::units::{Amps, Duty, Volts, saturate64};
+use serde::{Deserialize, Serialize};
+
+/// One converter channel: `value = (code - zero) x gain + offset`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChannelScale {
+    /// Code of 0.
+    pub zero: u16,
+    /// Raw I16F16 per code.
+    pub gain: Gain,
+    /// Calibration offset, raw I16F16, added.
+    pub offset: i32,
+}
+
+impl ChannelScale {
+    /// Raw I16F16 of `code`.
+    #[inline]
+    pub const fn convert(&self, code: u16) -> i32 {
+        let value = self.gain.apply(code as i32 - self.zero as i32);
+        saturate64(value + self.offset as i64)
+    }
+}
+
+/// Scales of the fast channels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MeasurementScales {
+    /// Bus voltage (parameter 14 is its offset).
+    pub bus_voltage: ChannelScale,
+    /// DC-link current (parameter 13 is its offset).
+    pub bus_current: ChannelScale,
+    /// Phase terminal voltages.
+    pub phase_voltage: ChannelScale,
+}
+
+/// What this tick measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Measured {
+    /// Bus voltage.
+    pub bus_voltage: Volts,
+    /// Mean DC-link current.
+    pub bus_current: Amps,
+    /// The same after a first-order filter of four ticks.
+    pub bus_current_filtered: Amps,
+    /// Terminal voltages A, B, C.
+    pub phase_voltage: [Volts; 3],
+}
+
+/// State of the measurement station.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Measurement {
+    filtered: i32,
+    reciprocal: Reciprocal,
+}
+
+impl Measurement {
+    /// Converts one tick's codes.
+    #[inline]
+    pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples) -> Measured {
+        let bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
+        let bus_current = scales.bus_current.convert(samples.bus_current);
+        let difference = bus_current.saturating_sub(self.filtered);
+        self.filtered = self.filtered.saturating_add(difference >> 2);
+        self.reciprocal.follow(bus_voltage);
+        Measured {
+            bus_voltage: Volts::from_bits(bus_voltage),
+            bus_current: Amps::from_bits(bus_current),
+            bus_current_filtered: Amps::from_bits(self.filtered),
+            phase_voltage: samples.phase_voltage.map(|code| Volts::from_bits(scales.phase_voltage.convert(code))),
+        }
+    }
+
+    /// The duty that gives `voltage` (raw I16F16, >= 0) on the present bus, 0..=1.
+    #[inline]
+    pub fn duty(&self, voltage: i32) -> Duty {
+        self.reciprocal.quotient(voltage)
+    }
+}
+
+/// `2^47 / voltage bits`, kept by one Newton step a tick: `r' = r (2 - v r)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Reciprocal(i64);
+
+/// Below 4 V nothing runs, and the reciprocal stays within 30 bits.
+const BUS_MIN: i32 = 4 << 16;
+
+impl Reciprocal {
+    #[inline]
+    fn follow(&mut self, bus_voltage: i32) {
+        let voltage = bus_voltage.max(BUS_MIN) as i64;
+        let error = (1 << 47) - voltage * self.0;
+        // Newton converges from within half; outside (power-up, a torn supply) divide once.
+        self.0 = if error.abs() < 1 << 46 {
+            self.0 + ((self.0 * (error >> 16)) >> 31)
+        } else {
+            (1 << 47) / voltage
+        };
+    }
+
+    #[inline]
+    fn quotient(self, voltage: i32) -> Duty {
+        let bits = (voltage.max(0) as i64 * self.0) >> 32;
+        Duty::from_bits(bits.min(Duty::ONE.to_bits() as i64) as u16)
+    }
+}

@@ -1,0 +1,76 @@
+//! Open phase: voltage is applied and no current flows where it should.
+//!
+//! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
+//! at rest a step that includes X carries nothing at a voltage that must drive a current.
+
+use super::commutation::{Leg, Step};
+use crate::units::{Amps, Duty};
+use serde::{Deserialize, Serialize};
+
+/// Mean bus current below this is none: 60 mA, above converter offset and noise.
+const NONE: i32 = 65_536 * 60 / 1000;
+/// Duty from which a healthy winding at rest must carry current: 20 %.
+const DUTY_AT_REST: u16 = 32_768 / 5;
+
+/// Coefficients of the detector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OpenPhaseCoefficients {
+    /// Ticks at rest without current until it counts: 100 ms.
+    pub at_rest: u16,
+}
+
+/// State of the detector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OpenPhase {
+    step: Step,
+    /// Ticks in this step, and those of them with current.
+    ticks: u16,
+    carrying: u16,
+    /// Per phase: consecutive steps that fit "this phase is open".
+    evidence: [u8; 3],
+    resting: u16,
+}
+
+/// Consecutive steps, three electrical revolutions.
+const EVIDENCE: u8 = 18;
+
+impl OpenPhase {
+    /// One tick; true when a phase is open.
+    pub fn step(
+        &mut self,
+        c: &OpenPhaseCoefficients,
+        applied: Step,
+        duty: Duty,
+        current: Amps,
+        stopped: bool,
+    ) -> bool {
+        let carries = current.to_bits() > NONE;
+        let pressing = stopped && !carries && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
+        self.resting = if pressing { self.resting.saturating_add(1) } else { 0 };
+        if applied != self.step {
+            self.judge();
+            (self.step, self.ticks, self.carrying) = (applied, 0, 0);
+        }
+        self.ticks = self.ticks.saturating_add(1);
+        self.carrying = self.carrying.saturating_add(u16::from(carries));
+        self.resting >= c.at_rest || self.evidence.iter().any(|count| *count >= EVIDENCE)
+    }
+
+    /// Forgets everything: the bridge is off.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// At the end of a step: a phase is suspect while every step with it was dead and every step without it alive.
+    fn judge(&mut self) {
+        if self.step.sector().is_none() || self.ticks < 2 {
+            return;
+        }
+        // The freewheeling rest of the step before may still show: most of the dwell decides.
+        let dead = self.carrying < self.ticks / 4;
+        for (count, leg) in self.evidence.iter_mut().zip(self.step.legs()) {
+            let involved = leg != Leg::Floating;
+            *count = if involved == dead { count.saturating_add(1) } else { 0 };
+        }
+    }
+}

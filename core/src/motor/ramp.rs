@@ -1,0 +1,34 @@
+//! Rate limit of a set-point.
+
+use crate::units::saturate64;
+use serde::{Deserialize, Serialize};
+
+/// A value that approaches its target by at most a rate per step; 16 extra fraction bits keep slow ramps moving.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Ramp {
+    value: i64,
+}
+
+impl Ramp {
+    /// One step towards `target` (raw I16F16) by at most `rate` (raw I16F16 with 16 extra bits, per step, >= 0).
+    #[inline]
+    pub fn step(&mut self, target: i32, rate: i64) -> i32 {
+        let target = (target as i64) << 16;
+        let rate = rate.max(0);
+        let distance = (target - self.value).clamp(rate.saturating_neg(), rate);
+        self.value += distance;
+        self.value()
+    }
+
+    /// Continues from `value` (raw I16F16).
+    #[inline]
+    pub fn set(&mut self, value: i32) {
+        self.value = (value as i64) << 16;
+    }
+
+    /// Where it is (raw I16F16).
+    #[inline]
+    pub const fn value(&self) -> i32 {
+        saturate64(self.value >> 16)
+    }
+}
