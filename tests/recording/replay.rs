@@ -1,8 +1,8 @@
 //! Replay against a stand-in for the drive that answers with what it has seen so far.
 
 use super::support::{Growing, Noise, turning};
-use narx_core::motor::event::{Event, Status};
-use narx_core::motor::{PwmCommand, Samples};
+use narx_core::motor::event::{Command, Event, Request, Status};
+use narx_core::motor::{Coefficients, Drive, PwmCommand, Samples};
 use narx_core::recording::{
     BEHAVIOUR_VERSION, Header, Outcome, Recorder, Recording, ReplayError, Replayable, replay, replay_with,
 };
@@ -24,7 +24,7 @@ impl Replayable for Accumulator {
         self.steps += 1;
         PwmCommand { sample_at: self.sum, ..PwmCommand::default() }
     }
-    fn poll_status(&mut self) -> Option<Status> {
+    fn take_status(&mut self) -> Option<Status> {
         self.steps.is_multiple_of(10).then(|| Status { tick: self.steps, ..Status::default() })
     }
 }
@@ -40,7 +40,7 @@ fn recorded(behaviour_version: u16) -> Vec<u8> {
             drive.handle_event(event);
         }
         let command = drive.step(&tick.samples);
-        let status = drive.poll_status();
+        let status = drive.take_status();
         recorder.record(tick.event.as_ref(), &tick.samples, &command, status.as_ref()).unwrap();
     }
     recorder.finish().unwrap().0
@@ -63,6 +63,34 @@ fn the_same_drive_answers_the_same() {
 }
 
 #[test]
+fn the_real_drive() {
+    let mut drive = Drive::new(Coefficients::default());
+    let mut state = [0; 4_096];
+    let state = postcard::to_slice(&drive, &mut state).unwrap();
+    println!("serialised drive: {} bytes", state.len());
+    let mut recorder = Recorder::new(Growing::default(), &Header::drive(10_000, ""), state).unwrap();
+    let mut ticks = turning(12_000, &mut Noise(6));
+    ticks[3].event = Some(Event::Coefficients(Coefficients::default()));
+    ticks[6_000].event = Some(Event::Command(Command { request: Request::Drive, ..Command::default() }));
+    for tick in &ticks {
+        if let Some(event) = tick.event.clone() {
+            drive.handle_event(event);
+        }
+        let command = drive.step(&tick.samples);
+        recorder.record(tick.event.as_ref(), &tick.samples, &command, drive.take_status().as_ref()).unwrap();
+    }
+    let file = recorder.finish().unwrap().0;
+    let mut last = None;
+    let outcome = replay_with(&Recording::open(&file).unwrap(), |drive: &Drive, _, _| {
+        last = Some(drive.clone());
+    })
+    .unwrap();
+    assert!(outcome.is_identical());
+    assert_eq!(outcome.ticks, 12_000);
+    assert!(last.unwrap() == drive);
+}
+
+#[test]
 fn another_drive_does_not() {
     /// Forgets the events.
     #[derive(Deserialize)]
@@ -72,8 +100,8 @@ fn another_drive_does_not() {
         fn step(&mut self, samples: &Samples) -> PwmCommand {
             self.0.step(samples)
         }
-        fn poll_status(&mut self) -> Option<Status> {
-            self.0.poll_status()
+        fn take_status(&mut self) -> Option<Status> {
+            self.0.take_status()
         }
     }
     let file = recorded(BEHAVIOUR_VERSION);
@@ -100,7 +128,7 @@ fn damage_and_foreign_states_are_errors() {
         fn step(&mut self, samples: &Samples) -> PwmCommand {
             self.0.step(samples)
         }
-        fn poll_status(&mut self) -> Option<Status> {
+        fn take_status(&mut self) -> Option<Status> {
             None
         }
     }
