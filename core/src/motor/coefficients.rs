@@ -1,7 +1,437 @@
-//! Parameters built once into what the tick multiplies with.
+//! Parameters built once into what the tick multiplies with. Rules between parameters are checked here.
 
+use super::commutator::CommutatorCoefficients;
+use super::control::ControlCoefficients;
+use super::event::HallWiring;
+use super::front_end::{Board, Channel};
+use super::gain::Gain;
+use super::hall::{HallCoefficients, sectors};
+use super::hall_calibration::HallCalibrationCoefficients;
+use super::limits::LimitCoefficients;
+use super::measurement::{ChannelScale, MeasurementScales};
+use super::open_loop::OpenLoopCoefficients;
+use super::open_phase::OpenPhaseCoefficients;
+use super::pi::PiGains;
+use super::protection::{Limit, ProtectionCoefficients};
+use super::samples::Lines;
+use crate::dictionary::{Decimal, Dictionary, Parameters, number};
+use crate::units::{ElectricalAngle, saturate};
+use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Everything configurable that the tick needs, in its own units.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Coefficients {}
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Coefficients {
+    /// Converter scales.
+    pub measurement: MeasurementScales,
+    /// Hall sensors.
+    pub hall: HallCoefficients,
+    /// Hall calibration.
+    pub hall_calibration: HallCalibrationCoefficients,
+    /// Open loop.
+    pub open_loop: OpenLoopCoefficients,
+    /// Fault logic.
+    pub protection: ProtectionCoefficients,
+    /// Open phase detector.
+    pub open_phase: OpenPhaseCoefficients,
+    /// State machine.
+    pub machine: MachineCoefficients,
+    /// Loops and limits.
+    pub control: ControlCoefficients,
+    /// Commutation.
+    pub commutator: CommutatorCoefficients,
+    /// Hall closed loop.
+    pub hall_mode: ModeCoefficients,
+    /// Sensorless closed loop.
+    pub sensorless_mode: ModeCoefficients,
+    /// Rev/s (raw I16F16) of 2^-32 turn a tick.
+    pub speed_of_turns: Gain,
+    /// Settling after the end of the on-time before an off-time sample, in 1/65 536 of a period.
+    pub sample_settle: u16,
+}
+
+/// What a closed-loop mode has of its own. Speeds are raw I16F16 electrical rev/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ModeCoefficients {
+    /// Speed loop, volts per electrical rev/s, per millisecond.
+    pub speed: PiGains,
+    /// Smallest set-point.
+    pub speed_min: i32,
+    /// Largest set-point.
+    pub speed_max: i32,
+    /// Largest duty, raw U1F15.
+    pub duty_max: u16,
+}
+
+/// What the state machine needs. Durations are in ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MachineCoefficients {
+    /// Enables of Table 6.
+    pub open_loop_enable: bool,
+    /// Enables of Table 6.
+    pub sensorless_enable: bool,
+    /// Enables of Table 6.
+    pub hall_enable: bool,
+    /// Boot-up time (T01): 0.5 s.
+    pub boot: u32,
+    /// Rotor lock (T23).
+    pub lock: u32,
+    /// Rotor lock level, raw I16F16 volts.
+    pub lock_voltage: i32,
+    /// Its rise, volts a tick with 16 extra bits: a quarter of the lock.
+    pub lock_rate: i64,
+    /// Open loop before sensorless (T34).
+    pub open_loop: u32,
+    /// Auto-restart time (T71, T74): 2 s.
+    pub auto_restart: u32,
+    /// Wait before a fault can be acknowledged (T61).
+    pub fault_wait: u32,
+    /// Command time-out.
+    pub command_timeout: u32,
+}
+
+/// Why a parameter set does not build: the parameter at fault, its value and the range that the others leave it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuildError {
+    /// Number of the parameter.
+    pub parameter: u16,
+    /// Its raw value.
+    pub raw: i32,
+    /// Smallest raw value that fits the other parameters.
+    pub min: i64,
+    /// Largest raw value that fits the other parameters.
+    pub max: i64,
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(row) = Dictionary::row(self.parameter) else { return f.write_str("unknown parameter") };
+        let decimal = |digits| Decimal { digits, exponent: row.exponent };
+        write!(
+            f,
+            "parameter {} \"{}\": {} does not fit the other parameters, which allow {} to {} {}",
+            row.number,
+            row.name,
+            row.engineering(self.raw),
+            decimal(self.min),
+            decimal(self.max),
+            row.unit
+        )
+    }
+}
+
+impl core::error::Error for BuildError {}
+
+impl Coefficients {
+    /// Builds a parameter set for a board.
+    ///
+    /// # Errors
+    /// The first parameter that does not fit the others.
+    pub fn build(parameters: &Parameters, board: &Board) -> Result<Self, BuildError> {
+        let b = Builder { parameters, board };
+        b.check()?;
+        let lock_voltage = b.nominal_share(number::LOCK_DUTY);
+        Ok(Self {
+            measurement: b.measurement()?,
+            hall: b.hall()?,
+            hall_calibration: HallCalibrationCoefficients::new(b.turns()?, lock_voltage),
+            open_loop: b.open_loop(lock_voltage)?,
+            protection: b.protection(),
+            open_phase: OpenPhaseCoefficients { at_rest: b.ticks(100).min(u16::MAX as u32) as u16 },
+            machine: b.machine(lock_voltage),
+            control: b.control()?,
+            commutator: CommutatorCoefficients {
+                earliest: board.earliest,
+                advance: b.angle32(number::TIMING_ADVANCE),
+            },
+            hall_mode: b.hall_mode()?,
+            sensorless_mode: b.sensorless_mode()?,
+            speed_of_turns: b.gain(number::MOTOR_POLE_PAIRS, b.rate(), 65_536)?,
+            sample_settle: (b.rate() * 65_536 * 3 / 1_000_000).min(u16::MAX as i128) as u16,
+        })
+    }
+}
+
+/// Speeds above this many electrical revolutions a second leave less than two ticks for a sector.
+const TICKS_A_REVOLUTION_MIN: i128 = 12;
+/// 2 pi x 10^9.
+const TWO_PI_E9: i128 = 6_283_185_307;
+/// The bus may rise to this much below its over-voltage threshold before rectification turns to diodes.
+const BUS_GUARD: i32 = (1 << 16) / 2;
+/// Hysteresis of the voltage faults: 0.5 V.
+const VOLTAGE_HYSTERESIS: i32 = (1 << 16) / 2;
+/// Hysteresis of the temperature faults: 2 degrees C.
+const TEMPERATURE_HYSTERESIS: i32 = 2 << 16;
+
+struct Builder<'a> {
+    parameters: &'a Parameters,
+    board: &'a Board,
+}
+
+impl Builder<'_> {
+    fn raw(&self, number: u16) -> i128 {
+        match Dictionary::row(number) {
+            Some(row) => row.kind.widen(self.parameters.raw(number)) as i128,
+            None => 0,
+        }
+    }
+
+    fn rate(&self) -> i128 {
+        (self.board.tick_rate as i128).max(1000)
+    }
+
+    fn pole_pairs(&self) -> i128 {
+        self.raw(number::MOTOR_POLE_PAIRS).max(1)
+    }
+
+    /// `Err` unless the raw value of `number` lies within `min..=max`.
+    fn within(&self, number: u16, min: i128, max: i128) -> Result<(), BuildError> {
+        let value = self.raw(number);
+        if (min..=max).contains(&value) {
+            return Ok(());
+        }
+        Err(BuildError {
+            parameter: number,
+            raw: self.parameters.raw(number),
+            min: min as i64,
+            max: max as i64,
+        })
+    }
+
+    /// The gain `numerator / denominator`, or the parameter that is too fine or too coarse for it.
+    fn gain(&self, number: u16, numerator: i128, denominator: i128) -> Result<Gain, BuildError> {
+        let (min, max) = Dictionary::row(number).map_or((0, 0), |row| (row.min, row.max));
+        Gain::from_ratio(numerator, denominator).ok_or(BuildError {
+            parameter: number,
+            raw: self.parameters.raw(number),
+            min,
+            max,
+        })
+    }
+
+    /// Raw I16F16 of a parameter in its unit.
+    fn quantity(&self, number: u16) -> i32 {
+        let exponent = Dictionary::row(number).map_or(0, |row| row.exponent);
+        let denominator = 10_i128.pow(exponent.min(0).unsigned_abs() as u32);
+        saturate((self.raw(number) << 16) / denominator)
+    }
+
+    /// Raw U1F15 of a percentage in 0.01 %.
+    fn duty(&self, number: u16) -> u16 {
+        ((self.raw(number) << 15) / 10_000).clamp(0, 1 << 15) as u16
+    }
+
+    /// Ticks of a time in milliseconds, at least 1.
+    fn ticks(&self, milliseconds: i128) -> u32 {
+        (milliseconds * self.rate() / 1000).clamp(1, u32::MAX as i128) as u32
+    }
+
+    /// Ticks of a qualification time in microseconds, at least 1.
+    fn ticks_of_us(&self, microseconds: i128) -> u16 {
+        ((microseconds * self.rate() + 999_999) / 1_000_000).clamp(1, u16::MAX as i128) as u16
+    }
+
+    /// Raw I16F16 electrical rev/s of a parameter in mechanical rpm.
+    fn speed(&self, number: u16) -> i32 {
+        saturate((self.raw(number) << 16) * self.pole_pairs() / 60)
+    }
+
+    /// Raw I16F16 volts of a duty parameter, of the nominal supply.
+    fn nominal_share(&self, number: u16) -> i32 {
+        saturate(self.quantity(number::NOMINAL_SUPPLY) as i128 * self.raw(number) / 10_000)
+    }
+
+    /// u32 turn of an angle in 0.01 degree.
+    fn angle32(&self, number: u16) -> u32 {
+        ((self.raw(number) << 32) / 36_000) as u32
+    }
+
+    /// 2^-32 turn a tick of raw rev/s.
+    fn turns(&self) -> Result<Gain, BuildError> {
+        self.gain(number::MOTOR_POLE_PAIRS, 65_536, self.rate())
+    }
+
+    /// Rules between parameters.
+    fn check(&self) -> Result<(), BuildError> {
+        let fastest = self.rate() * 60 / (TICKS_A_REVOLUTION_MIN * self.pole_pairs());
+        for (low, high) in
+            [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
+        {
+            self.within(high, 1, fastest)?;
+            self.within(low, 0, self.raw(high))?;
+        }
+        self.within(number::OPEN_LOOP_SPEED, 0, fastest)?;
+        self.within(number::HV_CURRENT_SOFT_START, 0, self.raw(number::HV_CURRENT_MAX))?;
+        self.within(number::UNDER_VOLTAGE, 0, self.raw(number::OVER_VOLTAGE) - 1_500)?;
+        self.within(number::TEMPERATURE_WARNING, i32::MIN as i128, self.raw(number::OVER_TEMPERATURE) - 1)?;
+        // A rotor at the smallest set-point must pass a sector within the time-out, twice over.
+        let slowest = self.raw(number::SPEED_MIN_HES).max(1) * self.pole_pairs();
+        self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest), 6_000)?;
+        if self.raw(number::SENSORLESS_ENABLE) == 1 {
+            self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION))?;
+        }
+        self.within(number::LOCK_DUTY, 0, self.raw(number::DUTY_MAX))?;
+        self.within(number::OPEN_LOOP_DUTY, 0, self.raw(number::DUTY_MAX))
+    }
+
+    fn channel(&self, channel: Channel, offset: i32, number: u16) -> Result<ChannelScale, BuildError> {
+        let gain = self.gain(number, (channel.micro_per_code as i128) << 16, 1_000_000)?;
+        Ok(ChannelScale { zero: channel.zero, gain, offset })
+    }
+
+    fn measurement(&self) -> Result<MeasurementScales, BuildError> {
+        let front = &self.board.front_end;
+        let (voltage, current) = (number::HV_VOLTAGE_OFFSET, number::HV_CURRENT_OFFSET);
+        Ok(MeasurementScales {
+            bus_voltage: self.channel(front.bus_voltage, self.quantity(voltage), voltage)?,
+            bus_current: self.channel(front.bus_current, self.quantity(current), current)?,
+            phase_voltage: self.channel(front.phase_voltage, 0, voltage)?,
+        })
+    }
+
+    fn hall(&self) -> Result<HallCoefficients, BuildError> {
+        let wiring = HallWiring {
+            order: self.raw(number::HALL_ORDER) as u8,
+            polarity: self.raw(number::HALL_POLARITY) as u8,
+            offset: 0,
+        };
+        let standard = self.raw(number::STANDARD_HALL_SEQUENCE) == 1;
+        let offset = if standard { 0 } else { self.angle32(number::HALL_OFFSET_ANGLE) };
+        let floor = self.turns()?.apply32(self.speed(number::HALL_INTERPOLATION_SPEED));
+        Ok(HallCoefficients {
+            sectors: sectors(wiring),
+            offset: ElectricalAngle((offset >> 16) as u16),
+            timeout: self.ticks(self.raw(number::HALL_PERIOD_TIMEOUT)).min(u16::MAX as u32) << 16,
+            interpolation_min: floor.unsigned_abs(),
+            captured: self.board.hall_capture,
+        })
+    }
+
+    fn open_loop(&self, voltage_start: i32) -> Result<OpenLoopCoefficients, BuildError> {
+        let speed = self.speed(number::OPEN_LOOP_SPEED);
+        let voltage = self.nominal_share(number::OPEN_LOOP_DUTY);
+        let rise = (voltage as i128 - voltage_start as i128).max(0);
+        Ok(OpenLoopCoefficients {
+            speed,
+            rate: ((speed as i64) << 16) / self.ticks(self.raw(number::OPEN_LOOP_RAMP)) as i64,
+            voltage_start,
+            voltage,
+            slope: self.gain(number::OPEN_LOOP_DUTY, rise, (speed as i128).max(1))?,
+            turns: self.turns()?,
+        })
+    }
+
+    fn machine(&self, lock_voltage: i32) -> MachineCoefficients {
+        let enabled = |number| self.raw(number) == 1;
+        let lock = self.ticks(self.raw(number::LOCK_DURATION));
+        MachineCoefficients {
+            open_loop_enable: enabled(number::OPEN_LOOP_ENABLE),
+            sensorless_enable: enabled(number::SENSORLESS_ENABLE),
+            hall_enable: enabled(number::HALL_ENABLE),
+            boot: self.ticks(500),
+            lock,
+            lock_voltage,
+            lock_rate: ((lock_voltage as i64) << 16) / (lock as i64 / 4).max(1),
+            open_loop: self.ticks(self.raw(number::OPEN_LOOP_DURATION)),
+            auto_restart: self.ticks(2_000),
+            fault_wait: self.ticks(self.raw(number::FAULT_WAIT)),
+            command_timeout: self.ticks(self.raw(number::CAN_TIMEOUT)),
+        }
+    }
+
+    fn limit(&self, trip: i32, clear: i32, microseconds: i128) -> Limit {
+        Limit { trip, clear, ticks: self.ticks_of_us(microseconds) }
+    }
+
+    fn protection(&self) -> ProtectionCoefficients {
+        let quantity = |number| self.quantity(number);
+        let (over, under) = (quantity(number::OVER_VOLTAGE), quantity(number::UNDER_VOLTAGE));
+        let current = quantity(number::OVER_CURRENT);
+        let (hot, warm) = (quantity(number::OVER_TEMPERATURE), quantity(number::TEMPERATURE_WARNING));
+        let pressure = quantity(number::OVER_PRESSURE);
+        let overspeed = |number| {
+            let trip = saturate(self.speed(number) as i128 * 13 / 10);
+            self.limit(trip, self.speed(number), 10_000)
+        };
+        ProtectionCoefficients {
+            over_voltage: self.limit(over, over - VOLTAGE_HYSTERESIS, 200),
+            under_voltage: self.limit(under, under + VOLTAGE_HYSTERESIS, 1_000),
+            over_current: self.limit(current, current - current / 16, 300),
+            over_temperature: self.limit(hot, hot - TEMPERATURE_HYSTERESIS, 100_000),
+            warning: self.limit(warm, warm - TEMPERATURE_HYSTERESIS, 100_000),
+            over_pressure: self.limit(pressure, pressure.saturating_sub(pressure.abs() / 16), 10_000),
+            overspeed_hall: overspeed(number::SPEED_MAX_HES),
+            overspeed_sensorless: overspeed(number::SPEED_MAX_SL),
+            shutdown_lines: match self.raw(number::SHUTDOWN_INPUT) {
+                1 => Lines::DSI1,
+                2 => Lines::DSI2,
+                _ => Lines::empty(),
+            },
+            shutdown_ticks: self.ticks_of_us(1_000),
+            critical_mask: self.parameters.raw_u32(number::CRITICAL_FAULT_MASK),
+            hall_stall_ticks: self.ticks(self.raw(number::HALL_STALL_TIME)),
+            supply_low: 18 << 16,
+            ticks_per_ms: self.ticks(1).min(u16::MAX as u32) as u16,
+        }
+    }
+
+    fn control(&self) -> Result<ControlCoefficients, BuildError> {
+        let ticks_per_ms = self.ticks(1).min(u16::MAX as u32) as u16;
+        let duty_of_ns = |ns: i128| (ns * self.rate() * 32_768 / 1_000_000_000).clamp(0, 1 << 14) as u16;
+        let (kp, ki) = (number::HV_CURRENT_KP, number::HV_CURRENT_KI);
+        let (hot, warm) = (number::OVER_TEMPERATURE, number::TEMPERATURE_WARNING);
+        let degrees = (self.quantity(hot) as i128 - self.quantity(warm) as i128).max(1);
+        Ok(ControlCoefficients {
+            ticks_per_ms,
+            current: PiGains {
+                proportional: self.gain(kp, self.raw(kp), 1_000_000)?,
+                integral: self.gain(ki, self.raw(ki), 1_000 * self.rate())?,
+            },
+            limits: LimitCoefficients {
+                soft_start: self.quantity(number::HV_CURRENT_SOFT_START),
+                maximum: self.quantity(number::HV_CURRENT_MAX).min(7 << 16),
+                rate: ((self.quantity(number::HV_CURRENT_RATE) as i64) << 16) / 1000,
+                phase_current: self.quantity(number::PHASE_CURRENT_MAX),
+                derating_start: self.quantity(warm),
+                derating: self.gain(hot, 65_536, degrees)?,
+            },
+            speed_rate: (((self.raw(number::SPEED_RATE) * self.pole_pairs()) << 32) / 60_000)
+                .min(i64::MAX as i128 >> 2) as i64,
+            slew: (self.duty(number::DUTY_SLEW) / ticks_per_ms.max(1)).max(1),
+            duty_min: duty_of_ns(self.raw(number::ON_TIME_MIN)),
+            dead_time: duty_of_ns(self.board.dead_time_ns as i128),
+            bus_guard: self.quantity(number::OVER_VOLTAGE) - BUS_GUARD,
+            initial_voltage: self.nominal_share(number::INITIAL_DUTY),
+        })
+    }
+
+    fn hall_mode(&self) -> Result<ModeCoefficients, BuildError> {
+        // V/rpm x 10^-9 -> V per electrical rev/s: x 60 / pole pairs.
+        let (kp, ki) = (number::SPEED_KP_HES, number::SPEED_KI_HES);
+        let denominator = 1_000_000_000 * self.pole_pairs();
+        Ok(ModeCoefficients {
+            speed: PiGains {
+                proportional: self.gain(kp, self.raw(kp) * 60, denominator)?,
+                integral: self.gain(ki, self.raw(ki) * 60, denominator * 1000)?,
+            },
+            speed_min: self.speed(number::SPEED_MIN_HES),
+            speed_max: self.speed(number::SPEED_MAX_HES),
+            duty_max: self.duty(number::DUTY_MAX),
+        })
+    }
+
+    fn sensorless_mode(&self) -> Result<ModeCoefficients, BuildError> {
+        // V s/rad x 10^-6 -> V per electrical rev/s: x 2 pi / pole pairs.
+        let (kp, ki) = (number::SPEED_KP_SL, number::SPEED_KI_SL);
+        let denominator = 1_000_000 * 1_000_000_000 * self.pole_pairs();
+        Ok(ModeCoefficients {
+            speed: PiGains {
+                proportional: self.gain(kp, self.raw(kp) * TWO_PI_E9, denominator)?,
+                integral: self.gain(ki, self.raw(ki) * TWO_PI_E9, denominator * 1000)?,
+            },
+            speed_min: self.speed(number::SPEED_MIN_SL),
+            speed_max: self.speed(number::SPEED_MAX_SL),
+            duty_max: self.duty(number::DUTY_MAX_SL),
+        })
+    }
+}

@@ -116,7 +116,11 @@ impl Cause {
         row(Self::HallInvalid, 0, "hall codes 000 or 111 (64 more than one a millisecond)"),
         row(Self::HallJumps, 0, "hall sectors skipped (5 more than one in 13 ms)"),
         row(Self::HallStall, 0, "torque applied and no hall edge for the stall time (parameter 265)"),
-        row(Self::HallDirection, 0, "hall edges run against the torque: wiring, or a load that drives backwards"),
+        row(
+            Self::HallDirection,
+            0,
+            "hall edges run against the torque: wiring, or a load that drives backwards",
+        ),
         row(Self::OverPressure, 10_000, "pressure above its threshold"),
         row(Self::StoreMismatch, 0, "parameter store has another layout"),
         row(Self::EmergencyLine, 0, "hardware break input"),

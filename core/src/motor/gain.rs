@@ -60,6 +60,10 @@ impl Gain {
     #[inline]
     pub const fn apply_extended(self, value: i32) -> i64 {
         let product = value as i64 * self.mantissa as i64;
-        if self.shift >= 16 { product >> (self.shift - 16) } else { product.saturating_mul(1 << (16 - self.shift)) }
+        if self.shift >= 16 {
+            product >> (self.shift - 16)
+        } else {
+            product.saturating_mul(1 << (16 - self.shift))
+        }
     }
 }

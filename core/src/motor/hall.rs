@@ -18,8 +18,8 @@ const SIXTH: u32 = u32::MAX / 6;
 const INVALID: u8 = 0xFF;
 /// Sector by code of correctly wired sensors; bit 0 = A. A is high from 330 to 150 degrees, B and C 120 later each.
 const SECTOR_BY_CODE: [u8; 8] = [INVALID, 0, 2, 1, 4, 5, 3, INVALID];
-/// The permutations by order number: which line is A, B, C.
-const ORDERS: [[u8; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+/// The permutations by order number (parameter 262): which line is A, B, C.
+const ORDERS: [[u8; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
 
 /// Coefficients of the hall station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,7 +41,8 @@ pub fn sectors(wiring: HallWiring) -> [u8; 8] {
     let order = ORDERS.get(wiring.order as usize).copied().unwrap_or(ORDERS[0]);
     core::array::from_fn(|raw| {
         let lines = raw as u8 ^ (wiring.polarity & 7);
-        let code = order.iter().enumerate().fold(0, |code, (phase, line)| code | ((lines >> line) & 1) << phase);
+        let code =
+            order.iter().enumerate().fold(0, |code, (phase, line)| code | ((lines >> line) & 1) << phase);
         SECTOR_BY_CODE[(code & 7) as usize]
     })
 }
@@ -124,7 +125,13 @@ impl Hall {
 
     /// A candidate of the tick before that the level still shows is accepted, with the better time stamp if its edge
     /// has come since; one that has gone was a glitch.
-    fn confirm(&mut self, c: &HallCoefficients, waiting: Option<(u8, u32)>, level: u8, events: &mut HallEvents) {
+    fn confirm(
+        &mut self,
+        c: &HallCoefficients,
+        waiting: Option<(u8, u32)>,
+        level: u8,
+        events: &mut HallEvents,
+    ) {
         let Some((sector, age)) = waiting else { return };
         if sector != level || self.sector == Some(level) {
             return;

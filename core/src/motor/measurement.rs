@@ -69,7 +69,9 @@ impl Measurement {
             bus_voltage: Volts::from_bits(bus_voltage),
             bus_current: Amps::from_bits(bus_current),
             bus_current_filtered: Amps::from_bits(self.filtered),
-            phase_voltage: samples.phase_voltage.map(|code| Volts::from_bits(scales.phase_voltage.convert(code))),
+            phase_voltage: samples
+                .phase_voltage
+                .map(|code| Volts::from_bits(scales.phase_voltage.convert(code))),
         }
     }
 

@@ -1,15 +1,48 @@
-//! The control tick, one file a station, in the order the data flows.
+//! The control tick, one file a station. `drive` calls them in the order the data flows:
+//!
+//! ```text
+//! samples -> measurement -> rotor (hall, open_loop) -> protection (fault) -> machine (state)
+//!         -> control (pi, ramp, limits) -> commutator (commutation) -> pwm
+//! ```
 
-pub mod coefficients;
-pub mod commutation;
-pub mod event;
-pub mod fault;
-pub mod front_end;
-pub mod pwm;
+pub mod drive;
+
 pub mod samples;
+
+pub mod measurement;
+
+pub mod hall;
+pub mod hall_calibration;
+pub mod open_loop;
+pub mod rotor;
+
+pub mod fault;
+pub mod open_phase;
+pub mod protection;
+
+pub mod machine;
 pub mod state;
 
+pub mod control;
+pub mod gain;
+pub mod limits;
+pub mod pi;
+pub mod ramp;
+
+pub mod commutation;
+pub mod commutator;
+pub mod pwm;
+
+pub mod coefficients;
+pub mod event;
+pub mod front_end;
+
+pub use coefficients::{BuildError, Coefficients};
 pub use commutation::{Direction, Leg, Step};
+pub use drive::Drive;
+pub use event::{Command, Event, Request, Status};
+pub use fault::{Cause, FaultWord};
 pub use front_end::{Board, Channel, FrontEnd};
 pub use pwm::{Commutation, Commutations, PwmCommand, Rectification};
 pub use samples::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
+pub use state::State;

@@ -220,7 +220,10 @@ impl Protection {
             (self.under_voltage.below(&c.under_voltage, voltage), Cause::UnderVoltage),
             (self.over_temperature.above(&c.over_temperature, temperature), Cause::OverTemperature),
             (self.warning.above(&c.warning, temperature), Cause::TemperatureWarning),
-            (self.over_pressure.above(&c.over_pressure, evidence.slow.pressure.to_bits()), Cause::OverPressure),
+            (
+                self.over_pressure.above(&c.over_pressure, evidence.slow.pressure.to_bits()),
+                Cause::OverPressure,
+            ),
             (self.overspeed.above(overspeed, speed), Cause::Overspeed),
         ];
         for (active, cause) in found {

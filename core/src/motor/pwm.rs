@@ -36,6 +36,9 @@ pub struct Commutation {
 }
 
 impl Commutations {
+    /// No change in this period.
+    pub const NONE: Self = Self([None, None]);
+
     /// Adds a change; one that finds no room is dropped: the next tick sees the rotor past the boundary and
     /// commutates at once.
     pub fn push(&mut self, commutation: Commutation) {

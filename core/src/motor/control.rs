@@ -1,0 +1,239 @@
+//! From a demand (a level or a speed) to duty and rectification: speed loop, current limit, the smaller wins, volts to duty.
+
+use super::event::Limiter;
+use super::limits::{CurrentLimit, LimitCoefficients};
+use super::measurement::{Measured, Measurement};
+use super::pi::{Pi, PiGains};
+use super::pwm::Rectification;
+use super::ramp::Ramp;
+use crate::units::{Celsius, Duty};
+use serde::{Deserialize, Serialize};
+
+/// Coefficients of the control station. Volts, amperes and rev/s are raw I16F16, duties raw U1F15.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ControlCoefficients {
+    /// Ticks in a millisecond.
+    pub ticks_per_ms: u16,
+    /// Bus current limiter, per tick.
+    pub current: PiGains,
+    /// Current ratings.
+    pub limits: LimitCoefficients,
+    /// Speed set-point ramp, electrical rev/s per millisecond with 16 extra bits (parameter 99).
+    pub speed_rate: i64,
+    /// Largest change of the duty in a tick (parameter 271).
+    pub slew: u16,
+    /// Shortest on-time (parameter 272).
+    pub duty_min: u16,
+    /// What dead time takes off a synchronously rectified duty.
+    pub dead_time: u16,
+    /// Above this bus voltage nothing may flow back: the over-voltage threshold less a margin.
+    pub bus_guard: i32,
+    /// First voltage in closed loop (parameter 84).
+    pub initial_voltage: i32,
+}
+
+/// What the state asks of the bridge.
+#[derive(Clone, Copy, Debug)]
+pub enum Demand {
+    /// Bridge off.
+    Off,
+    /// A level: rotor lock, open loop, calibration.
+    Voltage {
+        /// Raw I16F16 volts.
+        voltage: i32,
+        /// Largest duty, raw U1F15.
+        duty_max: u16,
+    },
+    /// A speed: closed loop. Magnitudes in the direction of torque, raw I16F16 electrical rev/s.
+    Speed {
+        /// Gains of this mode's speed loop, per millisecond.
+        gains: PiGains,
+        /// Set-point after saturation.
+        target: i32,
+        /// Estimated speed.
+        measured: i32,
+        /// Largest duty, raw U1F15.
+        duty_max: u16,
+    },
+}
+
+/// What the commutation applies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Output {
+    /// Duty from the next period.
+    pub duty: Duty,
+    /// Freewheeling from the next period.
+    pub rectification: Rectification,
+    /// What bounds the duty.
+    pub limiter: Limiter,
+}
+
+/// State of the control station.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Control {
+    speed: Pi,
+    current: Pi,
+    setpoint: Ramp,
+    limit: CurrentLimit,
+    /// Output of the speed loop, held between milliseconds.
+    speed_voltage: i32,
+    millisecond: u16,
+    output: Output,
+}
+
+/// 50 mA: bus current beyond which it is clearly forward or clearly backward.
+const CLEAR_CURRENT: i32 = (1 << 16) / 20;
+/// A duty that falls faster than this a tick may leave the current behind: 0.4 %.
+const FALLING: u16 = 128;
+
+impl Control {
+    /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already.
+    pub fn start(&mut self, c: &ControlCoefficients, speed: i32, synchronous: bool) {
+        *self = Self::default();
+        self.limit.start(&c.limits);
+        self.setpoint.set(speed);
+        self.speed.track(c.initial_voltage);
+        self.current.track(c.initial_voltage);
+        self.speed_voltage = c.initial_voltage;
+        if synchronous {
+            self.output.rectification = Rectification::Synchronous;
+        }
+    }
+
+    /// One tick.
+    pub fn step(
+        &mut self,
+        c: &ControlCoefficients,
+        demand: Demand,
+        measured: &Measured,
+        measurement: &Measurement,
+        temperature: Celsius,
+    ) -> Output {
+        let due = self.tick_millisecond(c);
+        if due {
+            let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
+            self.limit.update(&c.limits, measured.bus_voltage, temperature, turns);
+        }
+        let (wanted, duty_max) = match demand {
+            Demand::Off => {
+                self.output = Output::default();
+                return self.output;
+            }
+            Demand::Voltage { voltage, duty_max } => (voltage, duty_max),
+            Demand::Speed { gains, target, measured: speed, duty_max } => {
+                if due {
+                    let ceiling = share(measured.bus_voltage.to_bits(), duty_max);
+                    let setpoint = self.advance_setpoint(c, target, speed);
+                    let error = setpoint.saturating_sub(speed);
+                    self.speed_voltage = self.speed.step(&gains, error, 0, ceiling);
+                }
+                (self.speed_voltage, duty_max)
+            }
+        };
+        let own = if matches!(demand, Demand::Speed { .. }) { Limiter::Speed } else { Limiter::Fixed };
+        let (voltage, limiter) = self.limit_current(c, wanted, own, measured);
+        self.apply(c, measurement.duty(voltage), duty_max, limiter, measured);
+        self.output
+    }
+
+    /// Set-point after its ramp, raw I16F16 electrical rev/s, a magnitude.
+    pub const fn setpoint(&self) -> i32 {
+        self.setpoint.value()
+    }
+
+    /// What was applied last.
+    pub const fn output(&self) -> Output {
+        self.output
+    }
+
+    fn tick_millisecond(&mut self, c: &ControlCoefficients) -> bool {
+        self.millisecond += 1;
+        let due = self.millisecond >= c.ticks_per_ms;
+        if due {
+            self.millisecond = 0;
+        }
+        due
+    }
+
+    /// The ramp waits while something else than the speed loop bounds a motor that lags behind: it must not run away
+    /// from a speed that cannot follow.
+    fn advance_setpoint(&mut self, c: &ControlCoefficients, target: i32, speed: i32) -> i32 {
+        let setpoint = self.setpoint.value();
+        let lagging = target > setpoint && speed < setpoint;
+        if lagging && !matches!(self.output.limiter, Limiter::Speed | Limiter::Off) {
+            return setpoint;
+        }
+        self.setpoint.step(target, c.speed_rate)
+    }
+
+    /// The smaller of the wanted voltage and what the current limiter allows. The loser follows the winner.
+    fn limit_current(
+        &mut self,
+        c: &ControlCoefficients,
+        wanted: i32,
+        own: Limiter,
+        measured: &Measured,
+    ) -> (i32, Limiter) {
+        let (bound, limiter) = self.limit.bound(&c.limits, self.output.duty.to_bits().max(c.duty_min));
+        let error = bound.saturating_sub(measured.bus_current.to_bits());
+        let allowed = self.current.step(&c.current, error, 0, measured.bus_voltage.to_bits().max(0));
+        if allowed < wanted {
+            self.speed.track(allowed);
+            (allowed, limiter)
+        } else {
+            self.current.track(wanted);
+            (wanted, own)
+        }
+    }
+
+    fn apply(
+        &mut self,
+        c: &ControlCoefficients,
+        duty: Duty,
+        duty_max: u16,
+        limiter: Limiter,
+        measured: &Measured,
+    ) {
+        let before = self.output.duty.to_bits();
+        let synchronous = self.output.rectification == Rectification::Synchronous;
+        let lost = if synchronous && duty.to_bits() > 0 { c.dead_time } else { 0 };
+        let wanted = shortest(c, duty.to_bits().saturating_add(lost));
+        let (mut next, mut limiter) = (wanted, limiter);
+        if next > duty_max {
+            (next, limiter) = (duty_max, Limiter::Duty);
+        }
+        let slewed = next.clamp(before.saturating_sub(c.slew), before.saturating_add(c.slew));
+        if slewed != next {
+            (next, limiter) = (slewed, Limiter::Slew);
+        }
+        let falling = next.saturating_add(FALLING) < before;
+        let rectification = self.rectification(c, measured, falling);
+        self.output = Output { duty: Duty::from_bits(next), rectification, limiter };
+    }
+
+    /// Synchronous only while the bus clearly feeds the motor: current in a diode cannot reverse, in a switch it can.
+    fn rectification(&self, c: &ControlCoefficients, measured: &Measured, falling: bool) -> Rectification {
+        let current = measured.bus_current_filtered.to_bits();
+        if falling || measured.bus_voltage.to_bits() > c.bus_guard || current < -CLEAR_CURRENT {
+            Rectification::Diode
+        } else if current > CLEAR_CURRENT {
+            Rectification::Synchronous
+        } else {
+            self.output.rectification
+        }
+    }
+}
+
+/// `voltage x duty`.
+fn share(voltage: i32, duty: u16) -> i32 {
+    ((voltage.max(0) as i64 * duty as i64) >> 15) as i32
+}
+
+/// A pulse shorter than the shortest one becomes the shortest or none, whichever is nearer.
+fn shortest(c: &ControlCoefficients, duty: u16) -> u16 {
+    match duty {
+        long if long >= c.duty_min => long,
+        short if short >= c.duty_min / 2 && short > 0 => c.duty_min,
+        _ => 0,
+    }
+}

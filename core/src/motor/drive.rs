@@ -1,0 +1,392 @@
+//! The control tick: samples in, PWM command out, one straight line.
+
+use super::coefficients::Coefficients;
+use super::commutation::{Direction, Step};
+use super::commutator::Commutator;
+use super::control::{Control, Demand};
+use super::event::{Event, HallCalibration, Health, Limiter, SlowMeasurements, Status};
+use super::hall::HallEvents;
+use super::hall_calibration::HallCalibrator;
+use super::machine::{Change, Inputs, Machine};
+use super::measurement::{Measured, Measurement};
+use super::open_phase::OpenPhase;
+use super::protection::{Evidence, Protection};
+use super::pwm::{Commutations, PwmCommand, Rectification};
+use super::ramp::Ramp;
+use super::rotor::Rotor;
+use super::samples::{SampleMode, Samples};
+use super::state::State;
+use crate::units::{Amps, ElectricalAngle, ElectricalSpeed, Volts, Watts};
+use serde::{Deserialize, Serialize};
+
+/// Layout of the serialised [`Drive`]; changes with any field.
+pub const LAYOUT_VERSION: u16 = 1;
+
+/// Answers of this firmware to the same inputs; changes when a controller does.
+pub const BEHAVIOUR_VERSION: u16 = 1;
+
+/// The drive: everything that the control tick owns.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drive {
+    coefficients: Coefficients,
+    parameters_fit: bool,
+    slow: SlowMeasurements,
+    health: Health,
+    measurement: Measurement,
+    rotor: Rotor,
+    protection: Protection,
+    open_phase: OpenPhase,
+    machine: Machine,
+    control: Control,
+    commutator: Commutator,
+    lock: Ramp,
+    calibrator: HallCalibrator,
+    calibration: HallCalibration,
+    /// What was applied in the last tick.
+    applied: PwmCommand,
+    reported: Reported,
+    status: Option<Status>,
+}
+
+/// What makes a status due: its age, and what changed since.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Reported {
+    age: u16,
+    state: State,
+    faults: u32,
+}
+
+/// The pattern of one tick and what drives it.
+struct Pattern {
+    demand: Demand,
+    step: Step,
+    commutations: Commutations,
+}
+
+impl Pattern {
+    const OFF: Self = Self { demand: Demand::Off, step: Step::Coast, commutations: Commutations::NONE };
+}
+
+impl Drive {
+    /// A drive at power-up with a parameter set that builds.
+    pub fn new(coefficients: Coefficients) -> Self {
+        Self {
+            coefficients,
+            parameters_fit: true,
+            slow: SlowMeasurements::default(),
+            health: Health::default(),
+            measurement: Measurement::default(),
+            rotor: Rotor::default(),
+            protection: Protection::default(),
+            open_phase: OpenPhase::default(),
+            machine: Machine::default(),
+            control: Control::default(),
+            commutator: Commutator::default(),
+            lock: Ramp::default(),
+            calibrator: HallCalibrator::default(),
+            calibration: HallCalibration::None,
+            applied: PwmCommand::default(),
+            reported: Reported::default(),
+            status: None,
+        }
+    }
+
+    /// Takes one event; call before [`step`](Self::step), at most once a tick.
+    pub fn handle_event(&mut self, event: Event) {
+        match event {
+            Event::Command(command) => self.machine.handle_command(command),
+            Event::Coefficients(coefficients) => {
+                self.coefficients = coefficients;
+                self.parameters_fit = true;
+            }
+            Event::CoefficientsRejected => self.parameters_fit = false,
+            Event::Slow(slow) => self.slow = slow,
+            Event::Health(health) => self.health = health,
+            Event::CalibrateHall(run) => self.machine.handle_calibration(run),
+        }
+    }
+
+    /// One control tick.
+    pub fn step(&mut self, samples: &Samples) -> PwmCommand {
+        let measured = self.measurement.step(&self.coefficients.measurement, samples);
+        let hall = self.rotor.step(&self.coefficients, samples);
+        let critical = self.protect(samples, &measured, hall);
+        self.advance_state(critical, samples);
+        let pattern = self.pattern(samples);
+        let output = self.control.step(
+            &self.coefficients.control,
+            pattern.demand,
+            &measured,
+            &self.measurement,
+            self.slow.temperature,
+        );
+        self.applied = self.command(pattern, output.duty, output.rectification);
+        self.report(samples.tick, &measured);
+        self.applied
+    }
+
+    /// The report of the last tick, if one is due: every millisecond, and when state or fault word change.
+    pub fn take_status(&mut self) -> Option<Status> {
+        self.status.take()
+    }
+
+    /// Exact state.
+    pub const fn state(&self) -> State {
+        self.machine.state()
+    }
+
+    fn protect(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents) -> bool {
+        let state = self.machine.state();
+        let driving = state.is_driving();
+        let stopped = self.rotor.hall_stopped(&self.coefficients) || state != State::HallClosedLoop;
+        let open_phase = driving
+            && !self.machine.calibrating()
+            && self.open_phase.step(
+                &self.coefficients.open_phase,
+                self.applied.step,
+                self.applied.duty,
+                measured.bus_current,
+                stopped,
+            );
+        let evidence = Evidence {
+            measured: *measured,
+            slow: self.slow,
+            lines: samples.lines,
+            health: self.health,
+            request: self.machine.command().request,
+            hall,
+            hall_stopped: self.rotor.hall_stopped(&self.coefficients),
+            speed: self.rotor.hall_speed(&self.coefficients).abs().to_bits(),
+            hall_driving: state == State::HallClosedLoop,
+            driving,
+            torque: self.applied.step != Step::Coast,
+            torque_sign: self.machine.direction().sign() as i8,
+            open_phase,
+        };
+        self.protection.step(&self.coefficients.protection, &evidence)
+    }
+
+    fn advance_state(&mut self, critical: bool, samples: &Samples) {
+        let stopped = match self.machine.state() {
+            State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
+            State::OpenLoop => self.rotor.field_stopped(),
+            _ => true,
+        };
+        let inputs = Inputs {
+            critical,
+            unhealthy: self.health.self_test_failed || !self.health.store_faults.is_empty(),
+            causes_gone: self.protection.causes_gone(),
+            stopped,
+            calibrated: matches!(self.calibration, HallCalibration::Done(_) | HallCalibration::Failed),
+            parameters_fit: self.parameters_fit,
+        };
+        if let Some(change) = self.machine.step(&self.coefficients.machine, &inputs) {
+            self.enter(change, samples);
+        }
+    }
+
+    /// What a transition sets up.
+    fn enter(&mut self, change: Change, samples: &Samples) {
+        if change.timed_out {
+            self.protection.raise_timeout();
+        }
+        let c = &self.coefficients;
+        let direction = self.machine.direction();
+        match change.row.to {
+            State::Standby if change.row.from == State::Fault => self.protection.acknowledge(),
+            State::RotorLock => {
+                self.lock = Ramp::default();
+                self.control.start(&c.control, 0, true);
+                if self.machine.calibrating() {
+                    self.calibration = HallCalibration::Running;
+                }
+            }
+            State::OpenLoop => {
+                let locked = change.row.from == State::RotorLock;
+                if self.machine.calibrating() {
+                    self.calibrator.start(samples.hall);
+                } else {
+                    self.rotor.start_open_loop(if locked { LOCKED_AT } else { 0 }, direction);
+                }
+                if !locked {
+                    self.control.start(&c.control, 0, true);
+                }
+            }
+            State::HallClosedLoop => {
+                let speed = self.rotor.hall_speed(c).to_bits().saturating_mul(direction.sign());
+                self.control.start(&c.control, speed.max(0), false);
+            }
+            _ => {}
+        }
+        if !change.row.to.is_driving() || !change.row.from.is_driving() {
+            self.protection.forget_episode();
+            self.open_phase.reset();
+            self.commutator.reset();
+        }
+        if !change.row.to.is_driving() && self.calibration == HallCalibration::Running {
+            self.calibration = HallCalibration::Failed;
+        }
+    }
+
+    /// What this state applies.
+    fn pattern(&mut self, samples: &Samples) -> Pattern {
+        match self.machine.state() {
+            State::RotorLock => self.rotor_lock(),
+            State::OpenLoop if self.machine.calibrating() => self.hall_calibration(samples),
+            State::OpenLoop => self.open_loop(),
+            State::HallClosedLoop => self.hall_closed_loop(),
+            State::Initialization
+            | State::Standby
+            | State::Fault
+            | State::SensorlessClosedLoop
+            | State::SensorlessAutoRestart => Pattern::OFF,
+        }
+    }
+
+    /// Two locks one after the other, 60 degrees apart: a rotor that rests on the dead point of the first is off that
+    /// of the second.
+    fn rotor_lock(&mut self) -> Pattern {
+        let c = &self.coefficients.machine;
+        let voltage = self.lock.step(c.lock_voltage, c.lock_rate);
+        let second = self.machine.age() >= c.lock / 2;
+        let step = match (self.machine.calibrating(), second) {
+            (true, false) => Step::LockB,
+            (true, true) => HallCalibrator::LOCK,
+            (false, false) => Step::LockCA,
+            (false, true) => Step::LockA,
+        };
+        Pattern { demand: self.level(voltage), step, commutations: Commutations::NONE }
+    }
+
+    fn hall_calibration(&mut self, samples: &Samples) -> Pattern {
+        let c = &self.coefficients.hall_calibration;
+        let (step, calibration) = self.calibrator.step(c, samples.hall);
+        self.calibration = calibration;
+        Pattern { demand: self.level(c.voltage), step, commutations: Commutations::NONE }
+    }
+
+    fn open_loop(&mut self) -> Pattern {
+        let direction = self.machine.direction();
+        let run = !self.machine.reversing();
+        let field = self.rotor.step_open_loop(&self.coefficients, direction, run);
+        let (step, commutations) =
+            self.commutator.step(&self.coefficients.commutator, field.angle, field.speed, direction);
+        Pattern { demand: self.level(field.voltage), step, commutations }
+    }
+
+    fn level(&self, voltage: i32) -> Demand {
+        Demand::Voltage { voltage, duty_max: self.coefficients.hall_mode.duty_max }
+    }
+
+    fn hall_closed_loop(&mut self) -> Pattern {
+        let direction = self.machine.direction();
+        let mode = &self.coefficients.hall_mode;
+        let speed = self.rotor.hall_speed(&self.coefficients).to_bits().saturating_mul(direction.sign());
+        // A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
+        // where no current is measured.
+        if speed < -mode.speed_min / 2 {
+            return Pattern::OFF;
+        }
+        let wanted = self.machine.command().speed.to_bits().clamp(mode.speed_min, mode.speed_max);
+        let target = if self.machine.reversing() { 0 } else { wanted };
+        let position = self.rotor.hall_position();
+        let (step, commutations) =
+            self.commutator.step(&self.coefficients.commutator, position.angle, position.speed, direction);
+        let demand =
+            Demand::Speed { gains: mode.speed, target, measured: speed.max(0), duty_max: mode.duty_max };
+        Pattern { demand, step, commutations }
+    }
+
+    /// A duty of 0 leaves the bridge off: with the low side on, a turning motor would brake itself.
+    fn command(
+        &self,
+        pattern: Pattern,
+        duty: crate::units::Duty,
+        rectification: Rectification,
+    ) -> PwmCommand {
+        let now = self.applied.duty.to_bits();
+        let idle = matches!(pattern.demand, Demand::Off) || (duty.to_bits() == 0 && now == 0);
+        let (step, commutations) =
+            if idle { (Step::Coast, Commutations::NONE) } else { (pattern.step, pattern.commutations) };
+        let (sample_at, sample_mode) = self.sampling(duty.to_bits());
+        PwmCommand {
+            duty: if matches!(pattern.demand, Demand::Off) { crate::units::Duty::ZERO } else { duty },
+            rectification,
+            sample_at,
+            sample_mode,
+            step,
+            commutations,
+        }
+    }
+
+    /// Long pulses are sampled in their middle, short ones after they have ended; between the two the mode stays.
+    fn sampling(&self, duty: u16) -> (u16, SampleMode) {
+        const ON_ABOVE: u16 = 32_768 / 4;
+        const OFF_BELOW: u16 = 32_768 / 5;
+        let on = match self.applied.sample_mode {
+            SampleMode::OnTime => duty >= OFF_BELOW,
+            SampleMode::OffTime => duty > ON_ABOVE,
+        };
+        if on {
+            (0, SampleMode::OnTime)
+        } else {
+            // The pulse ends at D/2 of the period: duty (1/32 768) is that many 1/65 536.
+            (duty.saturating_add(self.coefficients.sample_settle), SampleMode::OffTime)
+        }
+    }
+
+    fn report(&mut self, tick: u64, measured: &Measured) {
+        self.reported.age = self.reported.age.saturating_add(1);
+        let now = Reported {
+            age: self.reported.age,
+            state: self.machine.state(),
+            faults: self.protection.word().bits(),
+        };
+        let changed = now.state != self.reported.state || now.faults != self.reported.faults;
+        if changed || now.age >= self.coefficients.control.ticks_per_ms {
+            self.reported = Reported { age: 0, ..now };
+            self.status = Some(self.status_now(tick, measured));
+        }
+    }
+
+    fn status_now(&self, tick: u64, measured: &Measured) -> Status {
+        let c = &self.coefficients;
+        let direction = self.machine.direction();
+        let state = self.machine.state();
+        let output = self.control.output();
+        let hall = self.rotor.hall_diagnostics();
+        let power =
+            (measured.bus_voltage.to_bits() as i64 * measured.bus_current_filtered.to_bits() as i64) >> 16;
+        let setpoint = if state == State::HallClosedLoop { self.control.setpoint() } else { 0 };
+        Status {
+            tick,
+            state,
+            faults: self.protection.word(),
+            critical: self.protection.critical(),
+            extended_code: self.protection.code(),
+            command_expired: self.machine.command_expired(&c.machine),
+            refusal: self.machine.refusal(),
+            supply_low: measured.bus_voltage.to_bits() < c.protection.supply_low,
+            direction,
+            setpoint: ElectricalSpeed::from_bits(setpoint.saturating_mul(direction.sign())),
+            speed_hall: self.rotor.hall_speed(c),
+            speed_sensorless: ElectricalSpeed::ZERO,
+            angle: ElectricalAngle((self.rotor.hall_position().angle >> 16) as u16),
+            sectors: self.rotor.sectors(),
+            bus_voltage: Volts::from_bits(measured.bus_voltage.to_bits()),
+            bus_current: Amps::from_bits(measured.bus_current_filtered.to_bits()),
+            power: Watts::from_bits(crate::units::saturate64(power)),
+            phase_voltage: measured.phase_voltage,
+            duty: self.applied.duty,
+            limiter: if self.applied.step == Step::Coast { Limiter::Off } else { output.limiter },
+            hall_invalid: hall.invalid,
+            hall_jumps: hall.jumps,
+            hall_calibration: self.calibration,
+        }
+    }
+}
+
+/// Where rotor lock leaves the rotor: 180 degrees.
+const LOCKED_AT: u32 = 1 << 31;
+
+const _: () = assert!(matches!(Step::for_sector(0, Direction::Forward), Step::AB));

@@ -1,0 +1,72 @@
+//! The bus current that may flow: the least of every rating, and the name of the one that binds.
+
+use super::event::Limiter;
+use super::gain::Gain;
+use super::ramp::Ramp;
+use crate::units::{Celsius, Volts, saturate64};
+use serde::{Deserialize, Serialize};
+
+/// Coefficients of the current limits, raw I16F16.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LimitCoefficients {
+    /// Limit at the beginning of a start (parameter 105), A.
+    pub soft_start: i32,
+    /// Limit afterwards (parameter 106), at most the 7 A input rating of Table 1, A.
+    pub maximum: i32,
+    /// How fast one becomes the other (parameter 96), A per millisecond with 16 extra bits.
+    pub rate: i64,
+    /// Estimated mean phase current (parameter 269), A.
+    pub phase_current: i32,
+    /// From this temperature the limits fall (parameter 121), degrees C.
+    pub derating_start: i32,
+    /// Per degree above it: 1 / (shutdown - warning).
+    pub derating: Gain,
+}
+
+/// Output power rating (Table 1): 150 W up to and including 48 V, 300 W above; W.
+const POWER: [i32; 2] = [150 << 16, 300 << 16];
+/// A supply of 48 V that reads a little high is still 48 V: 0.5 V of measurement tolerance.
+const POWER_STEP: i32 = (48 << 16) + (1 << 15);
+
+/// State: the ramped limit of Table 11.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CurrentLimit {
+    ramp: Ramp,
+    bound: i32,
+    limiter: Limiter,
+}
+
+impl CurrentLimit {
+    /// A start begins: back to the soft-start limit.
+    pub fn start(&mut self, c: &LimitCoefficients) {
+        self.ramp.set(c.soft_start);
+        (self.bound, self.limiter) = (c.soft_start, Limiter::Current);
+    }
+
+    /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
+    pub fn update(&mut self, c: &LimitCoefficients, voltage: Volts, temperature: Celsius, turns: bool) {
+        let target = if turns { c.maximum } else { c.soft_start.min(c.maximum) };
+        let table = self.ramp.step(target, c.rate);
+        let voltage = voltage.to_bits().max(1 << 16);
+        let rating = POWER[usize::from(voltage > POWER_STEP)];
+        let power = saturate64(((rating as i64) << 16) / voltage as i64);
+        (self.bound, self.limiter) = (table, Limiter::Current);
+        if power < self.bound {
+            (self.bound, self.limiter) = (power, Limiter::Power);
+        }
+        let excess = temperature.to_bits().saturating_sub(c.derating_start);
+        if excess > 0 {
+            let left = (1_i64 << 16).saturating_sub(c.derating.apply(excess)).max(0);
+            self.bound = ((self.bound as i64 * left) >> 16) as i32;
+            self.limiter = Limiter::Temperature;
+        }
+    }
+
+    /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase current times the
+    /// duty, so the phase bound is that much smaller here.
+    #[inline]
+    pub fn bound(&self, c: &LimitCoefficients, duty: u16) -> (i32, Limiter) {
+        let phase = ((c.phase_current as i64 * duty as i64) >> 15) as i32;
+        if phase < self.bound { (phase, Limiter::PhaseCurrent) } else { (self.bound, self.limiter) }
+    }
+}

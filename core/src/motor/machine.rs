@@ -1,0 +1,250 @@
+//! The state machine's memory around the transition table: time in the state, the fresh start request, the modes
+//! sampled at the start, direction, acknowledgement.
+
+use super::coefficients::MachineCoefficients;
+use super::commutation::Direction;
+use super::event::{Command, Refusal, Request};
+use super::state::{Conditions, State, Transition, transition};
+use serde::{Deserialize, Serialize};
+
+/// There is no back-EMF estimator yet: states 4 and 7 exist, and a start that would lead there is refused.
+const ESTIMATOR: bool = false;
+
+/// What the machine looks at in one tick besides its own memory.
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs {
+    /// A critical fault is present.
+    pub critical: bool,
+    /// Self-tests or store failed.
+    pub unhealthy: bool,
+    /// None of the latched faults' causes is present.
+    pub causes_gone: bool,
+    /// Estimated speed is 0, as the running mode judges it.
+    pub stopped: bool,
+    /// The calibration has a result.
+    pub calibrated: bool,
+    /// The present parameter set builds.
+    pub parameters_fit: bool,
+}
+
+/// What changed in a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Change {
+    /// The row of the table.
+    pub row: &'static Transition,
+    /// It fired because of the command time-out.
+    pub timed_out: bool,
+}
+
+/// State of the state machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Machine {
+    state: State,
+    /// Ticks in this state, saturating.
+    age: u32,
+    command: Command,
+    /// Ticks since the last valid command, saturating; saturated at boot: no master yet.
+    command_age: u32,
+    /// A Drive request would be a fresh edge.
+    armed: bool,
+    /// Standby was requested since the fault.
+    acknowledged: bool,
+    direction: Direction,
+    /// HALL, SENSORLESS, OPEN_LOOP and CALIBRATION as sampled when leaving Standby.
+    mode: Conditions,
+    /// The next start runs the hall calibration.
+    calibrate: bool,
+    refusal: Refusal,
+}
+
+impl Default for Machine {
+    fn default() -> Self {
+        Self {
+            state: State::Initialization,
+            age: 0,
+            command: Command::default(),
+            command_age: u32::MAX,
+            armed: true,
+            acknowledged: false,
+            direction: Direction::Forward,
+            mode: Conditions::empty(),
+            calibrate: false,
+            refusal: Refusal::None,
+        }
+    }
+}
+
+impl Machine {
+    /// A valid command has arrived.
+    pub fn handle_command(&mut self, command: Command) {
+        self.command = command;
+        self.command_age = 0;
+        match command.request {
+            Request::Standby => {
+                self.armed |= !self.state.is_driving();
+                self.acknowledged |= self.state == State::Fault;
+                self.refusal = Refusal::None;
+            }
+            // Asked for Drive before it could: a drive that resets under a running master must not start by itself.
+            Request::Drive | Request::Reverse => self.armed &= self.state != State::Initialization,
+            Request::Shutdown => {}
+        }
+    }
+
+    /// Arms or withdraws the hall calibration; acts at the next start.
+    pub fn handle_calibration(&mut self, run: bool) {
+        self.calibrate = run;
+    }
+
+    /// One tick: time passes, at most one transition fires.
+    pub fn step(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
+        self.age = self.age.saturating_add(1);
+        self.command_age = self.command_age.saturating_add(1);
+        let conditions = self.conditions(c, inputs);
+        let row = transition(self.state, conditions)?;
+        match row.to {
+            State::Standby => {
+                let reversal = conditions.contains(Conditions::REVERSAL) && self.state.is_driving();
+                self.armed = reversal || self.command.request == Request::Standby || self.fresh_after_boot();
+            }
+            State::Fault => self.acknowledged = false,
+            _ => {}
+        }
+        if self.state == State::Standby && row.to != State::Fault {
+            self.leave_standby(conditions);
+        }
+        let timed_out = row.to == State::Fault && row.all == Conditions::EXPIRED;
+        (self.state, self.age) = (row.to, 0);
+        Some(Change { row, timed_out })
+    }
+
+    /// After boot the power-up's Standby still counts, unless Drive was asked for meanwhile.
+    fn fresh_after_boot(&self) -> bool {
+        self.state == State::Initialization && self.armed
+    }
+
+    fn leave_standby(&mut self, conditions: Conditions) {
+        let modes = Conditions::HALL
+            .union(Conditions::SENSORLESS)
+            .union(Conditions::OPEN_LOOP)
+            .union(Conditions::CALIBRATION);
+        self.mode = conditions.intersection(modes);
+        self.armed = false;
+        self.calibrate = false;
+        self.direction = self.requested_direction();
+    }
+
+    fn requested_direction(&self) -> Direction {
+        match self.command.request {
+            Request::Reverse => Direction::Reverse,
+            _ => Direction::Forward,
+        }
+    }
+
+    fn conditions(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Conditions {
+        let mut conditions = if self.state == State::Standby { self.enabled(c) } else { self.mode };
+        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        if self.state == State::Standby && wanted {
+            self.refusal = self.refuse(conditions, inputs);
+        }
+        let boot_passed = self.age >= c.boot && !inputs.unhealthy;
+        let reversal = self.state.is_driving() && wanted && self.requested_direction() != self.direction;
+        let acknowledged = self.acknowledged && self.age >= c.fault_wait && inputs.causes_gone;
+        let found = [
+            (boot_passed, Conditions::BOOTED),
+            (inputs.critical, Conditions::CRITICAL),
+            (inputs.unhealthy, Conditions::UNHEALTHY),
+            (self.command.request == Request::Standby, Conditions::STANDBY),
+            (wanted && self.refusal == Refusal::None, Conditions::START),
+            (inputs.calibrated, Conditions::CALIBRATED),
+            (self.command_expired(c), Conditions::EXPIRED),
+            (self.age >= self.duration(c), Conditions::ELAPSED),
+            (inputs.stopped, Conditions::STOPPED),
+            (reversal, Conditions::REVERSAL),
+            (acknowledged && !inputs.critical, Conditions::ACKNOWLEDGED),
+        ];
+        for (holds, condition) in found {
+            conditions.set(condition, holds);
+        }
+        conditions
+    }
+
+    fn enabled(&self, c: &MachineCoefficients) -> Conditions {
+        let mut enabled = Conditions::empty();
+        enabled.set(Conditions::HALL, c.hall_enable);
+        enabled.set(Conditions::SENSORLESS, c.sensorless_enable);
+        enabled.set(Conditions::OPEN_LOOP, c.open_loop_enable);
+        enabled.set(Conditions::CALIBRATION, self.calibrate);
+        enabled
+    }
+
+    /// Why a start is refused now.
+    fn refuse(&self, enabled: Conditions, inputs: &Inputs) -> Refusal {
+        let modes = Conditions::HALL.union(Conditions::SENSORLESS).union(Conditions::OPEN_LOOP);
+        let sensorless = enabled.contains(Conditions::SENSORLESS) && !enabled.contains(Conditions::HALL);
+        if !self.armed {
+            Refusal::NoFreshRequest
+        } else if !inputs.parameters_fit {
+            Refusal::Parameters
+        } else if enabled.contains(Conditions::CALIBRATION) {
+            Refusal::None
+        } else if !enabled.intersects(modes) {
+            Refusal::NoMode
+        } else if sensorless && !ESTIMATOR {
+            Refusal::NoEstimator
+        } else {
+            Refusal::None
+        }
+    }
+
+    /// The state's own duration; the others never elapse.
+    fn duration(&self, c: &MachineCoefficients) -> u32 {
+        match self.state {
+            State::RotorLock => c.lock,
+            State::OpenLoop => c.open_loop,
+            State::SensorlessAutoRestart => c.auto_restart,
+            _ => u32::MAX,
+        }
+    }
+
+    /// Present state.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Ticks in it.
+    pub const fn age(&self) -> u32 {
+        self.age
+    }
+
+    /// The last command.
+    pub const fn command(&self) -> Command {
+        self.command
+    }
+
+    /// Direction of this start.
+    pub const fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    /// The other direction is requested while driving: come to rest first.
+    pub fn reversing(&self) -> bool {
+        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        self.state.is_driving() && wanted && self.requested_direction() != self.direction
+    }
+
+    /// This start is a hall calibration.
+    pub const fn calibrating(&self) -> bool {
+        self.mode.contains(Conditions::CALIBRATION)
+    }
+
+    /// No valid command for the time-out.
+    pub const fn command_expired(&self, c: &MachineCoefficients) -> bool {
+        self.command_age >= c.command_timeout
+    }
+
+    /// Why the last start was refused.
+    pub const fn refusal(&self) -> Refusal {
+        self.refusal
+    }
+}

@@ -1,0 +1,82 @@
+//! Where the rotor is: from the hall sensors, or, in open loop, where the field says it is.
+
+use super::coefficients::Coefficients;
+use super::commutation::Direction;
+use super::hall::{Hall, HallDiagnostics, HallEvents};
+use super::open_loop::{Field, OpenLoop};
+use super::samples::Samples;
+use crate::units::ElectricalSpeed;
+use serde::{Deserialize, Serialize};
+
+/// State of the rotor station.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Rotor {
+    hall: Hall,
+    open_loop: OpenLoop,
+    /// Sectors turned since power-up by the hall sensors, signed, wrapping.
+    sectors: i32,
+}
+
+/// A rotor position as the commutator wants it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Position {
+    /// Electrical angle at this period's boundary, u32 turn.
+    pub angle: u32,
+    /// 2^-32 turn a tick, signed.
+    pub speed: i32,
+}
+
+impl Rotor {
+    /// One tick of the sensors.
+    pub fn step(&mut self, c: &Coefficients, samples: &Samples) -> HallEvents {
+        let events = self.hall.step(&c.hall, samples);
+        self.sectors = self.sectors.wrapping_add(events.sectors as i32);
+        events
+    }
+
+    /// Open loop starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where
+    /// the field's pull is 0 and grows as it turns.
+    pub fn start_open_loop(&mut self, angle: u32, direction: Direction) {
+        const QUARTER: u32 = 1 << 30;
+        self.open_loop.start(match direction {
+            Direction::Forward => angle.wrapping_sub(QUARTER),
+            Direction::Reverse => angle.wrapping_add(QUARTER),
+        });
+    }
+
+    /// One tick of the open-loop field; it slows to standstill unless `run`.
+    pub fn step_open_loop(&mut self, c: &Coefficients, direction: Direction, run: bool) -> Field {
+        self.open_loop.step(&c.open_loop, direction, run)
+    }
+
+    /// The open-loop field stands still.
+    pub const fn field_stopped(&self) -> bool {
+        self.open_loop.stopped()
+    }
+
+    /// Position by the hall sensors.
+    pub const fn hall_position(&self) -> Position {
+        Position { angle: self.hall.angle(), speed: self.hall.speed() }
+    }
+
+    /// No hall edge for the time-out.
+    pub const fn hall_stopped(&self, c: &Coefficients) -> bool {
+        self.hall.stopped(&c.hall)
+    }
+
+    /// Speed by the hall sensors, signed.
+    pub fn hall_speed(&self, c: &Coefficients) -> ElectricalSpeed {
+        let speed = self.hall.speed_bounded();
+        ElectricalSpeed::from_bits(c.speed_of_turns.apply32(speed))
+    }
+
+    /// Counts of the hall sensors.
+    pub const fn hall_diagnostics(&self) -> HallDiagnostics {
+        self.hall.diagnostics()
+    }
+
+    /// Sectors turned since power-up.
+    pub const fn sectors(&self) -> i32 {
+        self.sectors
+    }
+}
