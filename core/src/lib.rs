@@ -5,4 +5,5 @@
 pub mod bus;
 pub mod dictionary;
 pub mod motor;
+pub mod node;
 pub mod units;
