@@ -6,4 +6,5 @@ pub mod bus;
 pub mod dictionary;
 pub mod motor;
 pub mod node;
+pub mod recording;
 pub mod units;

@@ -2,6 +2,7 @@
 
 mod bench;
 mod dictionary;
+mod document;
 mod node;
 mod parameters;
 mod wire;

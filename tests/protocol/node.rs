@@ -173,8 +173,8 @@ fn frames_that_are_not_obeyed_change_nothing_but_a_counter() {
     // Frame, refused, malformed.
     let cases = [
         (Frame::remote(id, 8).unwrap(), 0, 1),
-        (Frame::new(id, &[0, 0, 0, 1, 0, 0, 0]).unwrap(), 0, 1),
-        (Frame::new(id, &[]).unwrap(), 0, 1),
+        (Frame::data(id, &[0, 0, 0, 1, 0, 0, 0]).unwrap(), 0, 1),
+        (Frame::data(id, &[]).unwrap(), 0, 1),
         (Frame::full(Id::standard(0x202).unwrap(), [0, 0, 0, 1, 0, 0, 0, 0]), 0, 1),
         // Type 3, inbound type 0.
         (frame(0x0AAD_526E | 3 << 9, parameter), 0, 1),
@@ -378,7 +378,7 @@ fn bus_share(period: i32, tick_rate: u32, gaps: &[u64], ticks: u64) -> f64 {
     let mut now = start;
     for gap in gaps.iter().cycle() {
         node.poll(now);
-        let bits: u64 = std::iter::from_fn(|| node.poll_frame()).map(|f| frame_bits(f.length().into())).sum();
+        let bits: u64 = std::iter::from_fn(|| node.poll_frame()).map(|f| frame_bits(f.dlc().into())).sum();
         if bits > 0 {
             sent.push((now, bits));
         }
@@ -439,7 +439,7 @@ fn any_frame() -> impl Strategy<Value = Frame> {
             let raw = priority << 27 | source << 19 | destination << 11 | kind << 9 | opcode;
             let id = if standard { Id::standard((raw & 0x7FF) as u16) } else { Id::extended(raw) }.unwrap();
             let bytes: Vec<u8> = words.iter().flat_map(|word: &u16| word.to_be_bytes()).collect();
-            if remote { Frame::remote(id, length as u8) } else { Frame::new(id, &bytes[..length]) }.unwrap()
+            if remote { Frame::remote(id, length as u8) } else { Frame::data(id, &bytes[..length]) }.unwrap()
         },
     )
 }
@@ -448,7 +448,7 @@ fn any_frame() -> impl Strategy<Value = Frame> {
 fn heard(frame: &Frame) -> Option<(u32, u32)> {
     let raw = frame.id().raw();
     let addressed = raw >> 19 & 0xFF == 0x55 && raw >> 11 & 0xFF == 0xAA;
-    let shaped = frame.id().is_extended() && !frame.is_remote() && frame.length() == 8;
+    let shaped = frame.id().is_extended() && !frame.is_remote() && frame.dlc() == 8;
     (addressed && shaped).then_some((raw >> 9 & 3, raw & 0x1FF))
 }
 
@@ -465,7 +465,7 @@ proptest! {
             let counted = i64::from(bench.refused()) + i64::from(bench.malformed());
             bench.node.handle_frame(&frame);
             let heard = heard(&frame);
-            let data = frame.data();
+            let data = frame.payload();
             let command = match heard {
                 Some((1, 2)) => data[3] & 0xF < 4,
                 Some((1, 102)) => true,

@@ -1,0 +1,154 @@
+//! What can go wrong, with the place where it did.
+
+use super::{CHUNK_BYTES, CONTAINER_VERSION, LABEL_MAX, LAYOUT_VERSION};
+use core::fmt;
+
+/// Why bytes are not a recording that this version can read. Offsets count from the start of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReadError {
+    /// The file does not begin with [`MAGIC`](super::MAGIC).
+    NotARecording,
+    /// Another container version, most likely a newer one.
+    ContainerVersion {
+        /// The version in the file.
+        found: u8,
+    },
+    /// Recorded with another layout of the drive's state.
+    LayoutVersion {
+        /// The version in the file.
+        found: u16,
+    },
+    /// Not a recording of a drive.
+    Kind {
+        /// The kind in the file.
+        found: u8,
+    },
+    /// The file ends too early.
+    Truncated {
+        /// Length of the file.
+        at: usize,
+        /// What should have followed.
+        expected: &'static str,
+    },
+    /// Bytes were changed, lost or moved.
+    Checksum {
+        /// Offset of the stored check value.
+        at: usize,
+        /// The check value in the file.
+        stored: u32,
+        /// The check value of the bytes before it.
+        computed: u32,
+    },
+    /// A field has a value that no recorder writes.
+    Malformed {
+        /// Offset of the field.
+        at: usize,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// The end record counts other ticks than the file holds.
+    TickCount {
+        /// The count in the end record.
+        stored: u64,
+        /// The ticks read.
+        read: u64,
+    },
+    /// Something follows the end record.
+    TrailingBytes {
+        /// Offset of the first byte too many.
+        at: usize,
+    },
+}
+
+/// Why something could not be recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RecordError<E> {
+    /// The label is longer than [`LABEL_MAX`] bytes.
+    LabelTooLong,
+    /// The initial state is longer than 65 535 bytes.
+    StateTooLong,
+    /// An event does not fit in a chunk.
+    EventTooLong,
+    /// The sink refused.
+    Sink(E),
+}
+
+/// Why a recording could not be run again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReplayError {
+    /// The recording cannot be read.
+    Read(ReadError),
+    /// The initial state is not one of this drive.
+    State,
+}
+
+impl From<ReadError> for ReplayError {
+    fn from(error: ReadError) -> Self {
+        Self::Read(error)
+    }
+}
+
+impl ReadError {
+    /// The same where the payload of a whole chunk ended too early: the file did not.
+    pub(super) const fn within_chunk(self) -> Self {
+        match self {
+            Self::Truncated { at, expected } => Self::Malformed { at, expected },
+            other => other,
+        }
+    }
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NotARecording => write!(f, "not a narx recording: it does not begin with \"narxrec\""),
+            Self::ContainerVersion { found } => {
+                write!(f, "container version {found}, but this narx reads version {CONTAINER_VERSION}")
+            }
+            Self::LayoutVersion { found } => {
+                let age = if found > LAYOUT_VERSION { "a newer" } else { "an older" };
+                write!(
+                    f,
+                    "recorded by {age} narx: state layout {found}, but this one reads layout {LAYOUT_VERSION}"
+                )
+            }
+            Self::Kind { found } => write!(f, "recording of kind {found}, expected 1 (drive)"),
+            Self::Truncated { at, expected } => {
+                write!(f, "truncated: the file ends at byte {at}, expected {expected}")
+            }
+            Self::Checksum { at, stored, computed } => write!(
+                f,
+                "corrupt: the check value at byte {at} is {stored:08x}, but the bytes before it give {computed:08x}"
+            ),
+            Self::Malformed { at, expected } => write!(f, "corrupt at byte {at}: expected {expected}"),
+            Self::TickCount { stored, read } => {
+                write!(f, "corrupt: the end record counts {stored} ticks, the file holds {read}")
+            }
+            Self::TrailingBytes { at } => write!(f, "corrupt: bytes follow the end record at byte {at}"),
+        }
+    }
+}
+
+impl<E: fmt::Display> fmt::Display for RecordError<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::LabelTooLong => write!(f, "the label is longer than {LABEL_MAX} bytes"),
+            Self::StateTooLong => write!(f, "the initial state is longer than 65535 bytes"),
+            Self::EventTooLong => write!(f, "an event does not fit in a chunk of {CHUNK_BYTES} bytes"),
+            Self::Sink(error) => write!(f, "the recording could not be written: {error}"),
+        }
+    }
+}
+
+impl fmt::Display for ReplayError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read(error) => error.fmt(f),
+            Self::State => write!(f, "the recording's initial state is not a state of this drive"),
+        }
+    }
+}
+
+impl core::error::Error for ReadError {}
+impl<E: fmt::Debug + fmt::Display> core::error::Error for RecordError<E> {}
+impl core::error::Error for ReplayError {}

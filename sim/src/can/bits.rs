@@ -1,0 +1,146 @@
+//! A frame as bits on the wire.
+
+use narx_core::bus::{Frame, Id};
+
+/// Fixed-form bits after the CRC: delimiter, acknowledge slot and its delimiter, seven of end of frame.
+const TAIL: u32 = 1 + 1 + 1 + 7;
+/// Recessive bits that must separate frames.
+pub(super) const INTERMISSION: u32 = 3;
+/// Generator of the CRC-15: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1, without its highest term.
+const CRC15: u16 = 0x4599;
+
+/// Bits that `frame` occupies the bus for, stuff bits and the intermission after it included.
+pub fn frame_bits(frame: &Frame) -> u32 {
+    let wire = WireBits::new(frame);
+    u32::from(wire.length) + wire.stuff_bits() + TAIL + INTERMISSION
+}
+
+/// The most bits that any data frame with this kind of identifier and `bytes` (0..=8) data bytes occupies the bus for.
+pub const fn worst_case_bits(extended: bool, bytes: u8) -> u32 {
+    // SOF, identifier, RTR, IDE, (SRR, r1,) r0, DLC, data, CRC: a stuff bit after the fifth and then every fourth.
+    let stuffed = if extended { 54 } else { 34 } + 8 * bytes as u32;
+    stuffed + (stuffed - 1) / 4 + TAIL + INTERMISSION
+}
+
+/// What a node compares with the bus while it arbitrates: the lower value wins. Identifier, RTR (or SRR), IDE and
+/// the rest of an extended identifier with its RTR, left-aligned.
+pub(super) fn arbitration_field(frame: &Frame) -> u32 {
+    let remote = u32::from(frame.is_remote());
+    match frame.id() {
+        Id::Standard { raw: id, .. } => u32::from(id) << 21 | remote << 20,
+        Id::Extended { raw: id, .. } => (id >> 18) << 21 | 0b11 << 19 | (id & 0x3_ffff) << 1 | remote,
+    }
+}
+
+/// The part of a frame that is stuffed, start of frame to CRC, before stuffing. At most 118 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WireBits {
+    /// Right-aligned: the last bit sent is bit 0.
+    bits: u128,
+    length: u8,
+}
+
+impl WireBits {
+    /// Lays the frame out, dominant = 0.
+    pub fn new(frame: &Frame) -> Self {
+        let mut wire = Self { bits: 0, length: 0 };
+        let remote = u128::from(frame.is_remote());
+        wire.push(0, 1);
+        match frame.id() {
+            Id::Standard { raw: id, .. } => {
+                wire.push(u128::from(id), 11);
+                // RTR, IDE, r0.
+                wire.push(remote << 2, 3);
+            }
+            Id::Extended { raw: id, .. } => {
+                wire.push(u128::from(id >> 18), 11);
+                // SRR, IDE.
+                wire.push(0b11, 2);
+                wire.push(u128::from(id & 0x3_ffff), 18);
+                // RTR, r1, r0.
+                wire.push(remote << 2, 3);
+            }
+        }
+        wire.push(u128::from(frame.dlc()), 4);
+        for byte in frame.payload() {
+            wire.push(u128::from(*byte), 8);
+        }
+        wire.push(u128::from(wire.crc15()), 15);
+        wire
+    }
+
+    /// The CRC-15 of all bits so far; 0 once the CRC itself is among them.
+    pub fn crc15(&self) -> u16 {
+        self.unstuffed().fold(0, |crc, bit| {
+            let feedback = bit ^ (crc & 0x4000 != 0);
+            let shifted = crc << 1 & 0x7fff;
+            if feedback { shifted ^ CRC15 } else { shifted }
+        })
+    }
+
+    /// The bits before stuffing, in the order sent, true = recessive.
+    pub fn unstuffed(&self) -> impl Iterator<Item = bool> + use<> {
+        let bits = self.bits;
+        (0..self.length).rev().map(move |place| bits >> place & 1 == 1)
+    }
+
+    /// All bits of the frame in the order sent, true = recessive: stuffed to the CRC, then delimiters, an
+    /// acknowledge slot that a receiver has made dominant, and end of frame. Without intermission.
+    pub fn on_wire(&self) -> impl Iterator<Item = bool> + use<> {
+        let tail = [true, false, true].into_iter().chain([true; 7]);
+        Stuffed { bits: self.unstuffed(), run: Run::default(), held: None }.chain(tail)
+    }
+
+    /// How many stuff bits it takes.
+    pub fn stuff_bits(&self) -> u32 {
+        let mut run = Run::default();
+        self.unstuffed().filter(|bit| run.needs_stuffing(*bit)).count() as u32
+    }
+
+    fn push(&mut self, value: u128, width: u8) {
+        self.bits = self.bits << width | value;
+        self.length += width;
+    }
+}
+
+/// Counts equal bits in a row, stuff bits among them.
+#[derive(Default)]
+struct Run {
+    level: bool,
+    length: u8,
+}
+
+impl Run {
+    /// Takes a bit in; true when a bit of the other level must follow, which it then counts too.
+    fn needs_stuffing(&mut self, bit: bool) -> bool {
+        self.length = if bit == self.level { self.length + 1 } else { 1 };
+        self.level = bit;
+        let full = self.length == 5;
+        if full {
+            (self.level, self.length) = (!bit, 1);
+        }
+        full
+    }
+}
+
+/// Inserts stuff bits.
+struct Stuffed<I> {
+    bits: I,
+    run: Run,
+    held: Option<bool>,
+}
+
+impl<I: Iterator<Item = bool>> Iterator for Stuffed<I> {
+    type Item = bool;
+
+    fn next(&mut self) -> Option<bool> {
+        if let Some(stuff) = self.held.take() {
+            return Some(stuff);
+        }
+        let bit = self.bits.next()?;
+        if self.run.needs_stuffing(bit) {
+            self.held = Some(!bit);
+        }
+        Some(bit)
+    }
+}

@@ -1,0 +1,8 @@
+//! Recordings: what is written is read back, what was damaged is never believed, and what runs again is the same.
+
+mod corruption;
+mod digest;
+mod format;
+mod replay;
+mod round_trip;
+mod support;

@@ -1,0 +1,113 @@
+//! Replay against a stand-in for the drive that answers with what it has seen so far.
+
+use super::support::{Growing, Noise, turning};
+use narx_core::motor::event::{Event, Status};
+use narx_core::motor::{PwmCommand, Samples};
+use narx_core::recording::{
+    BEHAVIOUR_VERSION, Header, Outcome, Recorder, Recording, ReplayError, Replayable, replay, replay_with,
+};
+use serde::{Deserialize, Serialize};
+
+/// Adds up its inputs; reports every tenth tick.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Accumulator {
+    sum: u16,
+    steps: u64,
+}
+
+impl Replayable for Accumulator {
+    fn handle_event(&mut self, _: Event) {
+        self.sum = self.sum.wrapping_mul(3);
+    }
+    fn step(&mut self, samples: &Samples) -> PwmCommand {
+        self.sum = self.sum.wrapping_add(samples.phase_voltage[0]).wrapping_add(u16::from(samples.hall));
+        self.steps += 1;
+        PwmCommand { sample_at: self.sum, ..PwmCommand::default() }
+    }
+    fn poll_status(&mut self) -> Option<Status> {
+        self.steps.is_multiple_of(10).then(|| Status { tick: self.steps, ..Status::default() })
+    }
+}
+
+fn recorded(behaviour_version: u16) -> Vec<u8> {
+    let mut drive = Accumulator { sum: 77, steps: 5 };
+    let mut state = [0; 32];
+    let state = postcard::to_slice(&drive, &mut state).unwrap();
+    let header = Header { behaviour_version, ..Header::drive(10_000, "accumulator") };
+    let mut recorder = Recorder::new(Growing::default(), &header, state).unwrap();
+    for tick in turning(500, &mut Noise(5)) {
+        if let Some(event) = tick.event.clone() {
+            drive.handle_event(event);
+        }
+        let command = drive.step(&tick.samples);
+        let status = drive.poll_status();
+        recorder.record(tick.event.as_ref(), &tick.samples, &command, status.as_ref()).unwrap();
+    }
+    recorder.finish().unwrap().0
+}
+
+#[test]
+fn the_same_drive_answers_the_same() {
+    let file = recorded(BEHAVIOUR_VERSION);
+    let recording = Recording::open(&file).unwrap();
+    let outcome = replay::<Accumulator>(&recording).unwrap();
+    assert!(outcome.is_identical());
+    assert_eq!((outcome.ticks, outcome.other_behaviour), (500, None));
+    let mut seen = Vec::new();
+    replay_with::<Accumulator>(&recording, |drive, samples, command| {
+        seen.push((drive.steps, samples.tick, command.sample_at));
+    })
+    .unwrap();
+    assert_eq!(seen.len(), 500);
+    assert_eq!((seen[0].0, seen[0].1), (6, 1_000));
+}
+
+#[test]
+fn another_drive_does_not() {
+    /// Forgets the events.
+    #[derive(Deserialize)]
+    struct Deaf(Accumulator);
+    impl Replayable for Deaf {
+        fn handle_event(&mut self, _: Event) {}
+        fn step(&mut self, samples: &Samples) -> PwmCommand {
+            self.0.step(samples)
+        }
+        fn poll_status(&mut self) -> Option<Status> {
+            self.0.poll_status()
+        }
+    }
+    let file = recorded(BEHAVIOUR_VERSION);
+    assert!(!replay::<Deaf>(&Recording::open(&file).unwrap()).unwrap().is_identical());
+}
+
+#[test]
+fn another_behaviour_is_a_warning() {
+    let file = recorded(BEHAVIOUR_VERSION + 1);
+    let outcome = replay::<Accumulator>(&Recording::open(&file).unwrap()).unwrap();
+    assert!(
+        matches!(outcome, Outcome { other_behaviour: Some(version), .. } if version == BEHAVIOUR_VERSION + 1)
+    );
+    assert!(outcome.is_identical());
+}
+
+#[test]
+fn damage_and_foreign_states_are_errors() {
+    /// Needs more state than the recording holds.
+    #[derive(Deserialize)]
+    struct Foreign(Accumulator, #[expect(dead_code, reason = "only its size matters")] [u64; 9]);
+    impl Replayable for Foreign {
+        fn handle_event(&mut self, _: Event) {}
+        fn step(&mut self, samples: &Samples) -> PwmCommand {
+            self.0.step(samples)
+        }
+        fn poll_status(&mut self) -> Option<Status> {
+            None
+        }
+    }
+    let mut file = recorded(BEHAVIOUR_VERSION);
+    assert_eq!(replay::<Foreign>(&Recording::open(&file).unwrap()).unwrap_err(), ReplayError::State);
+    let middle = file.len() / 2;
+    file[middle] ^= 1;
+    let error = replay::<Accumulator>(&Recording::open(&file).unwrap()).unwrap_err();
+    assert!(matches!(error, ReplayError::Read(_)));
+}
