@@ -11,9 +11,9 @@ pub fn line(time_ns: u64, channel: &str, frame: &Frame) -> String {
     let mut line = format!("({}.{:06}) {channel} {}#", micros / 1_000_000, micros % 1_000_000, frame.id());
     // Writing to a string cannot fail.
     if frame.is_remote() {
-        let _ = write!(line, "R{}", frame.length());
+        let _ = write!(line, "R{}", frame.dlc());
     }
-    for byte in frame.data() {
+    for byte in frame.payload() {
         let _ = write!(line, "{byte:02X}");
     }
     line

@@ -12,7 +12,7 @@ pub trait Replayable {
     /// One control tick.
     fn step(&mut self, samples: &Samples) -> PwmCommand;
     /// The status, if this tick reported one.
-    fn take_status(&mut self) -> Option<Status>;
+    fn poll_status(&mut self) -> Option<Status>;
 }
 
 impl Replayable for Drive {
@@ -22,8 +22,8 @@ impl Replayable for Drive {
     fn step(&mut self, samples: &Samples) -> PwmCommand {
         self.step(samples)
     }
-    fn take_status(&mut self) -> Option<Status> {
-        self.take_status()
+    fn poll_status(&mut self) -> Option<Status> {
+        self.poll_status()
     }
 }
 
@@ -69,7 +69,7 @@ pub fn replay_with<D: Replayable + DeserializeOwned>(
             drive.handle_event(event);
         }
         let command = drive.step(&tick.samples);
-        digest.update(&command, drive.take_status().as_ref());
+        digest.update(&command, drive.poll_status().as_ref());
         observe(&drive, &tick.samples, &command);
     }
     let end = match ticks.end() {
