@@ -103,7 +103,8 @@ impl Drive {
 
     /// One control tick.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
-        let measured = self.measurement.step(&self.coefficients.measurement, samples);
+        let idle = self.machine.state() == State::Initialization;
+        let measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
         let hall = self.rotor.step(&self.coefficients, samples);
         let critical = self.protect(samples, &measured, hall);
         self.advance_state(critical, samples);
@@ -191,7 +192,7 @@ impl Drive {
             State::Standby if change.row.from == State::Fault => self.protection.acknowledge(),
             State::RotorLock => {
                 self.lock = Ramp::default();
-                self.control.start(&c.control, 0, true);
+                self.control.start(&c.control, 0);
                 if self.machine.calibrating() {
                     self.calibration = HallCalibration::Running;
                 }
@@ -204,12 +205,12 @@ impl Drive {
                     self.rotor.start_open_loop(if locked { LOCKED_AT } else { 0 }, direction);
                 }
                 if !locked {
-                    self.control.start(&c.control, 0, true);
+                    self.control.start(&c.control, 0);
                 }
             }
             State::HallClosedLoop => {
                 let speed = self.rotor.hall_speed(c).to_bits().saturating_mul(direction.sign());
-                self.control.start(&c.control, speed.max(0), false);
+                self.control.start(&c.control, speed.max(0));
             }
             _ => {}
         }
