@@ -205,7 +205,7 @@ impl Control {
         own: Limiter,
         measured: &Measured,
     ) -> (i32, Limiter) {
-        let (bound, limiter) = self.limit.bound(&c.limits, self.output.duty.to_bits().max(c.duty_min));
+        let (bound, limiter) = self.limit.bound(self.output.duty.to_bits().max(c.duty_min));
         let current = measured.bus_current.to_bits();
         let ceiling = measured.bus_voltage.to_bits().max(0);
         let most = self.current.step(&c.current, bound.saturating_sub(current), 0, ceiling);

@@ -33,6 +33,8 @@ const POWER_STEP: i32 = (48 << 16) + (1 << 15);
 pub struct CurrentLimit {
     ramp: Ramp,
     bound: i32,
+    /// What temperature leaves of the phase current bound, raw I16F16 A.
+    phase: i32,
     limiter: Limiter,
 }
 
@@ -41,6 +43,7 @@ impl CurrentLimit {
     pub fn start(&mut self, c: &LimitCoefficients) {
         self.ramp.set(c.soft_start);
         (self.bound, self.limiter) = (c.soft_start, Limiter::Current);
+        self.phase = c.phase_current;
     }
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
@@ -54,10 +57,12 @@ impl CurrentLimit {
         if power < self.bound {
             (self.bound, self.limiter) = (power, Limiter::Power);
         }
+        self.phase = c.phase_current;
         let excess = temperature.to_bits().saturating_sub(c.derating_start);
         if excess > 0 {
             let left = (1_i64 << 16).saturating_sub(c.derating.apply(excess)).max(0);
             self.bound = ((self.bound as i64 * left) >> 16) as i32;
+            self.phase = ((self.phase as i64 * left) >> 16) as i32;
             self.limiter = Limiter::Temperature;
         }
     }
@@ -65,8 +70,8 @@ impl CurrentLimit {
     /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase current times the
     /// duty, so the phase bound is that much smaller here.
     #[inline]
-    pub fn bound(&self, c: &LimitCoefficients, duty: u16) -> (i32, Limiter) {
-        let phase = ((c.phase_current as i64 * duty as i64) >> 15) as i32;
+    pub fn bound(&self, duty: u16) -> (i32, Limiter) {
+        let phase = ((self.phase as i64 * duty as i64) >> 15) as i32;
         if phase < self.bound { (phase, Limiter::PhaseCurrent) } else { (self.bound, self.limiter) }
     }
 }
