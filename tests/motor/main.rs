@@ -1,4 +1,7 @@
 //! Evidence for the control core, through its public surfaces.
 
+mod arithmetic;
+mod commutation;
+mod limits;
 mod machine_search;
 mod transition_table;
