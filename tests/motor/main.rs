@@ -4,4 +4,6 @@ mod arithmetic;
 mod commutation;
 mod limits;
 mod machine_search;
+mod protection;
+mod support;
 mod transition_table;
