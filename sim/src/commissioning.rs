@@ -83,7 +83,10 @@ impl fmt::Display for Note {
                 "mean phase current is limited to {current:.1} A: the ripple of {ripple:.1} A must stay below the 12 A peak"
             ),
             Self::SpeedForTick { speed } => {
-                write!(f, "speed is limited to {speed:.0} rpm: faster, a sector has less than two control ticks")
+                write!(
+                    f,
+                    "speed is limited to {speed:.0} rpm: faster, a sector has less than two control ticks"
+                )
             }
         }
     }
@@ -294,7 +297,8 @@ impl Design {
         if !(speed_max > speed_min) {
             return Err(CommissioningError::TooSlow { speed_max, speed_min });
         }
-        let start_current = fmin(fmin(CONTINUOUS, phase_current), 0.8 * duty_max * plate.supply / m.resistance);
+        let start_current =
+            fmin(fmin(CONTINUOUS, phase_current), 0.8 * duty_max * plate.supply / m.resistance);
         // A third of the rated torque accelerates, and full speed takes 0.4 s at least.
         let acceleration = m.torque_constant * needed / m.inertia / 3.0 * 60.0 / TWO_PI;
         let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), 32_767.0);
