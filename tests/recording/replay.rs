@@ -24,7 +24,7 @@ impl Replayable for Accumulator {
         self.steps += 1;
         PwmCommand { sample_at: self.sum, ..PwmCommand::default() }
     }
-    fn take_status(&mut self) -> Option<Status> {
+    fn poll_status(&mut self) -> Option<Status> {
         self.steps.is_multiple_of(10).then(|| Status { tick: self.steps, ..Status::default() })
     }
 }
@@ -40,7 +40,7 @@ fn recorded(behaviour_version: u16) -> Vec<u8> {
             drive.handle_event(event);
         }
         let command = drive.step(&tick.samples);
-        let status = drive.take_status();
+        let status = drive.poll_status();
         recorder.record(tick.event.as_ref(), &tick.samples, &command, status.as_ref()).unwrap();
     }
     recorder.finish().unwrap().0
@@ -77,7 +77,7 @@ fn the_real_drive() {
             drive.handle_event(event);
         }
         let command = drive.step(&tick.samples);
-        recorder.record(tick.event.as_ref(), &tick.samples, &command, drive.take_status().as_ref()).unwrap();
+        recorder.record(tick.event.as_ref(), &tick.samples, &command, drive.poll_status().as_ref()).unwrap();
     }
     let file = recorder.finish().unwrap().0;
     let mut last = None;
@@ -100,8 +100,8 @@ fn another_drive_does_not() {
         fn step(&mut self, samples: &Samples) -> PwmCommand {
             self.0.step(samples)
         }
-        fn take_status(&mut self) -> Option<Status> {
-            self.0.take_status()
+        fn poll_status(&mut self) -> Option<Status> {
+            self.0.poll_status()
         }
     }
     let file = recorded(BEHAVIOUR_VERSION);
@@ -128,7 +128,7 @@ fn damage_and_foreign_states_are_errors() {
         fn step(&mut self, samples: &Samples) -> PwmCommand {
             self.0.step(samples)
         }
-        fn take_status(&mut self) -> Option<Status> {
+        fn poll_status(&mut self) -> Option<Status> {
             None
         }
     }

@@ -146,7 +146,7 @@ pub(super) const OWN: [Parameter; 30] = [
         .read_only()
         .about(
             "What bounds the duty: 0 bridge off, 1 fixed level, 2 speed loop, 3 bus current, 4 phase current, 5 \
-             power, 6 temperature, 7 maximum duty, 8 slew.",
+             power, 6 temperature, 7 maximum duty, 8 slew, 9 no return into the bus.",
         ),
     Parameter::new(number::HALL_INTERPOLATION_SPEED, "Hall interpolation speed", Control, I32)
         .unit("rpm", 0)

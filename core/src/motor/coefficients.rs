@@ -379,6 +379,7 @@ impl Builder<'_> {
         let ticks_per_ms = self.ticks(1).min(u16::MAX as u32) as u16;
         let duty_of_ns = |ns: i128| (ns * self.rate() * 32_768 / 1_000_000_000).clamp(0, 1 << 14) as u16;
         let (kp, ki) = (number::HV_CURRENT_KP, number::HV_CURRENT_KI);
+        let emf = number::BACK_EMF_CONSTANT;
         let (hot, warm) = (number::OVER_TEMPERATURE, number::TEMPERATURE_WARNING);
         let degrees = (self.quantity(hot) as i128 - self.quantity(warm) as i128).max(1);
         Ok(ControlCoefficients {
@@ -402,6 +403,7 @@ impl Builder<'_> {
             dead_time: duty_of_ns(self.board.dead_time_ns as i128),
             bus_guard: self.quantity(number::OVER_VOLTAGE) - BUS_GUARD,
             initial_voltage: self.nominal_share(number::INITIAL_DUTY),
+            back_emf: self.gain(emf, self.raw(emf) * 60, 1_000_000 * self.pole_pairs())?,
         })
     }
 

@@ -1,6 +1,7 @@
 //! From a demand (a level or a speed) to duty and rectification: speed loop, current limit, the smaller wins, volts to duty.
 
 use super::event::Limiter;
+use super::gain::Gain;
 use super::limits::{CurrentLimit, LimitCoefficients};
 use super::measurement::{Measured, Measurement};
 use super::pi::{Pi, PiGains};
@@ -30,6 +31,8 @@ pub struct ControlCoefficients {
     pub bus_guard: i32,
     /// First voltage in closed loop (parameter 84).
     pub initial_voltage: i32,
+    /// Back-EMF per electrical rev/s (parameter 267); 0 unknown.
+    pub back_emf: Gain,
 }
 
 /// What the state asks of the bridge.
@@ -73,31 +76,44 @@ pub struct Output {
 pub struct Control {
     speed: Pi,
     current: Pi,
+    return_current: Pi,
     setpoint: Ramp,
     limit: CurrentLimit,
     /// Output of the speed loop, held between milliseconds.
     speed_voltage: i32,
     millisecond: u16,
+    /// The last tick was synchronous.
+    synchronous: bool,
     output: Output,
 }
 
-/// 50 mA: bus current beyond which it is clearly forward or clearly backward.
-const CLEAR_CURRENT: i32 = (1 << 16) / 20;
-/// A duty that falls faster than this a tick may leave the current behind: 0.4 %.
-const FALLING: u16 = 128;
+/// Mean bus current that may flow back: 80 mA, above the converter's noise and below what lifts the bus noticeably.
+const RETURN: i32 = -(1 << 16) * 8 / 100;
+/// Mean bus current beyond which diodes take over: -0.3 A.
+const REGENERATING: i32 = -(1 << 16) * 3 / 10;
+/// Mean bus current that is clearly forward: 50 mA.
+const MOTORING: i32 = (1 << 16) / 20;
 
 impl Control {
-    /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already.
-    pub fn start(&mut self, c: &ControlCoefficients, speed: i32, synchronous: bool) {
+    /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already:
+    /// that one is caught with diodes, where no voltage is too small.
+    pub fn start(&mut self, c: &ControlCoefficients, speed: i32) {
         *self = Self::default();
         self.limit.start(&c.limits);
         self.setpoint.set(speed);
-        self.speed.track(c.initial_voltage);
-        self.current.track(c.initial_voltage);
-        self.speed_voltage = c.initial_voltage;
-        if synchronous {
+        self.take_over(c.initial_voltage);
+        if speed == 0 {
+            self.synchronous = true;
             self.output.rectification = Rectification::Synchronous;
         }
+    }
+
+    /// Every controller continues from `voltage`.
+    fn take_over(&mut self, voltage: i32) {
+        self.speed.track(voltage);
+        self.current.track(voltage);
+        self.return_current.track(voltage);
+        self.speed_voltage = voltage;
     }
 
     /// One tick.
@@ -121,6 +137,7 @@ impl Control {
             }
             Demand::Voltage { voltage, duty_max } => (voltage, duty_max),
             Demand::Speed { gains, target, measured: speed, duty_max } => {
+                self.leave_diodes(c, speed);
                 if due {
                     let ceiling = share(measured.bus_voltage.to_bits(), duty_max);
                     let setpoint = self.advance_setpoint(c, target, speed);
@@ -134,6 +151,19 @@ impl Control {
         let (voltage, limiter) = self.limit_current(c, wanted, own, measured);
         self.apply(c, measurement.duty(voltage), duty_max, limiter, measured);
         self.output
+    }
+
+    /// With diodes the light-load current is discontinuous, and a voltage below back-EMF holds the speed. Before the
+    /// switches take over, the controllers must stand at back-EMF, or the motor would brake.
+    fn leave_diodes(&mut self, c: &ControlCoefficients, speed: i32) {
+        let synchronous = self.output.rectification == Rectification::Synchronous;
+        if synchronous && !core::mem::replace(&mut self.synchronous, synchronous) {
+            let back_emf = c.back_emf.apply32(speed);
+            if back_emf > self.speed_voltage {
+                self.take_over(back_emf);
+            }
+        }
+        self.synchronous = synchronous;
     }
 
     /// Set-point after its ramp, raw I16F16 electrical rev/s, a magnitude.
@@ -166,7 +196,8 @@ impl Control {
         self.setpoint.step(target, c.speed_rate)
     }
 
-    /// The smaller of the wanted voltage and what the current limiter allows. The loser follows the winner.
+    /// The wanted voltage, but no more than the current limiter allows and no less than keeps the motor from feeding the
+    /// bus. The losers follow the winner.
     fn limit_current(
         &mut self,
         c: &ControlCoefficients,
@@ -175,15 +206,30 @@ impl Control {
         measured: &Measured,
     ) -> (i32, Limiter) {
         let (bound, limiter) = self.limit.bound(&c.limits, self.output.duty.to_bits().max(c.duty_min));
-        let error = bound.saturating_sub(measured.bus_current.to_bits());
-        let allowed = self.current.step(&c.current, error, 0, measured.bus_voltage.to_bits().max(0));
-        if allowed < wanted {
-            self.speed.track(allowed);
-            (allowed, limiter)
+        let current = measured.bus_current.to_bits();
+        let ceiling = measured.bus_voltage.to_bits().max(0);
+        let most = self.current.step(&c.current, bound.saturating_sub(current), 0, ceiling);
+        // Filtered: the winding's energy comes back in a pulse at every commutation, and that is no braking.
+        let returned = RETURN.saturating_sub(measured.bus_current_filtered.to_bits());
+        let least = self.return_current.step(&c.current, returned, 0, ceiling);
+        let (voltage, limiter) = if most < wanted {
+            (most, limiter)
+        } else if least > wanted {
+            (least, Limiter::Return)
         } else {
-            self.current.track(wanted);
             (wanted, own)
+        };
+        match limiter {
+            Limiter::Speed | Limiter::Fixed => {}
+            _ => self.speed.track(voltage),
         }
+        if limiter != Limiter::Return {
+            self.return_current.track(voltage);
+        }
+        if most >= wanted {
+            self.current.track(voltage);
+        }
+        (voltage, limiter)
     }
 
     fn apply(
@@ -206,17 +252,16 @@ impl Control {
         if slewed != next {
             (next, limiter) = (slewed, Limiter::Slew);
         }
-        let falling = next.saturating_add(FALLING) < before;
-        let rectification = self.rectification(c, measured, falling);
+        let rectification = self.rectification(c, measured);
         self.output = Output { duty: Duty::from_bits(next), rectification, limiter };
     }
 
-    /// Synchronous only while the bus clearly feeds the motor: current in a diode cannot reverse, in a switch it can.
-    fn rectification(&self, c: &ControlCoefficients, measured: &Measured, falling: bool) -> Rectification {
+    /// Diodes take over while the bus is fed in earnest or stands near its limit: current in a diode cannot reverse.
+    fn rectification(&self, c: &ControlCoefficients, measured: &Measured) -> Rectification {
         let current = measured.bus_current_filtered.to_bits();
-        if falling || measured.bus_voltage.to_bits() > c.bus_guard || current < -CLEAR_CURRENT {
+        if measured.bus_voltage.to_bits() > c.bus_guard || current < REGENERATING {
             Rectification::Diode
-        } else if current > CLEAR_CURRENT {
+        } else if current > MOTORING {
             Rectification::Synchronous
         } else {
             self.output.rectification

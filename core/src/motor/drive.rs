@@ -1,7 +1,7 @@
 //! The control tick: samples in, PWM command out, one straight line.
 
 use super::coefficients::Coefficients;
-use super::commutation::{Direction, Step};
+use super::commutation::Step;
 use super::commutator::Commutator;
 use super::control::{Control, Demand};
 use super::event::{Event, HallCalibration, Health, Limiter, SlowMeasurements, Status};
@@ -16,14 +16,9 @@ use super::ramp::Ramp;
 use super::rotor::Rotor;
 use super::samples::{SampleMode, Samples};
 use super::state::State;
-use crate::units::{Amps, ElectricalAngle, ElectricalSpeed, Volts, Watts};
+use crate::recording::Replayable;
+use crate::units::{Amps, Duty, ElectricalAngle, ElectricalSpeed, Volts, Watts};
 use serde::{Deserialize, Serialize};
-
-/// Layout of the serialised [`Drive`]; changes with any field.
-pub const LAYOUT_VERSION: u16 = 1;
-
-/// Answers of this firmware to the same inputs; changes when a controller does.
-pub const BEHAVIOUR_VERSION: u16 = 1;
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -108,7 +103,8 @@ impl Drive {
 
     /// One control tick.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
-        let measured = self.measurement.step(&self.coefficients.measurement, samples);
+        let idle = self.machine.state() == State::Initialization;
+        let measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
         let hall = self.rotor.step(&self.coefficients, samples);
         let critical = self.protect(samples, &measured, hall);
         self.advance_state(critical, samples);
@@ -126,7 +122,7 @@ impl Drive {
     }
 
     /// The report of the last tick, if one is due: every millisecond, and when state or fault word change.
-    pub fn take_status(&mut self) -> Option<Status> {
+    pub fn poll_status(&mut self) -> Option<Status> {
         self.status.take()
     }
 
@@ -196,7 +192,7 @@ impl Drive {
             State::Standby if change.row.from == State::Fault => self.protection.acknowledge(),
             State::RotorLock => {
                 self.lock = Ramp::default();
-                self.control.start(&c.control, 0, true);
+                self.control.start(&c.control, 0);
                 if self.machine.calibrating() {
                     self.calibration = HallCalibration::Running;
                 }
@@ -209,12 +205,12 @@ impl Drive {
                     self.rotor.start_open_loop(if locked { LOCKED_AT } else { 0 }, direction);
                 }
                 if !locked {
-                    self.control.start(&c.control, 0, true);
+                    self.control.start(&c.control, 0);
                 }
             }
             State::HallClosedLoop => {
                 let speed = self.rotor.hall_speed(c).to_bits().saturating_mul(direction.sign());
-                self.control.start(&c.control, speed.max(0), false);
+                self.control.start(&c.control, speed.max(0));
             }
             _ => {}
         }
@@ -298,19 +294,14 @@ impl Drive {
     }
 
     /// A duty of 0 leaves the bridge off: with the low side on, a turning motor would brake itself.
-    fn command(
-        &self,
-        pattern: Pattern,
-        duty: crate::units::Duty,
-        rectification: Rectification,
-    ) -> PwmCommand {
+    fn command(&self, pattern: Pattern, duty: Duty, rectification: Rectification) -> PwmCommand {
         let now = self.applied.duty.to_bits();
         let idle = matches!(pattern.demand, Demand::Off) || (duty.to_bits() == 0 && now == 0);
         let (step, commutations) =
             if idle { (Step::Coast, Commutations::NONE) } else { (pattern.step, pattern.commutations) };
         let (sample_at, sample_mode) = self.sampling(duty.to_bits());
         PwmCommand {
-            duty: if matches!(pattern.demand, Demand::Off) { crate::units::Duty::ZERO } else { duty },
+            duty: if matches!(pattern.demand, Demand::Off) { Duty::ZERO } else { duty },
             rectification,
             sample_at,
             sample_mode,
@@ -386,7 +377,19 @@ impl Drive {
     }
 }
 
+impl Replayable for Drive {
+    fn handle_event(&mut self, event: Event) {
+        Self::handle_event(self, event);
+    }
+
+    fn step(&mut self, samples: &Samples) -> PwmCommand {
+        Self::step(self, samples)
+    }
+
+    fn poll_status(&mut self) -> Option<Status> {
+        Self::poll_status(self)
+    }
+}
+
 /// Where rotor lock leaves the rotor: 180 degrees.
 const LOCKED_AT: u32 = 1 << 31;
-
-const _: () = assert!(matches!(Step::for_sector(0, Direction::Forward), Step::AB));

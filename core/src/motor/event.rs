@@ -157,6 +157,8 @@ pub enum Limiter {
     Duty = 7,
     /// The duty's slew limit.
     Slew = 8,
+    /// The bus must not be fed: the motor coasts.
+    Return = 9,
 }
 
 /// Outcome of a hall calibration.

@@ -2,7 +2,7 @@
 
 use super::{Digest, Recording, ReplayError};
 use crate::motor::event::{Event, Status};
-use crate::motor::{Drive, PwmCommand, Samples};
+use crate::motor::{PwmCommand, Samples};
 use serde::de::DeserializeOwned;
 
 /// What can be replayed: the drive, seen as events and samples in, commands and status out.
@@ -12,19 +12,7 @@ pub trait Replayable {
     /// One control tick.
     fn step(&mut self, samples: &Samples) -> PwmCommand;
     /// The status, if this tick reported one.
-    fn take_status(&mut self) -> Option<Status>;
-}
-
-impl Replayable for Drive {
-    fn handle_event(&mut self, event: Event) {
-        self.handle_event(event);
-    }
-    fn step(&mut self, samples: &Samples) -> PwmCommand {
-        self.step(samples)
-    }
-    fn take_status(&mut self) -> Option<Status> {
-        self.take_status()
-    }
+    fn poll_status(&mut self) -> Option<Status>;
 }
 
 /// What a replay found.
@@ -69,7 +57,7 @@ pub fn replay_with<D: Replayable + DeserializeOwned>(
             drive.handle_event(event);
         }
         let command = drive.step(&tick.samples);
-        digest.update(&command, drive.take_status().as_ref());
+        digest.update(&command, drive.poll_status().as_ref());
         observe(&drive, &tick.samples, &command);
     }
     let end = match ticks.end() {

@@ -1,0 +1,324 @@
+//! Commissioning: from a motor's data sheet and the supply to a full parameter set, by design rules.
+//!
+//! Everything here works from nominal data, as an engineer with the data sheet would; it never looks at the plant. R, L and k are
+//! line to line in the DC (six-step) convention: `V = R I + k w`, `T = k I`.
+
+use core::fmt;
+use heapless::Vec;
+use libm::{fmax, fmin, round, sqrt};
+use narx_core::dictionary::{ParameterError, Parameters, number};
+use narx_core::motor::Board;
+
+use crate::plant::MotorConfig;
+
+/// Which control mode to enable (Table 6).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Hall closed loop.
+    Hall,
+    /// Sensorless closed loop, through open loop.
+    Sensorless,
+    /// Open loop only.
+    OpenLoop,
+}
+
+/// What a motor's user knows of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Nameplate {
+    /// The motor's data.
+    pub motor: MotorConfig,
+    /// Rated DC current, A; without it the drive's own 6 A are assumed.
+    pub rated_current: Option<f64>,
+    /// Supply voltage, V.
+    pub supply: f64,
+}
+
+/// A parameter set and what the drive's limits made of the motor.
+#[derive(Clone, Debug)]
+pub struct Commissioning {
+    /// Factory values with the motor's own written over them.
+    pub parameters: Parameters,
+    /// Where a limit of the drive holds the motor back.
+    pub notes: Vec<Note, 4>,
+    /// Largest set-point, mechanical rpm.
+    pub speed_max: f64,
+    /// Smallest set-point, mechanical rpm.
+    pub speed_min: f64,
+}
+
+/// A limit of the drive that holds the motor back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Note {
+    /// Current ripple leaves room for less than full duty below the 12 A peak (Table 1).
+    DutyForRipple {
+        /// Largest duty, 0 to 1.
+        duty: f64,
+        /// Ripple there, A peak to peak.
+        ripple: f64,
+    },
+    /// Current ripple leaves less mean phase current below the 12 A peak.
+    CurrentForRipple {
+        /// Largest mean phase current, A.
+        current: f64,
+        /// Largest ripple, A peak to peak.
+        ripple: f64,
+    },
+    /// Two control ticks no longer fit a sector above this speed.
+    SpeedForTick {
+        /// Mechanical rpm.
+        speed: f64,
+    },
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DutyForRipple { duty, ripple } => write!(
+                f,
+                "duty is limited to {:.1} %: the current ripple of {ripple:.1} A there leaves no more below the 12 A peak",
+                duty * 100.0
+            ),
+            Self::CurrentForRipple { current, ripple } => write!(
+                f,
+                "mean phase current is limited to {current:.1} A: the ripple of {ripple:.1} A must stay below the 12 A peak"
+            ),
+            Self::SpeedForTick { speed } => {
+                write!(
+                    f,
+                    "speed is limited to {speed:.0} rpm: faster, a sector has less than two control ticks"
+                )
+            }
+        }
+    }
+}
+
+/// Why a motor cannot be commissioned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CommissioningError {
+    /// The supply is outside the drive's 18 to 60 V (Table 2).
+    Supply(f64),
+    /// A figure of the motor is not a positive number.
+    Motor {
+        /// Which one.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Even the smallest speed lies beyond what supply and limits allow.
+    TooSlow {
+        /// Speed that is left, mechanical rpm.
+        speed_max: f64,
+        /// Smallest speed that commutation needs, mechanical rpm.
+        speed_min: f64,
+    },
+    /// A design rule asks for a value outside a parameter's range.
+    Parameter(ParameterError),
+}
+
+impl From<ParameterError> for CommissioningError {
+    fn from(error: ParameterError) -> Self {
+        Self::Parameter(error)
+    }
+}
+
+impl fmt::Display for CommissioningError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Supply(voltage) => write!(f, "supply voltage {voltage} V is outside 18 to 60 V"),
+            Self::Motor { name, value } => write!(f, "motor {name} {value} must be greater than 0"),
+            Self::TooSlow { speed_max, speed_min } => write!(
+                f,
+                "the drive's limits leave this motor {speed_max:.0} rpm on this supply, less than the {speed_min:.0} rpm it needs"
+            ),
+            Self::Parameter(error) => write!(f, "no fitting value: {error}"),
+        }
+    }
+}
+
+impl core::error::Error for CommissioningError {}
+
+/// Supply range of Table 2, V.
+pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
+/// Peak phase current (Table 1), A.
+const PEAK: f64 = 12.0;
+/// Continuous phase current (Table 2), A.
+const CONTINUOUS: f64 = 6.0;
+/// Electrical revolutions a second of 500 rpm with 4 pole pairs (Table 2).
+const ELECTRICAL_MIN: f64 = 500.0 * 4.0 / 60.0;
+/// Largest duty where ripple allows it.
+const DUTY_MAX: f64 = 0.95;
+/// Bandwidth of the bus current limiter: 200 Hz, rad/s; its delay of 1.5 periods costs 11 degrees there.
+const CURRENT_BANDWIDTH: f64 = 1257.0;
+const TWO_PI: f64 = core::f64::consts::TAU;
+
+impl Nameplate {
+    /// The parameter set for `mode`.
+    ///
+    /// # Errors
+    /// A supply or motor that the drive cannot run, with the value and what would be allowed.
+    pub fn commission(&self, mode: Mode) -> Result<Commissioning, CommissioningError> {
+        self.check()?;
+        let mut notes = Vec::new();
+        let design = Design::new(self, &mut notes)?;
+        let mut parameters = Parameters::new();
+        for (number, value) in [
+            (number::HALL_ENABLE, f64::from(u8::from(mode == Mode::Hall))),
+            (number::SENSORLESS_ENABLE, f64::from(u8::from(mode == Mode::Sensorless))),
+            (number::OPEN_LOOP_ENABLE, f64::from(u8::from(mode == Mode::OpenLoop))),
+        ] {
+            write(&mut parameters, number, value)?;
+        }
+        self.write_motor(&mut parameters)?;
+        self.write_limits(&design, &mut parameters)?;
+        self.write_gains(&design, &mut parameters)?;
+        self.write_start(&design, &mut parameters)?;
+        Ok(Commissioning { parameters, notes, speed_max: design.speed_max, speed_min: design.speed_min })
+    }
+
+    fn check(&self) -> Result<(), CommissioningError> {
+        if !SUPPLY.contains(&self.supply) {
+            return Err(CommissioningError::Supply(self.supply));
+        }
+        let m = &self.motor;
+        let figures = [
+            ("resistance", m.resistance),
+            ("inductance", m.inductance),
+            ("torque constant", m.torque_constant),
+            ("inertia", m.inertia),
+            ("pole pairs", f64::from(m.pole_pairs)),
+        ];
+        match figures.into_iter().find(|(_, value)| !(*value > 0.0)) {
+            Some((name, value)) => Err(CommissioningError::Motor { name, value }),
+            None => Ok(()),
+        }
+    }
+
+    fn write_motor(&self, p: &mut Parameters) -> Result<(), CommissioningError> {
+        let m = &self.motor;
+        write(p, number::MOTOR_POLE_PAIRS, f64::from(m.pole_pairs))?;
+        write(p, number::NOMINAL_SUPPLY, self.supply)?;
+        write(p, number::BACK_EMF_CONSTANT, m.torque_constant * TWO_PI / 60.0)?;
+        write(p, number::WINDING_RESISTANCE, m.resistance)?;
+        write(p, number::WINDING_INDUCTANCE, m.inductance)
+    }
+
+    fn write_limits(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
+        for (low, high) in
+            [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
+        {
+            write(p, low, d.speed_min)?;
+            write(p, high, d.speed_max)?;
+        }
+        for duty in [number::DUTY_MAX, number::DUTY_MAX_SL] {
+            write(p, duty, d.duty_max * 100.0)?;
+        }
+        write(p, number::PHASE_CURRENT_MAX, d.phase_current)?;
+        write(p, number::SPEED_RATE, d.speed_rate)?;
+        write(p, number::HALL_INTERPOLATION_SPEED, d.speed_min / 4.0)
+    }
+
+    /// Speed loop. From voltage to speed the motor is `(1 / k) / (tau s + 1)`, `tau = J R / k^2`. The controller
+    /// `wc k (tau s + 1) / s` leaves the open loop `wc / s`: Kp = wc k tau = wc J R / k, Ki = wc k. The
+    /// bandwidth wc is what the speed measurement allows at the slowest speed: it averages a revolution of T, a delay of
+    /// T / 2, and wc T / 2 = 0.35 keeps 70 degrees of phase.
+    fn write_gains(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
+        let m = &self.motor;
+        let bandwidth = 0.7 * ELECTRICAL_MIN;
+        let kp = bandwidth * m.inertia * m.resistance / m.torque_constant;
+        let ki = bandwidth * m.torque_constant;
+        write(p, number::SPEED_KP_SL, kp)?;
+        write(p, number::SPEED_KI_SL, ki)?;
+        write(p, number::SPEED_KP_HES, kp * TWO_PI / 60.0)?;
+        write(p, number::SPEED_KI_HES, ki * TWO_PI / 60.0)?;
+        // Current limiter: the winding is 1 / (R + L s), and pole-zero cancellation gives Kp = wc L, Ki = wc R.
+        write(p, number::HV_CURRENT_KP, CURRENT_BANDWIDTH * m.inductance)?;
+        write(p, number::HV_CURRENT_KI, CURRENT_BANDWIDTH * m.resistance)?;
+        write(p, number::HV_CURRENT_SOFT_START, fmin(3.0, d.phase_current))
+    }
+
+    /// Rotor lock and open loop: levels from resistance and current, times from inertia.
+    fn write_start(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
+        let m = &self.motor;
+        // A lock leads through one phase and two in parallel: three quarters of the line-to-line resistance.
+        let lock = 0.75 * m.resistance * d.start_current;
+        let speed = d.speed_min * TWO_PI / 60.0;
+        let level = m.resistance * d.start_current + m.torque_constant * speed;
+        let per_cent = |voltage: f64| fmin(100.0 * voltage / self.supply, d.duty_max * 100.0);
+        write(p, number::LOCK_DUTY, per_cent(lock))?;
+        write(p, number::OPEN_LOOP_DUTY, per_cent(level))?;
+        write(p, number::OPEN_LOOP_SPEED, d.speed_min)?;
+        // A held rotor swings with wn = sqrt(p k I / J); five periods let it settle.
+        let torque = m.torque_constant * d.start_current;
+        let swing = TWO_PI / sqrt(f64::from(m.pole_pairs) * torque / m.inertia);
+        write(p, number::LOCK_DURATION, fmax(0.15, 5.0 * swing))?;
+        // A quarter of the torque accelerates; and the ramp is slow against the swing.
+        let ramp = fmax(fmax(4.0 * m.inertia * speed / torque, 8.0 * swing), 0.2);
+        write(p, number::OPEN_LOOP_RAMP, ramp)?;
+        write(p, number::OPEN_LOOP_DURATION, ramp + 0.1)
+    }
+}
+
+/// Figures that several rules share.
+struct Design {
+    duty_max: f64,
+    phase_current: f64,
+    start_current: f64,
+    speed_min: f64,
+    speed_max: f64,
+    speed_rate: f64,
+}
+
+impl Design {
+    fn new(plate: &Nameplate, notes: &mut Vec<Note, 4>) -> Result<Self, CommissioningError> {
+        let m = &plate.motor;
+        let period = 1.0 / f64::from(Board::BENCH.tick_rate);
+        let needed = fmin(plate.rated_current.unwrap_or(CONTINUOUS), CONTINUOUS);
+        // Ripple V D (1 - D) T / L, and mean plus half of it within the peak.
+        let ripple = |duty: f64| plate.supply * duty * (1.0 - duty) * period / m.inductance;
+        let duty_max = duty_within(2.0 * (PEAK - needed) * m.inductance / (plate.supply * period));
+        let widest = ripple(fmin(duty_max, 0.5));
+        let phase_current = fmin(PEAK - widest / 2.0, PEAK);
+        if duty_max < DUTY_MAX {
+            push(notes, Note::DutyForRipple { duty: duty_max, ripple: widest });
+        } else if phase_current < 0.8 * PEAK {
+            push(notes, Note::CurrentForRipple { current: phase_current, ripple: widest });
+        }
+        let poles = f64::from(m.pole_pairs);
+        let speed_min = ELECTRICAL_MIN * 60.0 / poles;
+        let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);
+        // 5 % of the voltage is left to the speed loop.
+        let emf = 0.95 * duty_max * plate.supply - m.resistance * needed;
+        let supply_speed = emf / m.torque_constant * 60.0 / TWO_PI;
+        let speed_max = fmin(fmin(supply_speed, tick_speed), 32_767.0);
+        if tick_speed < supply_speed {
+            push(notes, Note::SpeedForTick { speed: tick_speed });
+        }
+        if !(speed_max > speed_min) {
+            return Err(CommissioningError::TooSlow { speed_max, speed_min });
+        }
+        let start_current =
+            fmin(fmin(CONTINUOUS, phase_current), 0.8 * duty_max * plate.supply / m.resistance);
+        // A third of the rated torque accelerates, and full speed takes 0.4 s at least.
+        let acceleration = m.torque_constant * needed / m.inertia / 3.0 * 60.0 / TWO_PI;
+        let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), 32_767.0);
+        Ok(Self { duty_max, phase_current, start_current, speed_min, speed_max, speed_rate })
+    }
+}
+
+/// The largest duty up to [`DUTY_MAX`] for which no duty below has `D (1 - D)` above `product`.
+fn duty_within(product: f64) -> f64 {
+    if product >= 0.25 { DUTY_MAX } else { 0.5 - sqrt(0.25 - fmax(product, 0.0)) }
+}
+
+fn push(notes: &mut Vec<Note, 4>, note: Note) {
+    // Three kinds of note, room for four.
+    let _ = notes.push(note);
+}
+
+/// Writes an engineering value, rounded to the parameter's resolution.
+fn write(parameters: &mut Parameters, number: u16, value: f64) -> Result<(), CommissioningError> {
+    let exponent = narx_core::dictionary::Dictionary::row(number).map_or(0, |row| row.exponent);
+    let scale = (0..exponent.unsigned_abs()).fold(1.0, |scale, _| scale * 10.0);
+    let raw = round(if exponent < 0 { value * scale } else { value / scale });
+    Ok(parameters.set(number, raw as i32)?)
+}

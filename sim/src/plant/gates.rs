@@ -1,0 +1,154 @@
+//! Gate signals of one period: the on-time is centred on the period's boundary, dead time delays turning on.
+
+use narx_core::motor::{Leg as Role, PwmCommand, Rectification, SampleMode, Step};
+use narx_core::units::Duty;
+
+/// What a leg's gates ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Gate {
+    /// Both switches off.
+    #[default]
+    Off,
+    /// High side on.
+    High,
+    /// Low side on.
+    Low,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Driver {
+    gate: Gate,
+    /// The switch that was on last.
+    last_on: Gate,
+    /// When it turned off, s from the start of this period.
+    off_since: f64,
+    /// Waits for the dead time.
+    waiting: bool,
+}
+
+/// The modulator and the drivers of three legs.
+#[derive(Clone, Debug)]
+pub(crate) struct Gates {
+    step: Step,
+    legs: [Role; 3],
+    switched: bool,
+    rectification: Rectification,
+    period: f64,
+    dead_time: f64,
+    /// The on-time ends here and starts again there, s.
+    on_until: f64,
+    on_from: f64,
+    drivers: [Driver; 3],
+    sample_at: u16,
+    sample_mode: SampleMode,
+}
+
+impl Gates {
+    pub(crate) fn new(period: f64, dead_time: f64) -> Self {
+        let mut gates = Self {
+            step: Step::Coast,
+            legs: Step::Coast.legs(),
+            switched: false,
+            rectification: Rectification::Diode,
+            period,
+            dead_time,
+            on_until: 0.0,
+            on_from: period,
+            drivers: [Driver { off_since: -1.0, ..Driver::default() }; 3],
+            sample_at: 0,
+            sample_mode: SampleMode::OffTime,
+        };
+        gates.set_duty(Duty::ZERO);
+        gates
+    }
+
+    /// When this period's sample is taken, 1/65 536 of the period.
+    pub(crate) fn sample_at(&self) -> u16 {
+        self.sample_at
+    }
+
+    pub(crate) fn sample_mode(&self) -> SampleMode {
+        self.sample_mode
+    }
+
+    pub(crate) fn set_step(&mut self, step: Step) {
+        self.step = step;
+        self.legs = step.legs();
+        self.switched = self.legs.contains(&Role::Switched);
+    }
+
+    pub(crate) fn step(&self) -> Step {
+        self.step
+    }
+
+    /// At the boundary: what the last command asked for takes effect.
+    pub(crate) fn latch(&mut self, command: &PwmCommand) {
+        self.set_duty(command.duty);
+        self.rectification = command.rectification;
+        self.sample_at = command.sample_at;
+        self.sample_mode = command.sample_mode;
+        for driver in &mut self.drivers {
+            driver.off_since -= self.period;
+        }
+    }
+
+    fn set_duty(&mut self, duty: Duty) {
+        let half_on = f64::from(duty.to_bits()) * (0.5 / 32_768.0) * self.period;
+        self.on_until = half_on;
+        self.on_from = if duty == Duty::ONE { half_on } else { self.period - half_on };
+    }
+
+    fn wanted(&self, leg: usize, t: f64) -> Gate {
+        match self.legs[leg] {
+            Role::Floating => Gate::Off,
+            Role::Low => Gate::Low,
+            Role::Switched if t < self.on_until || t >= self.on_from => Gate::High,
+            Role::Switched => match self.rectification {
+                Rectification::Diode => Gate::Off,
+                Rectification::Synchronous => Gate::Low,
+            },
+        }
+    }
+
+    /// The gates from `t` on, s after the start of the period. A `dead` leg stays off.
+    pub(crate) fn at(&mut self, t: f64, dead: &[bool; 3]) -> [Gate; 3] {
+        let mut gates = [Gate::Off; 3];
+        for leg in 0..3 {
+            let wanted = if dead[leg] { Gate::Off } else { self.wanted(leg, t) };
+            let driver = &mut self.drivers[leg];
+            driver.waiting = false;
+            if driver.gate != Gate::Off && wanted != driver.gate {
+                driver.last_on = driver.gate;
+                driver.off_since = t;
+                driver.gate = Gate::Off;
+            }
+            if wanted != driver.gate {
+                let crosses = wanted != driver.last_on && driver.last_on != Gate::Off;
+                driver.waiting = crosses && t < driver.off_since + self.dead_time;
+                if !driver.waiting {
+                    driver.gate = wanted;
+                }
+            }
+            gates[leg] = driver.gate;
+        }
+        gates
+    }
+
+    /// The next instant after `t` at which a gate may change by itself, at most `until`.
+    pub(crate) fn next_change(&self, t: f64, until: f64) -> f64 {
+        let mut next = until;
+        if self.switched {
+            for edge in [self.on_until, self.on_from] {
+                if edge > t {
+                    next = next.min(edge);
+                }
+            }
+        }
+        for driver in &self.drivers {
+            if driver.waiting {
+                next = next.min(driver.off_since + self.dead_time);
+            }
+        }
+        next
+    }
+}

@@ -1,0 +1,102 @@
+//! Faults with a physical cause: what breaks, not which fault bit comes of it.
+
+/// A phase, a leg or a hall line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// A.
+    A,
+    /// B.
+    B,
+    /// C.
+    C,
+}
+
+impl Phase {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::A, Self::B, Self::C];
+
+    /// 0, 1 or 2.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// Something that goes wrong while the plant runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Injection {
+    /// Ambient temperature, degrees Celsius (fault bits 0 and 1).
+    Ambient(f64),
+    /// Open-circuit voltage of the supply, V (bits 2 and 3).
+    Supply(f64),
+    /// A resistor across the bus behind the current shunt, ohm (bit 4).
+    Leak(f64),
+    /// The gate driver of this leg fails: its switches stay off and the fault line is asserted (bit 5).
+    Driver(Phase),
+    /// The motor cable of this phase breaks (bit 5).
+    OpenPhase(Phase),
+    /// A hall line stays at this level (bit 6).
+    HallStuck {
+        /// The line.
+        line: Phase,
+        /// Its level.
+        high: bool,
+    },
+    /// Two hall lines change places: A with B, B with C or C with A, named by the first (bit 6).
+    HallSwapped(Phase),
+    /// Short pulses on random hall lines, per second (bit 6).
+    HallGlitches(f64),
+    /// The hall sensors lose their supply: all lines pulled up (bit 6).
+    HallSupplyLost,
+    /// The shaft is held (bit 6 in hall mode, 27 or a restart without sensors).
+    BlockedRotor,
+    /// Output of the pressure bridge after its amplifier, V (bit 7).
+    Pressure(f64),
+    /// The hardware break input trips (bit 27).
+    Break,
+    /// DSIO1 is driven high from outside (bit 28 where configured so).
+    Dsi1,
+    /// DSIO2 is driven high from outside (bit 28 where configured so).
+    Dsi2,
+}
+
+/// The injections that are active.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Injected {
+    pub(crate) ambient: Option<f64>,
+    pub(crate) supply: Option<f64>,
+    pub(crate) leak: Option<f64>,
+    pub(crate) driver: [bool; 3],
+    pub(crate) open: [bool; 3],
+    pub(crate) hall_stuck: [Option<bool>; 3],
+    pub(crate) hall_swapped: Option<Phase>,
+    pub(crate) hall_glitches: Option<f64>,
+    pub(crate) hall_supply_lost: bool,
+    pub(crate) blocked: bool,
+    pub(crate) pressure: Option<f64>,
+    pub(crate) emergency: bool,
+    pub(crate) dsi1: bool,
+    pub(crate) dsi2: bool,
+}
+
+impl Injected {
+    /// Makes `injection` active or ends it; its value does not matter for ending it.
+    pub(crate) fn set(&mut self, injection: Injection, active: bool) {
+        let number = |value: f64| if active { Some(value) } else { None };
+        match injection {
+            Injection::Ambient(value) => self.ambient = number(value),
+            Injection::Supply(value) => self.supply = number(value),
+            Injection::Leak(value) => self.leak = number(value),
+            Injection::Driver(leg) => self.driver[leg.index()] = active,
+            Injection::OpenPhase(phase) => self.open[phase.index()] = active,
+            Injection::HallStuck { line, high } => self.hall_stuck[line.index()] = active.then_some(high),
+            Injection::HallSwapped(line) => self.hall_swapped = active.then_some(line),
+            Injection::HallGlitches(rate) => self.hall_glitches = number(rate),
+            Injection::HallSupplyLost => self.hall_supply_lost = active,
+            Injection::BlockedRotor => self.blocked = active,
+            Injection::Pressure(value) => self.pressure = number(value),
+            Injection::Break => self.emergency = active,
+            Injection::Dsi1 => self.dsi1 = active,
+            Injection::Dsi2 => self.dsi2 = active,
+        }
+    }
+}
