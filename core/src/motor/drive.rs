@@ -126,6 +126,11 @@ impl Drive {
         self.status.take()
     }
 
+    /// What bounds the duty in the last tick.
+    pub fn limiter(&self) -> Limiter {
+        self.control.output().limiter
+    }
+
     /// Exact state.
     pub const fn state(&self) -> State {
         self.machine.state()
