@@ -10,6 +10,7 @@ extern crate alloc;
 pub mod can;
 pub mod commissioning;
 pub mod plant;
+pub mod presets;
 pub mod random;
 #[cfg(feature = "alloc")]
 pub mod recording;

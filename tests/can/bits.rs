@@ -12,15 +12,15 @@ fn text(bits: impl Iterator<Item = bool>) -> String {
 /// A frame written out field by field as text, CRC by polynomial division on the text, stuffed by replacing runs.
 fn by_text(frame: &Frame) -> (String, String) {
     let rtr = if frame.is_remote() { "1" } else { "0" };
-    let id = frame.id().raw();
-    let head = if frame.id().is_extended() {
-        let id = format!("{id:029b}");
-        format!("0{}11{}{rtr}00", &id[..11], &id[11..])
-    } else {
-        format!("0{id:011b}{rtr}00")
+    let head = match frame.id() {
+        Id::Standard { raw: id, .. } => format!("0{id:011b}{rtr}00"),
+        Id::Extended { raw: id, .. } => {
+            let id = format!("{id:029b}");
+            format!("0{}11{}{rtr}00", &id[..11], &id[11..])
+        }
     };
-    let data: String = frame.data().iter().map(|byte| format!("{byte:08b}")).collect();
-    let body = format!("{head}{:04b}{data}", frame.length());
+    let data: String = frame.payload().iter().map(|byte| format!("{byte:08b}")).collect();
+    let body = format!("{head}{:04b}{data}", frame.dlc());
     let unstuffed = format!("{body}{}", remainder(&body));
     let mut stuffed = String::new();
     for bit in unstuffed.chars() {
@@ -86,7 +86,7 @@ fn frame() -> impl Strategy<Value = Frame> {
     let byte = prop_oneof![any::<u8>(), Just(0), Just(0xff), Just(0xf0), Just(0x0f), Just(0x78), Just(0x87)];
     let content = (any::<bool>(), prop::collection::vec(byte, 0..=8));
     (id, content).prop_map(|(id, (remote, data))| {
-        if remote { Frame::remote(id, data.len() as u8).unwrap() } else { Frame::new(id, &data).unwrap() }
+        if remote { Frame::remote(id, data.len() as u8).unwrap() } else { Frame::data(id, &data).unwrap() }
     })
 }
 
@@ -104,8 +104,8 @@ proptest! {
 
     #[test]
     fn never_longer_than_the_worst_case(frame in frame()) {
-        let extended = frame.id().is_extended();
-        let bytes = frame.data().len() as u8;
+        let extended = matches!(frame.id(), Id::Extended { .. });
+        let bytes = frame.payload().len() as u8;
         prop_assert!(frame_bits(&frame) <= worst_case_bits(extended, bytes));
     }
 }

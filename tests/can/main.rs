@@ -8,10 +8,10 @@ use narx_core::bus::{Frame, Id};
 
 /// 29-bit data frame.
 fn extended(id: u32, bytes: &[u8]) -> Frame {
-    Frame::new(Id::extended(id).unwrap(), bytes).unwrap()
+    Frame::data(Id::extended(id).unwrap(), bytes).unwrap()
 }
 
 /// 11-bit data frame.
 fn standard(id: u16, bytes: &[u8]) -> Frame {
-    Frame::new(Id::standard(id).unwrap(), bytes).unwrap()
+    Frame::data(Id::standard(id).unwrap(), bytes).unwrap()
 }

@@ -201,8 +201,8 @@ fn refused_frames() {
     let cases = [
         (Frame::full(Id::standard(0x202).unwrap(), [0; 8]), DecodeError::StandardId),
         (Frame::remote(id, 8).unwrap(), DecodeError::Remote),
-        (Frame::new(id, &[0; 7]).unwrap(), DecodeError::Length),
-        (Frame::new(id, &[]).unwrap(), DecodeError::Length),
+        (Frame::data(id, &[0; 7]).unwrap(), DecodeError::Length),
+        (Frame::data(id, &[]).unwrap(), DecodeError::Length),
         (frame(0x0AAD_5202 | 3 << 9, 0), DecodeError::Kind),
         (frame(0x0AAD_5002, 0), DecodeError::Kind),
         (frame(0x0AAD_5203, 0), DecodeError::Opcode),
@@ -254,7 +254,7 @@ fn invalid_identifiers_and_frames_cannot_be_made() {
     assert_eq!(Id::standard(0x800), None);
     assert_eq!(Id::extended(0x2000_0000), None);
     let id = Id::standard(1).unwrap();
-    assert_eq!(Frame::new(id, &[0; 9]), None);
+    assert_eq!(Frame::data(id, &[0; 9]), None);
     assert_eq!(Frame::remote(id, 9), None);
     assert!(Id::standard(0x100).unwrap() < Id::extended(0x100 << 18).unwrap());
     assert!(Id::extended(5).unwrap() < Id::extended(6).unwrap());
@@ -295,14 +295,14 @@ proptest! {
     #[test]
     fn frames_survive_embedded_can_and_serde(raw: u32, extended: bool, remote: bool, data in prop::collection::vec(any::<u8>(), 0..=8)) {
         let id = if extended { Id::extended(raw & 0x1FFF_FFFF) } else { Id::standard((raw & 0x7FF) as u16) }.unwrap();
-        let frame = if remote { Frame::remote(id, data.len() as u8) } else { Frame::new(id, &data) }.unwrap();
+        let frame = if remote { Frame::remote(id, data.len() as u8) } else { Frame::data(id, &data) }.unwrap();
         let other = if frame.is_remote_frame() {
-            <Frame as embedded_can::Frame>::new_remote(embedded_can::Frame::id(&frame), frame.dlc())
+            <Frame as embedded_can::Frame>::new_remote(embedded_can::Frame::id(&frame), usize::from(frame.dlc()))
         } else {
             <Frame as embedded_can::Frame>::new(embedded_can::Frame::id(&frame), embedded_can::Frame::data(&frame))
         };
         prop_assert_eq!(other, Some(frame));
-        prop_assert_eq!(frame.dlc(), data.len());
+        prop_assert_eq!(usize::from(frame.dlc()), data.len());
         let bytes = postcard::to_stdvec(&frame).unwrap();
         prop_assert_eq!(postcard::from_bytes::<Frame>(&bytes), Ok(frame));
     }

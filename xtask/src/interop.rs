@@ -40,7 +40,7 @@ fn write_samples(directory: &Path) -> std::io::Result<()> {
     let mut table = String::from("micros,id,extended,remote,length,data\n");
     while let Some(received) = bus.receive(receiver) {
         let frame = received.frame;
-        let data: String = frame.data().iter().map(|byte| format!("{byte:02x}")).collect();
+        let data: String = frame.payload().iter().map(|byte| format!("{byte:02x}")).collect();
         // Writing to a string cannot fail.
         let _ = writeln!(log, "{}", candump::line(received.time_ns, "can0", &frame));
         let _ = writeln!(
@@ -50,7 +50,7 @@ fn write_samples(directory: &Path) -> std::io::Result<()> {
             frame.id().raw(),
             u8::from(frame.id().is_extended()),
             u8::from(frame.is_remote()),
-            frame.length(),
+            frame.dlc(),
         );
     }
     fs::write(directory.join("frames.log"), log)?;
@@ -76,7 +76,7 @@ fn sample_frames() -> Vec<Frame> {
     frames
         .into_iter()
         .filter_map(|(id, data, remote)| match remote {
-            None => Frame::new(id?, data),
+            None => Frame::data(id?, data),
             Some(length) => Frame::remote(id?, length),
         })
         .collect()

@@ -5,38 +5,55 @@ use core::fmt;
 use embedded_can::{ExtendedId, StandardId};
 use serde::{Deserialize, Serialize};
 
-/// A CAN identifier, 11 or 29 bits, that cannot be out of range. Sorts as the bus arbitrates: the smaller one wins.
+/// A CAN identifier that cannot be out of range: outside of this crate it is made by [`Id::standard`] and
+/// [`Id::extended`] alone. Sorts as the bus arbitrates: the smaller one wins.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "u32", into = "u32")]
-pub struct Id(u32);
+pub enum Id {
+    /// 11 bits.
+    #[non_exhaustive]
+    Standard {
+        /// The number, 0..=7FFh.
+        raw: u16,
+    },
+    /// 29 bits.
+    #[non_exhaustive]
+    Extended {
+        /// The number, 0..=1FFF_FFFFh.
+        raw: u32,
+    },
+}
 
-/// Marks a 29-bit identifier inside [`Id`].
+/// Marks a 29-bit identifier in the serialised form.
 const EXTENDED: u32 = 1 << 31;
 
 impl Id {
     /// An 11-bit identifier, or `None` above 7FFh.
     pub const fn standard(raw: u16) -> Option<Self> {
-        if raw <= 0x7FF { Some(Self(raw as u32)) } else { None }
+        if raw < 1 << 11 { Some(Self::Standard { raw }) } else { None }
     }
 
     /// A 29-bit identifier, or `None` above 1FFF_FFFFh.
     pub const fn extended(raw: u32) -> Option<Self> {
-        if raw <= 0x1FFF_FFFF { Some(Self(raw | EXTENDED)) } else { None }
+        if raw < 1 << 29 { Some(Self::Extended { raw }) } else { None }
     }
 
     /// A 29-bit identifier of the low 29 bits of `raw`.
     pub(super) const fn extended_masked(raw: u32) -> Self {
-        Self(raw & 0x1FFF_FFFF | EXTENDED)
+        Self::Extended { raw: raw & 0x1FFF_FFFF }
     }
 
     /// Whether it has 29 bits.
     pub const fn is_extended(self) -> bool {
-        self.0 & EXTENDED != 0
+        matches!(self, Self::Extended { .. })
     }
 
     /// The identifier's number.
     pub const fn raw(self) -> u32 {
-        self.0 & !EXTENDED
+        match self {
+            Self::Standard { raw } => raw as u32,
+            Self::Extended { raw } => raw,
+        }
     }
 }
 
@@ -52,7 +69,7 @@ pub struct Frame {
 
 impl Frame {
     /// A data frame, or `None` with more than 8 bytes.
-    pub fn new(id: Id, bytes: &[u8]) -> Option<Self> {
+    pub fn data(id: Id, bytes: &[u8]) -> Option<Self> {
         let mut data = [0; 8];
         data.get_mut(..bytes.len())?.copy_from_slice(bytes);
         Some(Self { id, remote: false, length: bytes.len() as u8, data })
@@ -63,9 +80,9 @@ impl Frame {
         Self { id, remote: false, length: 8, data }
     }
 
-    /// A remote frame that asks for `length` bytes, or `None` above 8.
-    pub const fn remote(id: Id, length: u8) -> Option<Self> {
-        if length <= 8 { Some(Self { id, remote: true, length, data: [0; 8] }) } else { None }
+    /// A remote frame that asks for `dlc` bytes, or `None` above 8.
+    pub const fn remote(id: Id, dlc: u8) -> Option<Self> {
+        if dlc <= 8 { Some(Self { id, remote: true, length: dlc, data: [0; 8] }) } else { None }
     }
 
     /// The identifier.
@@ -79,18 +96,18 @@ impl Frame {
     }
 
     /// The data length code, 0..=8. A remote frame has one, too, but no data.
-    pub const fn length(&self) -> u8 {
+    pub const fn dlc(&self) -> u8 {
         self.length
     }
 
     /// The data bytes; none in a remote frame.
-    pub fn data(&self) -> &[u8] {
+    pub fn payload(&self) -> &[u8] {
         let length = if self.remote { 0 } else { usize::from(self.length) };
         self.data.get(..length).unwrap_or(&[])
     }
 
     /// The data bytes of a data frame of exactly 8.
-    pub const fn full_data(&self) -> Option<[u8; 8]> {
+    pub const fn full_payload(&self) -> Option<[u8; 8]> {
         if self.remote || self.length != 8 { None } else { Some(self.data) }
     }
 }
@@ -132,7 +149,7 @@ impl TryFrom<Parts> for Frame {
 
 impl From<Id> for u32 {
     fn from(id: Id) -> Self {
-        id.0
+        id.raw() | if id.is_extended() { EXTENDED } else { 0 }
     }
 }
 
@@ -150,10 +167,9 @@ impl TryFrom<u32> for Id {
 
 impl From<Id> for embedded_can::Id {
     fn from(id: Id) -> Self {
-        if id.is_extended() {
-            Self::Extended(ExtendedId::new(id.raw()).unwrap_or(ExtendedId::MAX))
-        } else {
-            Self::Standard(StandardId::new(id.raw() as u16).unwrap_or(StandardId::MAX))
+        match id {
+            Id::Standard { raw } => Self::Standard(StandardId::new(raw).unwrap_or(StandardId::MAX)),
+            Id::Extended { raw } => Self::Extended(ExtendedId::new(raw).unwrap_or(ExtendedId::MAX)),
         }
     }
 }
@@ -161,7 +177,7 @@ impl From<Id> for embedded_can::Id {
 impl From<embedded_can::Id> for Id {
     fn from(id: embedded_can::Id) -> Self {
         match id {
-            embedded_can::Id::Standard(id) => Self(u32::from(id.as_raw())),
+            embedded_can::Id::Standard(id) => Self::Standard { raw: id.as_raw() },
             embedded_can::Id::Extended(id) => Self::extended_masked(id.as_raw()),
         }
     }
@@ -195,7 +211,7 @@ impl PartialOrd for Id {
 
 impl embedded_can::Frame for Frame {
     fn new(id: impl Into<embedded_can::Id>, data: &[u8]) -> Option<Self> {
-        Self::new(id.into().into(), data)
+        Self::data(id.into().into(), data)
     }
 
     fn new_remote(id: impl Into<embedded_can::Id>, dlc: usize) -> Option<Self> {
@@ -219,6 +235,6 @@ impl embedded_can::Frame for Frame {
     }
 
     fn data(&self) -> &[u8] {
-        self.data()
+        self.payload()
     }
 }

@@ -222,7 +222,7 @@ impl Control {
     ) -> (i32, Limiter) {
         let duty = self.output.duty.to_bits();
         let ceiling = measured.bus_voltage.to_bits().max(0);
-        let (bound, limiter) = self.limit.bound(&c.limits, duty.max(c.duty_min));
+        let (bound, limiter) = self.limit.bound(duty.max(c.duty_min));
         let room = per_duty(bound.saturating_sub(measured.bus_current.to_bits()), duty);
         let most = self.current.step(&c.current, room, 0, ceiling);
         let least = self.keep_from_feeding(c, wanted, measured);

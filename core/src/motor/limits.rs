@@ -36,6 +36,8 @@ pub struct CurrentLimit {
     /// What the power rating leaves, raw I16F16 A with 16 extra bits.
     power: i64,
     bound: i32,
+    /// What temperature leaves of the phase current bound, raw I16F16 A.
+    phase: i32,
     limiter: Limiter,
 }
 
@@ -45,6 +47,7 @@ impl CurrentLimit {
         self.ramp.set(c.soft_start);
         self.power = (c.maximum as i64) << 16;
         (self.bound, self.limiter) = (c.soft_start, Limiter::Current);
+        self.phase = c.phase_current;
     }
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
@@ -54,10 +57,12 @@ impl CurrentLimit {
         let power = self.rate_power(c, measured);
         (self.bound, self.limiter) =
             if power < table { (power, Limiter::Power) } else { (table, Limiter::Current) };
+        self.phase = c.phase_current;
         let excess = temperature.to_bits().saturating_sub(c.derating_start);
         if excess > 0 {
             let left = (1_i64 << 16).saturating_sub(c.derating.apply(excess)).max(0);
             self.bound = ((self.bound as i64 * left) >> 16) as i32;
+            self.phase = ((self.phase as i64 * left) >> 16) as i32;
             self.limiter = Limiter::Temperature;
         }
     }
@@ -75,8 +80,8 @@ impl CurrentLimit {
     /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase current times the
     /// duty, so the phase bound is that much smaller here.
     #[inline]
-    pub fn bound(&self, c: &LimitCoefficients, duty: u16) -> (i32, Limiter) {
-        let phase = ((c.phase_current as i64 * duty as i64) >> 15) as i32;
+    pub fn bound(&self, duty: u16) -> (i32, Limiter) {
+        let phase = ((self.phase as i64 * duty as i64) >> 15) as i32;
         if phase < self.bound { (phase, Limiter::PhaseCurrent) } else { (self.bound, self.limiter) }
     }
 }

@@ -102,7 +102,7 @@ impl Measurement {
     }
 }
 
-/// `2^47 / voltage bits`, kept by one Newton step a tick: `r' = r (2 - v r)`.
+/// `2^47 / voltage bits`, kept by two Newton steps a tick: `r' = r (2 - v r)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Reciprocal(i64);
 
@@ -114,12 +114,20 @@ impl Reciprocal {
     fn follow(&mut self, bus_voltage: i32) {
         let voltage = bus_voltage.max(BUS_MIN) as i64;
         let error = (1 << 47) - voltage * self.0;
-        // Newton converges from within half; outside (power-up, a torn supply) divide once.
-        self.0 = if error.abs() < 1 << 46 {
-            self.0 + ((self.0 * (error >> 16)) >> 31)
+        // A step squares the relative error: from within 1/16 two leave 2^-16. Outside (power-up, a torn supply)
+        // divide once.
+        self.0 = if error.abs() < 1 << 43 {
+            let first = self.refined(error);
+            first.refined((1 << 47) - voltage * first.0).0
         } else {
             (1 << 47) / voltage
         };
+    }
+
+    /// One Newton step; `error` is 2^47 less voltage x reciprocal.
+    #[inline]
+    const fn refined(self, error: i64) -> Self {
+        Self(self.0 + ((self.0 * (error >> 16)) >> 31))
     }
 
     #[inline]

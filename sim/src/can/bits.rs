@@ -1,6 +1,6 @@
 //! A frame as bits on the wire.
 
-use narx_core::bus::Frame;
+use narx_core::bus::{Frame, Id};
 
 /// Fixed-form bits after the CRC: delimiter, acknowledge slot and its delimiter, seven of end of frame.
 const TAIL: u32 = 1 + 1 + 1 + 7;
@@ -26,11 +26,9 @@ pub const fn worst_case_bits(extended: bool, bytes: u8) -> u32 {
 /// the rest of an extended identifier with its RTR, left-aligned.
 pub(super) fn arbitration_field(frame: &Frame) -> u32 {
     let remote = u32::from(frame.is_remote());
-    let id = frame.id().raw();
-    if frame.id().is_extended() {
-        (id >> 18) << 21 | 0b11 << 19 | (id & 0x3_ffff) << 1 | remote
-    } else {
-        id << 21 | remote << 20
+    match frame.id() {
+        Id::Standard { raw: id, .. } => u32::from(id) << 21 | remote << 20,
+        Id::Extended { raw: id, .. } => (id >> 18) << 21 | 0b11 << 19 | (id & 0x3_ffff) << 1 | remote,
     }
 }
 
@@ -47,20 +45,24 @@ impl WireBits {
     pub fn new(frame: &Frame) -> Self {
         let mut wire = Self { bits: 0, length: 0 };
         let remote = u128::from(frame.is_remote());
-        let id = u128::from(frame.id().raw());
         wire.push(0, 1);
-        if frame.id().is_extended() {
-            wire.push(id >> 18, 11);
-            // SRR, IDE.
-            wire.push(0b11, 2);
-            wire.push(id & 0x3_ffff, 18);
-        } else {
-            wire.push(id, 11);
+        match frame.id() {
+            Id::Standard { raw: id, .. } => {
+                wire.push(u128::from(id), 11);
+                // RTR, IDE, r0.
+                wire.push(remote << 2, 3);
+            }
+            Id::Extended { raw: id, .. } => {
+                wire.push(u128::from(id >> 18), 11);
+                // SRR, IDE.
+                wire.push(0b11, 2);
+                wire.push(u128::from(id & 0x3_ffff), 18);
+                // RTR, r1, r0.
+                wire.push(remote << 2, 3);
+            }
         }
-        // RTR, then r1, r0 or IDE, r0.
-        wire.push(remote << 2, 3);
-        wire.push(u128::from(frame.length()), 4);
-        for byte in frame.data() {
+        wire.push(u128::from(frame.dlc()), 4);
+        for byte in frame.payload() {
             wire.push(u128::from(*byte), 8);
         }
         wire.push(u128::from(wire.crc15()), 15);

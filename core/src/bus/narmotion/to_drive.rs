@@ -4,6 +4,7 @@ use super::id::{Addresses, MessageId, MessageKind, Opcode};
 use super::word::RequestWord;
 use super::words::{DecodeError, Words, long};
 use crate::bus::Frame;
+use serde::{Deserialize, Serialize};
 
 /// A message of the master. Words that Figure 14 prints as 0x0000 are sent as 0 and ignored when received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +52,7 @@ pub enum ToDrive {
 }
 
 /// DSIO_DATA_CMD: a line is an input while its output enable is false.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct DigitalOutputs {
     /// DSIO1 drives its line.
     pub enable1: bool,

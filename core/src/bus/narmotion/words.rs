@@ -35,7 +35,7 @@ impl Words {
         if frame.is_remote() {
             return Err(DecodeError::Remote);
         }
-        let [a, b, c, d, e, f, g, h] = frame.full_data().ok_or(DecodeError::Length)?;
+        let [a, b, c, d, e, f, g, h] = frame.full_payload().ok_or(DecodeError::Length)?;
         let words = [[a, b], [c, d], [e, f], [g, h]].map(u16::from_be_bytes);
         Ok((id, Self(words)))
     }
