@@ -47,7 +47,7 @@ pub(super) struct Request {
 
 /// Why it cannot be: names the argument, its value and what is allowed, in one line.
 #[derive(Debug, PartialEq)]
-pub struct Refused(String);
+pub(super) struct Refused(String);
 
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
