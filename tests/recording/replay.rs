@@ -69,7 +69,7 @@ fn the_same_drive_answers_the_same() {
 /// The real drive turns a simulated motor by its hall sensors, and is given a parameter set on the way.
 fn recorded_run(ticks: u64) -> (Vec<u8>, Drive) {
     let motor = MotorConfig { static_friction: 0.002, ..MotorConfig::default() };
-    let plate = Nameplate { motor, rated_current: Some(4.0), supply: 24.0 };
+    let plate = Nameplate { motor, rated_current: Some(4.0), supply: 24.0, open_loop_speed: None };
     let commissioned = plate.commission(Mode::Hall).unwrap();
     let Ok(coefficients) = Coefficients::build(&commissioned.parameters, &Board::BENCH) else {
         panic!("commissioned parameters do not build")
