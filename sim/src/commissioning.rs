@@ -67,6 +67,12 @@ pub enum Note {
         /// Largest ripple, A peak to peak.
         ripple: f64,
     },
+    /// At every commutation the winding returns its energy to the bus, and a source that takes nothing back leaves it to
+    /// the 100 uF: more phase current would lift the bus to its over-voltage threshold.
+    CurrentForBus {
+        /// Largest mean phase current, A.
+        current: f64,
+    },
     /// Two control ticks no longer fit a sector above this speed.
     SpeedForTick {
         /// Mechanical rpm.
@@ -85,6 +91,10 @@ impl fmt::Display for Note {
             Self::CurrentForRipple { current, ripple } => write!(
                 f,
                 "mean phase current is limited to {current:.1} A: the ripple of {ripple:.1} A must stay below the 12 A peak"
+            ),
+            Self::CurrentForBus { current } => write!(
+                f,
+                "mean phase current is limited to {current:.1} A: the energy that commutation returns must not lift the bus to 61 V"
             ),
             Self::SpeedForTick { speed } => {
                 write!(
@@ -153,6 +163,10 @@ const ELECTRICAL_MIN: f64 = 500.0 * 4.0 / 60.0;
 const DUTY_MAX: f64 = 0.95;
 /// Bandwidth of the bus current limiter: 200 Hz, rad/s; its delay of 1.5 periods costs 11 degrees there.
 const CURRENT_BANDWIDTH: f64 = 1257.0;
+/// Bus capacitance (section "Features"), F.
+const CAPACITANCE: f64 = 100e-6;
+/// Over-voltage threshold of 61 V less a margin for its measurement, V.
+const BUS_MAX: f64 = 60.9;
 const TWO_PI: f64 = core::f64::consts::TAU;
 
 impl Nameplate {
@@ -253,7 +267,11 @@ impl Nameplate {
         let lock = 0.75 * m.resistance * d.start_current;
         let set = self.open_loop_speed.unwrap_or(d.speed_min);
         let speed = set * TWO_PI / 60.0;
-        let level = m.resistance * d.start_current + m.torque_constant * speed;
+        // With back-EMF in phase the open-loop level leaves the start current; without load the rotor runs ahead until
+        // back-EMF stands across, and then u^2 = (R I)^2 + e^2 must not ask for more than the phase may carry.
+        let emf = m.torque_constant * speed;
+        let across = m.resistance * 0.9 * d.phase_current;
+        let level = fmin(m.resistance * d.start_current + emf, sqrt(across * across + emf * emf));
         let per_cent = |voltage: f64| fmin(100.0 * voltage / self.supply, d.duty_max * 100.0);
         write(p, number::LOCK_DUTY, per_cent(lock))?;
         write(p, number::OPEN_LOOP_DUTY, per_cent(level))?;
@@ -295,6 +313,14 @@ impl Design {
         } else if phase_current < 0.8 * PEAK {
             push(notes, Note::CurrentForRipple { current: phase_current, ripple: widest });
         }
+        // L I^2 / 2 <= C (V_max^2 - V^2) / 2.
+        // Three quarters of it: at high duty part of the energy circulates in the bridge (measured on the bench).
+        let room = CAPACITANCE * (BUS_MAX * BUS_MAX - plate.supply * plate.supply);
+        let returned = sqrt(fmax(room, 0.0) / (0.75 * m.inductance));
+        if returned < fmin(phase_current, needed) {
+            push(notes, Note::CurrentForBus { current: returned });
+        }
+        let phase_current = fmin(phase_current, returned);
         let poles = f64::from(m.pole_pairs);
         let speed_min = ELECTRICAL_MIN * 60.0 / poles;
         let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);
