@@ -3,4 +3,5 @@
 mod data_sheets;
 mod driving;
 mod ledger;
+mod reference;
 mod steady;
