@@ -6,4 +6,5 @@ mod driving;
 mod ledger;
 mod reference;
 mod sensors;
+mod spice;
 mod steady;

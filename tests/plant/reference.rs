@@ -237,8 +237,8 @@ fn reference(config: &PlantConfig, commands: &[PwmCommand], dt: f64) -> Vec<[f64
     currents
 }
 
-/// RMS difference of all phase currents over 100 ms, in parts of `rated`.
-fn difference(config: &PlantConfig, ideal: Ideal, rated: f64, dt: f64) -> f64 {
+/// RMS difference of all phase currents over 100 ms, in parts of `rated`; the reference may have another `truth`.
+fn difference(config: &PlantConfig, truth: &PlantConfig, ideal: Ideal, rated: f64, dt: f64) -> f64 {
     let mut plant = Plant::new(config);
     let mut commands = Vec::new();
     let mut currents = Vec::new();
@@ -249,8 +249,8 @@ fn difference(config: &PlantConfig, ideal: Ideal, rated: f64, dt: f64) -> f64 {
         commands.push(command);
         currents.push(plant.observe().current);
     }
-    let coarse = reference(config, &commands, dt);
-    let fine = reference(config, &commands, 0.5 * dt);
+    let coarse = reference(truth, &commands, dt);
+    let fine = reference(truth, &commands, 0.5 * dt);
     let mut squares = 0.0;
     let mut doubt = 0.0;
     for k in 0..1000 {
@@ -283,7 +283,26 @@ fn agrees_with_the_reference_over_100_ms() {
         config.load.constant = 0.03;
         config.speed = 50.0;
         let ideal = Ideal { rectification, ..Ideal::forward(duty) };
-        let rms = difference(&config, ideal, preset.data.rated_current.unwrap(), 40e-9);
+        let rms = difference(&config, &config, ideal, preset.data.rated_current.unwrap(), 40e-9);
         assert!(rms < 1e-4, "{name} {rectification:?}: {rms:.2e} of the rated current");
+    }
+}
+
+#[test]
+fn the_comparison_notices_a_small_error() {
+    let preset = preset("ec45-flat-50w-18v").unwrap();
+    let motor = MotorConfig { thermal_resistance: 0.0, cogging_torque: 0.0, ..preset.motor };
+    let mut config = PlantConfig::new(motor, preset.data.nominal_voltage);
+    config.speed = 50.0;
+    let ideal = Ideal::forward(0.6);
+    let alter: [fn(&mut PlantConfig); 3] = [
+        |config| config.board.dead_time_ns += 50,
+        |config| config.inverter.diode_drop += 0.05,
+        |config| config.motor.inductance *= 1.005,
+    ];
+    for change in alter {
+        let mut truth = config.clone();
+        change(&mut truth);
+        assert!(difference(&config, &truth, ideal, 3.68, 200e-9) > 1e-4);
     }
 }

@@ -42,6 +42,8 @@ use stage::Stage;
 
 /// Temperature of the motor's data, degrees Celsius.
 const REFERENCE_TEMPERATURE: f64 = 25.0;
+/// Less than this is no time, s.
+const INSTANT: f64 = 1e-12;
 /// Periods between two updates of what drifts with temperature.
 const DRIFT_PERIODS: u64 = 128;
 
@@ -346,10 +348,15 @@ impl Plant {
 
     /// Runs to `target`, s from the start of the period; nothing if that has passed.
     fn advance(&mut self, target: f64) {
-        while target - self.t > 1e-12 {
+        while target - self.t > INSTANT {
             let gates = self.gates.at(self.t, &self.injected.driver);
             self.stage.set_gates(&gates);
             let until = self.gates.next_change(self.t, target);
+            if until - self.t <= INSTANT {
+                // A dead time that ends with the period is a rounding error away from its end.
+                self.t = until;
+                continue;
+            }
             let before = self.stage.shaft.angle;
             let h = self.stage.interval(until - self.t);
             let from = self.t;
