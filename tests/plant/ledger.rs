@@ -20,6 +20,7 @@ fn stretch() -> impl Strategy<Value = Stretch> {
     prop_oneof![
         (0.0..=1.0f64, any::<bool>(), any::<bool>())
             .prop_map(|(duty, forward, synchronous)| Stretch::Commutated { duty, forward, synchronous }),
+        (injection(), any::<bool>()).prop_map(|(what, active)| Stretch::Broken { what, active }),
         (0usize..13, 0.0..=0.3f64, any::<bool>()).prop_map(|(step, duty, synchronous)| Stretch::Held {
             step,
             duty,
@@ -118,7 +119,6 @@ proptest! {
             prop_assert!(sum.abs() < 1e-9, "currents sum to {sum}");
             prop_assert!(seen.bus_voltage.is_finite() && seen.speed.is_finite());
             let ratio = ledger.residual().abs() / ledger.turnover().max(1e-3);
-            println!("ratio {ratio:.2e}");
             prop_assert!(ratio < 1e-3, "{ratio:.2e}: {ledger:?}");
         }
     }
