@@ -1,9 +1,9 @@
 //! Hall lines, their edges and wirings; converter codes; and that everything injected shows.
 
 use crate::driving::sector_at;
-use narx_core::motor::{Board, Edge, FrontEnd, Lines, PwmCommand, Samples, Step};
+use narx_core::motor::{Board, Edge, EdgeSource, FrontEnd, Lines, PwmCommand, Samples, Step};
 use narx_core::units::Duty;
-use narx_sim::plant::{HallConfig, Injection, MotorConfig, Phase, Plant, PlantConfig};
+use narx_sim::plant::{ComparatorConfig, HallConfig, Injection, MotorConfig, Phase, Plant, PlantConfig};
 use std::f64::consts::TAU;
 
 /// Code of each sector: A; A and B; B; B and C; C; C and A.
@@ -250,4 +250,34 @@ fn the_same_seed_gives_the_same_bits() {
     };
     assert_eq!(run(7), run(7));
     assert_ne!(run(7), run(8));
+}
+
+#[test]
+fn comparators_see_the_zero_crossings_late_by_delay_and_hysteresis() {
+    let (speed, delay, hysteresis) = (300.0, 20e-6, 0.4);
+    let comparator = Some(ComparatorConfig { delay, hysteresis });
+    let mut config = coasting(speed, HallConfig::default());
+    config.board.hall_capture = false;
+    let mut plant = Plant::new(&PlantConfig { comparator, ..config });
+    let degrees_per_second = speed * 4.0 / TAU * 360.0;
+    // On the flank, 1/30 of the peak a degree; the mean of three trapezoids takes a third of it, turned around.
+    let peak = 0.5 * 0.036 * speed;
+    let late = 0.5 * hysteresis / (peak / 30.0 * 2.0 / 3.0) + degrees_per_second * delay;
+    let mut worst = 0.0f64;
+    let mut count = 0;
+    for _ in 0..2000 {
+        let samples = coast(&mut plant);
+        for edge in samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator) {
+            let time = (samples.tick as f64 - 1.0 + f64::from(edge.instant) / 65_536.0) * 1e-4;
+            let angle = 40.0 + degrees_per_second * time;
+            if angle > 100.0 {
+                worst = worst.max(((angle - late + 30.0).rem_euclid(60.0) - 30.0).abs());
+                count += 1;
+            }
+        }
+        assert!(samples.edges.iter().all(|edge| edge.source == EdgeSource::Comparator));
+    }
+    let turned = degrees_per_second * 0.2 / 60.0;
+    assert!((f64::from(count) - turned).abs() <= 3.0, "{count} edges in {turned} sectors");
+    assert!(worst < 0.05, "{worst} degrees off");
 }

@@ -52,6 +52,9 @@ pub(crate) struct Stage {
     /// Star point and back-EMF at the end of the last interval, V.
     pub(crate) neutral: f64,
     emf: [f64; 3],
+    /// Terminals less their mean at start and end of the last interval, V; kept up only while `watched`.
+    pub(crate) against_mean: [[f64; 3]; 2],
+    pub(crate) watched: bool,
 }
 
 impl Stage {
@@ -85,6 +88,8 @@ impl Stage {
             intervals: 0,
             neutral: 0.0,
             emf: [0.0; 3],
+            against_mean: [[0.0; 3]; 2],
+            watched: config.comparator.is_some(),
         };
         stage.stored_at_start = stage.stored();
         stage
@@ -428,6 +433,14 @@ impl Stage {
         self.held = [false; 3];
         self.neutral = segment.neutral(*h, end.v, self.network.drop);
         self.emf = [0, 1, 2].map(|x| segment.emf_at(x, *h));
+        if self.watched {
+            let less_mean = |t: f64, at: &Electric| {
+                let terminals = [0, 1, 2].map(|x| segment.terminal(&self.network, x, t, at));
+                let mean = (terminals[0] + terminals[1] + terminals[2]) * (1.0 / 3.0);
+                terminals.map(|terminal| terminal - mean)
+            };
+            self.against_mean = [less_mean(0.0, &start), less_mean(*h, end)];
+        }
         if let Some(event) = *event {
             self.apply(event, false);
         }
