@@ -14,13 +14,13 @@ const INTERVAL_MAX: f64 = 100e-6;
 /// Longest interval in time constants L / R: Simpson's rule gives losses to 1e-4 then.
 const TIME_CONSTANTS_MAX: f64 = 0.35;
 /// Largest electrical angle of an interval, rad: the back-EMF is linear in it to 1e-3.
-const ANGLE_MAX: f64 = 0.15;
+const ANGLE_MAX: f64 = 0.25;
 /// A current below this is none, A.
 const CURRENT_ZERO: f64 = 1e-9;
 /// A diode or the source turns on or off when its voltage is this far beyond, V. Keeps rounding from toggling it.
 pub(crate) const VOLTAGE_EDGE: f64 = 1e-7;
 /// Largest error of a phase's back-EMF because the speed was predicted wrongly, V.
-const EMF_ERROR: f64 = 1e-4;
+const EMF_ERROR: f64 = 2e-4;
 /// Attempts to get below it.
 const CORRECTIONS_MAX: u32 = 3;
 /// Shorter intervals are none, s.
@@ -52,6 +52,9 @@ pub(crate) struct Stage {
     /// Star point and back-EMF at the end of the last interval, V.
     pub(crate) neutral: f64,
     emf: [f64; 3],
+    /// Terminals less their mean at start and end of the last interval, V; kept up only while `watched`.
+    pub(crate) against_mean: [[f64; 3]; 2],
+    pub(crate) watched: bool,
 }
 
 impl Stage {
@@ -85,6 +88,8 @@ impl Stage {
             intervals: 0,
             neutral: 0.0,
             emf: [0.0; 3],
+            against_mean: [[0.0; 3]; 2],
+            watched: config.comparator.is_some(),
         };
         stage.stored_at_start = stage.stored();
         stage
@@ -254,17 +259,17 @@ impl Stage {
     /// Turns diodes and source on or off until they agree with the voltages, and returns the circuit.
     fn settle(&mut self, shape: &Linear3, motion: &Motion) -> Segment {
         self.settle_source();
-        let mut segment =
-            Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
         // Each pass changes one diode; six are more than three legs can need.
-        for _ in 0..6 {
-            if !self.settle_diode(&segment) {
-                break;
+        let mut passes = 6;
+        loop {
+            let segment =
+                Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
+            if passes == 0 || !self.settle_diode(&segment) {
+                return segment;
             }
             self.diode_events += 1;
-            segment = Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
+            passes -= 1;
         }
-        segment
     }
 
     fn settle_source(&mut self) {
@@ -367,8 +372,12 @@ impl Stage {
                 first.consider(event);
             }
         }
-        if !self.may_sink {
-            first.consider(if self.source_on { Event::SourceStops } else { Event::SourceStarts });
+        let source_v = self.network.source_v;
+        if self.source_on && !self.may_sink && middle.v.max(end.v) > source_v + VOLTAGE_EDGE {
+            first.consider(Event::SourceStops);
+        }
+        if !self.source_on && middle.v.min(end.v) < source_v - VOLTAGE_EDGE {
+            first.consider(Event::SourceStarts);
         }
         first.found
     }
@@ -424,6 +433,14 @@ impl Stage {
         self.held = [false; 3];
         self.neutral = segment.neutral(*h, end.v, self.network.drop);
         self.emf = [0, 1, 2].map(|x| segment.emf_at(x, *h));
+        if self.watched {
+            let less_mean = |t: f64, at: &Electric| {
+                let terminals = [0, 1, 2].map(|x| segment.terminal(&self.network, x, t, at));
+                let mean = (terminals[0] + terminals[1] + terminals[2]) * (1.0 / 3.0);
+                terminals.map(|terminal| terminal - mean)
+            };
+            self.against_mean = [less_mean(0.0, &start), less_mean(*h, end)];
+        }
         if let Some(event) = *event {
             self.apply(event, false);
         }
