@@ -38,6 +38,12 @@ impl Operator {
         self.due = 0;
     }
 
+    /// Asks for a shutdown (motor mode 3) from the next call on.
+    pub fn shut_down(&mut self) {
+        self.mode = MotorMode::Fault;
+        self.due = 0;
+    }
+
     /// The next frame that is due at `now`, ns: the set-point, then the request.
     pub fn poll(&mut self, now: u64) -> Option<Frame> {
         if let Some(second) = self.pending.take() {

@@ -6,3 +6,4 @@ pub mod demo;
 pub mod interop;
 pub mod plot;
 pub mod steps;
+pub mod vectors;

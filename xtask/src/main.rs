@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use xtask::demo;
 use xtask::interop;
 use xtask::steps::{Step, run_all};
+use xtask::vectors;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
@@ -23,6 +24,12 @@ enum Command {
         /// What to test; without a name everything
         target: Option<Target>,
     },
+    /// Make the recordings of the conformance vectors in tests/vectors anew
+    Vectors {
+        /// Write nothing; fail if a recording differs from what its scenario gives
+        #[arg(long)]
+        check: bool,
+    },
 }
 
 /// What can be tested alone.
@@ -33,14 +40,15 @@ enum Target {
 }
 
 fn main() -> ExitCode {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Arguments::parse().command {
         Command::Demo(arguments) => demo::run(&arguments),
-        Command::Test { target: None | Some(Target::Rust) } => test_rust(),
+        Command::Test { target: None | Some(Target::Rust) } => test_rust(root),
+        Command::Vectors { check } => vectors::command(root, check),
     }
 }
 
-fn test_rust() -> ExitCode {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
+fn test_rust(root: &Path) -> ExitCode {
     run_all(vec![
         Step::command(root, "format", "cargo", &["fmt", "--all", "--check"]),
         Step::command(
@@ -58,6 +66,7 @@ fn test_rust() -> ExitCode {
             "cargo",
             &["build", "-p", "narx-core", "-p", "narx-sim", "--no-default-features", "--target", EMBEDDED],
         ),
+        Step::new("vectors", move || vectors::check(root)),
         Step::new("interoperability", move || interop::run(root)),
     ])
 }

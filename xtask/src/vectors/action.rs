@@ -1,0 +1,164 @@
+//! What happens in a scenario.
+
+use super::scenario::{parameter, within};
+use narx_sim::plant::{Injection, Phase};
+use serde::Deserialize;
+
+/// An action at its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// From power-up, s.
+    pub time: f64,
+    /// What happens then.
+    pub action: Action,
+}
+
+/// Something that the master or the world does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// The master asks for a speed, mechanical rpm; negative is Reverse.
+    Start(i32),
+    /// The master asks for Standby.
+    Stop,
+    /// The master asks for a shutdown (motor mode 3).
+    Shutdown,
+    /// The master sends nothing more, or goes on.
+    Silence(bool),
+    /// The master writes a parameter: number, raw value.
+    Set(u16, i32),
+    /// Something breaks.
+    Inject(Injection),
+    /// It is mended.
+    Clear(Injection),
+    /// Open-circuit voltage of the supply, V.
+    Supply(f64),
+    /// Constant load on the shaft, N m.
+    Load(f64),
+}
+
+/// One entry of `at`: a time and exactly one of the others.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StepKeys {
+    time: f64,
+    start: Option<i32>,
+    #[serde(default)]
+    stop: bool,
+    #[serde(default)]
+    shutdown: bool,
+    silence: Option<bool>,
+    set: Option<SetKeys>,
+    inject: Option<FaultKeys>,
+    clear: Option<FaultKeys>,
+    supply: Option<f64>,
+    load: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SetKeys {
+    parameter: NameOrNumber,
+    value: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a parameter's number or name")]
+enum NameOrNumber {
+    Number(u16),
+    Name(String),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FaultKeys {
+    fault: String,
+    value: Option<f64>,
+    phase: Option<PhaseKey>,
+    high: Option<bool>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+enum PhaseKey {
+    A,
+    B,
+    C,
+}
+
+impl StepKeys {
+    /// The step, within a run of `seconds`.
+    pub(super) fn checked(self, seconds: f64) -> Result<Step, String> {
+        let time = within("at.time", self.time, 0.0, seconds, "s")?;
+        let mut actions = Vec::new();
+        if let Some(rpm) = self.start {
+            actions.push(Action::Start(within("at.start", f64::from(rpm), -65535.0, 65535.0, "rpm")? as i32));
+        }
+        if self.stop {
+            actions.push(Action::Stop);
+        }
+        if self.shutdown {
+            actions.push(Action::Shutdown);
+        }
+        actions.extend(self.silence.map(Action::Silence));
+        if let Some(set) = self.set {
+            let name = match set.parameter {
+                NameOrNumber::Number(number) => number.to_string(),
+                NameOrNumber::Name(name) => name,
+            };
+            let (number, raw) = parameter("at.set", &name, set.value)?;
+            actions.push(Action::Set(number, raw));
+        }
+        if let Some(fault) = self.inject {
+            actions.push(Action::Inject(fault.checked("at.inject", true)?));
+        }
+        if let Some(fault) = self.clear {
+            actions.push(Action::Clear(fault.checked("at.clear", false)?));
+        }
+        if let Some(volts) = self.supply {
+            actions.push(Action::Supply(within("at.supply", volts, 0.0, 80.0, "V")?));
+        }
+        if let Some(torque) = self.load {
+            actions.push(Action::Load(within("at.load", torque, 0.0, 10.0, "N m")?));
+        }
+        match actions[..] {
+            [action] => Ok(Step { time, action }),
+            _ => Err(format!("at.time = {time}: exactly one action, there are {}", actions.len())),
+        }
+    }
+}
+
+const FAULTS: &str = "ambient, supply, leak, driver, open-phase, hall-stuck, hall-swapped, hall-glitches, \
+                      hall-supply-lost, blocked-rotor, pressure, break, dsi1, dsi2";
+
+impl FaultKeys {
+    /// The fault; to end one its value does not matter and may be left out.
+    fn checked(&self, key: &str, begins: bool) -> Result<Injection, String> {
+        let value = |min: f64, max: f64, unit: &str| match self.value {
+            Some(value) => within(&format!("{key}.value"), value, min, max, unit),
+            None if begins => Err(format!("{key} {}: needs value", self.fault)),
+            None => Ok(min),
+        };
+        let phase = || match self.phase {
+            Some(PhaseKey::A) => Ok(Phase::A),
+            Some(PhaseKey::B) => Ok(Phase::B),
+            Some(PhaseKey::C) => Ok(Phase::C),
+            None => Err(format!("{key} {}: needs phase, one of A, B, C", self.fault)),
+        };
+        Ok(match self.fault.as_str() {
+            "ambient" => Injection::Ambient(value(-55.0, 250.0, "degrees C")?),
+            "supply" => Injection::Supply(value(0.0, 80.0, "V")?),
+            "leak" => Injection::Leak(value(0.01, 1000.0, "ohm")?),
+            "driver" => Injection::Driver(phase()?),
+            "open-phase" => Injection::OpenPhase(phase()?),
+            "hall-stuck" => Injection::HallStuck { line: phase()?, high: self.high.unwrap_or(false) },
+            "hall-swapped" => Injection::HallSwapped(phase()?),
+            "hall-glitches" => Injection::HallGlitches(value(0.0, 10_000.0, "per second")?),
+            "hall-supply-lost" => Injection::HallSupplyLost,
+            "blocked-rotor" => Injection::BlockedRotor,
+            "pressure" => Injection::Pressure(value(-10.0, 10.0, "V")?),
+            "break" => Injection::Break,
+            "dsi1" => Injection::Dsi1,
+            "dsi2" => Injection::Dsi2,
+            other => return Err(format!("{key}.fault = \"{other}\": unknown; one of {FAULTS}")),
+        })
+    }
+}
