@@ -21,7 +21,7 @@ const CURRENT_ZERO: f64 = 1e-9;
 /// A diode or the source turns on or off when its voltage is this far beyond, V. Keeps rounding from toggling it.
 pub(crate) const VOLTAGE_EDGE: f64 = 1e-7;
 /// Largest error of a phase's back-EMF because the speed was predicted wrongly, V.
-const EMF_ERROR: f64 = 2e-4;
+const EMF_ERROR: f64 = 1e-3;
 /// Attempts to get below it.
 const CORRECTIONS_MAX: u32 = 3;
 /// Shorter intervals are none, s.
