@@ -24,6 +24,7 @@ mod ledger;
 mod mechanics;
 mod network;
 mod segment;
+mod simpson;
 mod stage;
 
 pub use config::{
