@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 
 /// One tick in the units of intervals: 1/65 536 tick.
 pub const TICK: u32 = 1 << 16;
+/// An edge that only the sampled level shows came half a tick ago, on average.
+const SAMPLED_AGE: u32 = TICK / 2;
 /// One sixth of a turn as a u32 angle.
 const SIXTH: u32 = u32::MAX / 6;
 /// No sector.
@@ -112,7 +114,7 @@ impl Hall {
             if c.captured && self.sector.is_some() {
                 self.candidate = Some((level, 0));
             } else {
-                self.observe_sector(c, level, 0, &mut events);
+                self.observe_sector(c, level, SAMPLED_AGE, &mut events);
             }
         }
         self.clamp(c);
@@ -157,6 +159,8 @@ impl Hall {
         let Some(present) = self.sector else {
             self.sector = Some(sector);
             self.angle = self.centre(c, sector);
+            // The rotor may turn already: what is left of this sector is no interval.
+            self.since_edge = u32::MAX;
             return;
         };
         let direction = match (sector + 6 - present) % 6 {
