@@ -2,8 +2,10 @@
 
 mod arithmetic;
 mod commutation;
+mod hall;
 mod limits;
 mod machine_search;
 mod protection;
+mod rotor;
 mod support;
 mod transition_table;
