@@ -3,9 +3,11 @@
 mod arithmetic;
 mod commutation;
 mod hall;
+mod hall_drive;
 mod limits;
 mod machine_search;
 mod protection;
 mod rotor;
+mod scripted;
 mod support;
 mod transition_table;
