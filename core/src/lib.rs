@@ -5,5 +5,6 @@
 pub mod bus;
 pub mod dictionary;
 pub mod motor;
+pub mod node;
 pub mod recording;
 pub mod units;

@@ -269,7 +269,8 @@ impl Design {
     fn new(plate: &Nameplate, notes: &mut Vec<Note, 4>) -> Result<Self, CommissioningError> {
         let m = &plate.motor;
         let period = 1.0 / f64::from(Board::BENCH.tick_rate);
-        let needed = fmin(plate.rated_current.unwrap_or(CONTINUOUS), CONTINUOUS);
+        // A quarter above the rated current, so that the limit does not bind at the rated load.
+        let needed = fmin(1.25 * plate.rated_current.unwrap_or(CONTINUOUS), CONTINUOUS);
         // Ripple V D (1 - D) T / L, and mean plus half of it within the peak.
         let ripple = |duty: f64| plate.supply * duty * (1.0 - duty) * period / m.inductance;
         let duty_max = duty_within(2.0 * (PEAK - needed) * m.inductance / (plate.supply * period));

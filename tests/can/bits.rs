@@ -13,8 +13,8 @@ fn text(bits: impl Iterator<Item = bool>) -> String {
 fn by_text(frame: &Frame) -> (String, String) {
     let rtr = if frame.is_remote() { "1" } else { "0" };
     let head = match frame.id() {
-        Id::Standard(id) => format!("0{id:011b}{rtr}00"),
-        Id::Extended(id) => {
+        Id::Standard { raw: id, .. } => format!("0{id:011b}{rtr}00"),
+        Id::Extended { raw: id, .. } => {
             let id = format!("{id:029b}");
             format!("0{}11{}{rtr}00", &id[..11], &id[11..])
         }
@@ -104,7 +104,7 @@ proptest! {
 
     #[test]
     fn never_longer_than_the_worst_case(frame in frame()) {
-        let extended = matches!(frame.id(), Id::Extended(_));
+        let extended = matches!(frame.id(), Id::Extended { .. });
         let bytes = frame.payload().len() as u8;
         prop_assert!(frame_bits(&frame) <= worst_case_bits(extended, bytes));
     }

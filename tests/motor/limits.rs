@@ -3,7 +3,8 @@
 use narx_core::motor::event::Limiter;
 use narx_core::motor::gain::Gain;
 use narx_core::motor::limits::{CurrentLimit, LimitCoefficients};
-use narx_core::units::{Celsius, Volts};
+use narx_core::motor::measurement::Measured;
+use narx_core::units::{Amps, Celsius, Volts};
 
 const AMPERE: i32 = 1 << 16;
 
@@ -18,14 +19,24 @@ fn coefficients() -> LimitCoefficients {
     }
 }
 
+/// The limit after two seconds in which the bus current followed it.
 fn settled(volts: i32, celsius_milli: i32) -> CurrentLimit {
     let c = coefficients();
     let mut limit = CurrentLimit::default();
     limit.start(&c);
-    for _ in 0..200 {
-        limit.update(&c, Volts::from_milli(volts), Celsius::from_milli(celsius_milli), true);
+    for _ in 0..2000 {
+        let (current, _) = limit.bound(1 << 15);
+        limit.update(&c, &measured(volts, current), Celsius::from_milli(celsius_milli), true);
     }
     limit
+}
+
+fn measured(volts: i32, current: i32) -> Measured {
+    Measured {
+        bus_voltage: Volts::from_milli(volts),
+        bus_current_filtered: Amps::from_bits(current),
+        ..Measured::default()
+    }
 }
 
 fn bound(limit: &CurrentLimit, duty: f64) -> (f64, Limiter) {
@@ -90,7 +101,7 @@ fn soft_start_and_its_rate() {
     let mut limit = CurrentLimit::default();
     limit.start(&c);
     let update = |limit: &mut CurrentLimit, turns| {
-        limit.update(&c, Volts::from_milli(24_000), Celsius::from_milli(25_000), turns);
+        limit.update(&c, &measured(24_000, 0), Celsius::from_milli(25_000), turns);
         bound(limit, 1.0).0
     };
     for _ in 0..100 {

@@ -1,3 +1,6 @@
-//! CAN frames and the two wire formats: bytes to meaning and back, nothing else.
+//! CAN frames and the wire formats: bytes to meaning and back, nothing else.
+
 pub mod frame;
+pub mod narmotion;
+
 pub use frame::{Frame, Id};

@@ -43,7 +43,7 @@ pub struct Measured {
     pub bus_voltage: Volts,
     /// Mean DC-link current.
     pub bus_current: Amps,
-    /// The same after a first-order filter of eight ticks.
+    /// The same after a first-order filter of 64 ticks: longer than what a commutation returns to the bus.
     pub bus_current_filtered: Amps,
     /// Terminal voltages A, B, C.
     pub phase_voltage: [Volts; 3],
@@ -52,7 +52,8 @@ pub struct Measured {
 /// State of the measurement station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Measurement {
-    filtered: i32,
+    /// Raw I16F16 with 6 extra bits.
+    filtered: i64,
     zero: ZeroCurrent,
     reciprocal: Reciprocal,
 }
@@ -82,13 +83,12 @@ impl Measurement {
     pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Measured {
         let bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
         let bus_current = self.zero.step(scales.bus_current.convert(samples.bus_current), idle);
-        let difference = bus_current.saturating_sub(self.filtered);
-        self.filtered = self.filtered.saturating_add(difference >> 3);
+        self.filtered += i64::from(bus_current) - (self.filtered >> 6);
         self.reciprocal.follow(bus_voltage);
         Measured {
             bus_voltage: Volts::from_bits(bus_voltage),
             bus_current: Amps::from_bits(bus_current),
-            bus_current_filtered: Amps::from_bits(self.filtered),
+            bus_current_filtered: Amps::from_bits((self.filtered >> 6) as i32),
             phase_voltage: samples
                 .phase_voltage
                 .map(|code| Volts::from_bits(scales.phase_voltage.convert(code))),

@@ -27,8 +27,8 @@ pub const fn worst_case_bits(extended: bool, bytes: u8) -> u32 {
 pub(super) fn arbitration_field(frame: &Frame) -> u32 {
     let remote = u32::from(frame.is_remote());
     match frame.id() {
-        Id::Standard(id) => u32::from(id) << 21 | remote << 20,
-        Id::Extended(id) => (id >> 18) << 21 | 0b11 << 19 | (id & 0x3_ffff) << 1 | remote,
+        Id::Standard { raw: id, .. } => u32::from(id) << 21 | remote << 20,
+        Id::Extended { raw: id, .. } => (id >> 18) << 21 | 0b11 << 19 | (id & 0x3_ffff) << 1 | remote,
     }
 }
 
@@ -47,12 +47,12 @@ impl WireBits {
         let remote = u128::from(frame.is_remote());
         wire.push(0, 1);
         match frame.id() {
-            Id::Standard(id) => {
+            Id::Standard { raw: id, .. } => {
                 wire.push(u128::from(id), 11);
                 // RTR, IDE, r0.
                 wire.push(remote << 2, 3);
             }
-            Id::Extended(id) => {
+            Id::Extended { raw: id, .. } => {
                 wire.push(u128::from(id >> 18), 11);
                 // SRR, IDE.
                 wire.push(0b11, 2);

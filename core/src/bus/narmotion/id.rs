@@ -1,0 +1,183 @@
+//! The 29-bit identifier (Annex A, section 1).
+//!
+//! ```text
+//!  bit   28 27 | 26 .. 19 | 18 ..  11 | 10  9 | 8 .. 0
+//!     priority |  source  |destination|  type | opcode
+//! ```
+
+use super::words::DecodeError;
+use crate::bus::{Frame, Id};
+use serde::{Deserialize, Serialize};
+
+/// What an identifier says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MessageId {
+    /// Arbitration priority; receivers ignore it.
+    pub priority: Priority,
+    /// Address of the sender.
+    pub source: u8,
+    /// Address of the receiver.
+    pub destination: u8,
+    /// Message type.
+    pub kind: MessageKind,
+    /// What the message is about.
+    pub opcode: Opcode,
+}
+
+/// Bits 28 and 27.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Priority {
+    /// 0: not used by any printed message.
+    Highest = 0,
+    /// 1: what masters send.
+    High = 1,
+    /// 2: what drives send.
+    Low = 2,
+    /// 3: not used by any printed message.
+    Lowest = 3,
+}
+
+/// Bits 10 and 9. Type 3 does not exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum MessageKind {
+    /// 0, "Slave Tx": drive to master.
+    SlaveTx = 0,
+    /// 1, "Data Set": the master sets something.
+    DataSet = 1,
+    /// 2, "Data Request": the master asks for something.
+    DataRequest = 2,
+}
+
+/// Bits 8 to 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Opcode(u16);
+
+impl Opcode {
+    /// Build number and date of the firmware.
+    pub const BUILD_INFO: Self = Self(0);
+    /// Releases, serial number, address.
+    pub const DEVICE_INFO: Self = Self(1);
+    /// What the motor is to do.
+    pub const REQUEST_WORD: Self = Self(2);
+    /// What the motor does.
+    pub const STATUS_WORD: Self = Self(3);
+    /// Faults.
+    pub const FAULT_WORD: Self = Self(4);
+    /// Critical faults and their extended code.
+    pub const CRITICAL_FAULT: Self = Self(5);
+    /// Reset of the drive.
+    pub const REBOOT: Self = Self(101);
+    /// Speed set-point.
+    pub const MOTOR_CMD: Self = Self(102);
+    /// Digital outputs.
+    pub const DSIO_DATA_CMD: Self = Self(103);
+    /// Supply of the hall sensors.
+    pub const DISABLE_HALL_PS: Self = Self(104);
+    /// Parameter read and write.
+    pub const PARAMETER: Self = Self(110);
+    /// Virtual scope.
+    pub const LOG_VIRTUAL_SCOPE: Self = Self(112);
+    /// Factory values.
+    pub const RESTORE_FACTORY_SETTING: Self = Self(113);
+    /// Download of the description: request and its answer.
+    pub const XML_DOWNLOAD_REQUEST: Self = Self(130);
+    /// Download of the description: data.
+    pub const XML_DOWNLOAD_DATA: Self = Self(131);
+    /// Download of the log: data.
+    pub const EXT_MEM_LOG_READ_DATA: Self = Self(140);
+    /// First of the measurement frames, 200 to 205 and the reserved 207 and 208.
+    pub const MEASUREMENT_0: Self = Self(200);
+
+    /// An opcode, or `None` above 511.
+    pub const fn new(raw: u16) -> Option<Self> {
+        if raw < 512 { Some(Self(raw)) } else { None }
+    }
+
+    /// The opcode of the low 9 bits.
+    pub(super) const fn masked(raw: u32) -> Self {
+        Self((raw & 0x1FF) as u16)
+    }
+
+    /// The number, 0..=511.
+    pub const fn raw(self) -> u16 {
+        self.0
+    }
+}
+
+/// The two ends of the conversation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Addresses {
+    /// Address of the drive (parameter 2).
+    pub drive: u8,
+    /// Address of its master (parameter 3).
+    pub master: u8,
+}
+
+impl Addresses {
+    /// As Figure 9 and Figure 14 print them: drive 170, master 85.
+    pub const FACTORY: Self = Self { drive: 0xAA, master: 0x55 };
+
+    /// Identifier of what the drive sends.
+    pub const fn from_drive(self, opcode: Opcode) -> MessageId {
+        MessageId {
+            priority: Priority::Low,
+            source: self.drive,
+            destination: self.master,
+            kind: MessageKind::SlaveTx,
+            opcode,
+        }
+    }
+
+    /// Identifier of what the master sends.
+    pub const fn to_drive(self, kind: MessageKind, opcode: Opcode) -> MessageId {
+        MessageId { priority: Priority::High, source: self.master, destination: self.drive, kind, opcode }
+    }
+}
+
+impl MessageId {
+    /// The identifier on the bus.
+    pub const fn encode(self) -> Id {
+        Id::extended_masked(
+            (self.priority as u32) << 27
+                | (self.source as u32) << 19
+                | (self.destination as u32) << 11
+                | (self.kind as u32) << 9
+                | self.opcode.raw() as u32,
+        )
+    }
+
+    /// What an identifier means.
+    ///
+    /// # Errors
+    /// An 11-bit identifier, or type 3.
+    pub const fn decode(id: Id) -> Result<Self, DecodeError> {
+        if !id.is_extended() {
+            return Err(DecodeError::StandardId);
+        }
+        let raw = id.raw();
+        let kind = match raw >> 9 & 3 {
+            0 => MessageKind::SlaveTx,
+            1 => MessageKind::DataSet,
+            2 => MessageKind::DataRequest,
+            _ => return Err(DecodeError::Kind),
+        };
+        let priority = match raw >> 27 {
+            0 => Priority::Highest,
+            1 => Priority::High,
+            2 => Priority::Low,
+            _ => Priority::Lowest,
+        };
+        let opcode = Opcode::masked(raw);
+        Ok(Self { priority, source: (raw >> 19) as u8, destination: (raw >> 11) as u8, kind, opcode })
+    }
+
+    /// What the identifier of a frame means.
+    ///
+    /// # Errors
+    /// As [`MessageId::decode`].
+    pub const fn of(frame: &Frame) -> Result<Self, DecodeError> {
+        Self::decode(frame.id())
+    }
+}

@@ -1,0 +1,112 @@
+//! What the master asks of the motor, on its way to the control tick.
+
+use super::scale;
+use crate::bus::narmotion::MotorMode;
+use crate::dictionary::{Parameters, number};
+use crate::motor::event::{Command, Request};
+use heapless::Deque;
+use serde::{Deserialize, Serialize};
+
+/// Commands that may wait for the tick, which takes one each 100 us.
+const WAITING: usize = 8;
+
+/// The last request and set-point, and the commands that wait.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Commands {
+    request: Request,
+    /// Magnitude of the mechanical set-point, rpm.
+    speed: u16,
+    mode: Mode,
+    waiting: Deque<Command, WAITING>,
+}
+
+/// Control mode that the enables select (Table 6); frozen while the drive is not stopped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Mode {
+    #[default]
+    None,
+    OpenLoop,
+    Sensorless,
+    Hall,
+}
+
+impl Commands {
+    /// A valid REQUEST_WORD.
+    pub(super) fn request(&mut self, mode: MotorMode, parameters: &Parameters) {
+        self.request = match mode {
+            MotorMode::Standby => Request::Standby,
+            MotorMode::Drive => Request::Drive,
+            MotorMode::Reverse => Request::Reverse,
+            MotorMode::Fault => Request::Shutdown,
+        };
+        self.push(parameters);
+    }
+
+    /// A valid MOTOR_CMD. Answers the set-point that is accepted: the saturation of the control mode applied; open loop
+    /// has its own set-point (parameter 88).
+    pub(super) fn set_speed(&mut self, speed: u16, parameters: &Parameters) -> u16 {
+        self.speed = speed;
+        self.push(parameters);
+        let (min, max) = match self.mode {
+            Mode::None => (0, u16::MAX.into()),
+            Mode::OpenLoop => {
+                let fixed = parameters.raw(number::OPEN_LOOP_SPEED);
+                (fixed, fixed)
+            }
+            Mode::Sensorless => (parameters.raw(number::SPEED_MIN_SL), parameters.raw(number::SPEED_MAX_SL)),
+            Mode::Hall => (parameters.raw(number::SPEED_MIN_HES), parameters.raw(number::SPEED_MAX_HES)),
+        };
+        // Not `clamp`, which panics when min > max: such a set does not build, but can be written.
+        i32::from(speed).max(min).min(max).clamp(0, u16::MAX.into()) as u16
+    }
+
+    /// Takes over the control mode of the enables, while the drive is stopped.
+    pub(super) fn select_mode(&mut self, parameters: &Parameters) {
+        let enabled = |number| parameters.raw(number) != 0;
+        self.mode = if enabled(number::HALL_ENABLE) {
+            Mode::Hall
+        } else if enabled(number::SENSORLESS_ENABLE) {
+            Mode::Sensorless
+        } else if enabled(number::OPEN_LOOP_ENABLE) {
+            Mode::OpenLoop
+        } else {
+            Mode::None
+        };
+    }
+
+    /// The next command for the tick.
+    pub(super) fn pop(&mut self) -> Option<Command> {
+        self.waiting.pop_front()
+    }
+
+    /// Queues the present request and set-point. A command that repeats the request before it replaces it: every change
+    /// of request reaches the tick, and so does the newest set-point.
+    fn push(&mut self, parameters: &Parameters) {
+        let speed = scale::electrical_speed(self.speed.into(), parameters.raw(number::MOTOR_POLE_PAIRS));
+        let command = Command { request: self.request, speed };
+        if let Some(last) = self.waiting.back_mut().filter(|last| last.request == command.request) {
+            *last = command;
+            return;
+        }
+        if self.waiting.is_full() {
+            self.condense();
+        }
+        // There is room now.
+        let _ = self.waiting.push_back(command);
+    }
+
+    /// More changes of request than may wait: what stops the motor stays, starts in between are dropped.
+    fn condense(&mut self) {
+        let shutdown = self.waiting.iter().any(|command| command.request == Request::Shutdown);
+        let request = if shutdown { Request::Shutdown } else { Request::Standby };
+        self.waiting.clear();
+        let _ = self.waiting.push_back(Command { request, ..Command::default() });
+    }
+}
+
+impl PartialEq for Commands {
+    fn eq(&self, other: &Self) -> bool {
+        (self.request, self.speed, self.mode) == (other.request, other.speed, other.mode)
+            && self.waiting.iter().eq(other.waiting.iter())
+    }
+}

@@ -1,0 +1,75 @@
+//! Slow inputs of the board, and their calibration.
+
+use crate::dictionary::{Parameters, number};
+use crate::motor::event::SlowMeasurements;
+use crate::units::{Celsius, Volts};
+use serde::{Deserialize, Serialize};
+
+/// What the board reads besides the tick's samples, before calibration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SlowInputs {
+    /// Sensor on the power board.
+    pub ambient_temperature: Celsius,
+    /// External sensor, where there is one.
+    pub external_temperature: Celsius,
+    /// Pressure input (PIN) after its amplifier.
+    pub pressure: Volts,
+    /// Acceleration along X, Y, Z, 0.001 g.
+    pub accel: [i16; 3],
+    /// 1.8 V reference of the accelerometer.
+    pub accel_reference: Volts,
+    /// 0.383 VREF.
+    pub reference: Volts,
+    /// 6 V rail.
+    pub rail_6v: Volts,
+    /// 14 V rail of the gate drivers.
+    pub rail_14v: Volts,
+    /// Analog signal input.
+    pub asi: Volts,
+    /// DSIO1 as read.
+    pub dsi1: bool,
+    /// DSIO2 as read.
+    pub dsi2: bool,
+}
+
+impl SlowInputs {
+    /// What the fault logic watches: the selected temperature and the calibrated pressure.
+    pub(super) fn calibrated(&self, parameters: &Parameters) -> SlowMeasurements {
+        let external = parameters.raw(number::TEMPERATURE_SOURCE) != 0;
+        let temperature = if external { self.external_temperature } else { self.ambient_temperature };
+        let offset = Celsius::from_ratio(parameters.raw(number::TEMPERATURE_OFFSET).into(), 10);
+        SlowMeasurements {
+            temperature: temperature.saturating_add(offset),
+            pressure: linear(
+                self.pressure,
+                parameters.raw(number::PRESSURE_CALIB_GAIN),
+                parameters.raw(number::PRESSURE_CALIB_OFFSET),
+            ),
+        }
+    }
+
+    /// What is broadcast as PIN_MEAS: the calibrated pressure, scaled.
+    pub(super) fn scaled_pressure(&self, parameters: &Parameters) -> Volts {
+        linear(
+            self.calibrated(parameters).pressure,
+            parameters.raw(number::PRESSURE_MEAS_GAIN),
+            parameters.raw(number::PRESSURE_MEAS_OFFSET),
+        )
+    }
+
+    /// Calibrated acceleration, 0.001 g.
+    pub(super) fn calibrated_accel(&self, parameters: &Parameters) -> [i16; 3] {
+        let [x, y, z] = self.accel;
+        let add =
+            |raw: i16, number| super::scale::saturate16(i64::from(raw) + i64::from(parameters.raw(number)));
+        [add(x, number::ACCEL_X_OFFSET), add(y, number::ACCEL_Y_OFFSET), add(z, number::ACCEL_Z_OFFSET)]
+    }
+}
+
+/// value * gain / 1 000 000 + offset / 1000, saturating.
+fn linear(value: Volts, gain: i32, offset: i32) -> Volts {
+    // Both factors have 32 bits, so the product of bits and gain fits 64.
+    let product = i64::from(value.to_bits()) * i64::from(gain) / 1_000_000;
+    let bits = product.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+    Volts::from_bits(bits).saturating_add(Volts::from_milli(offset))
+}

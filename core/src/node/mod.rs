@@ -1,0 +1,250 @@
+//! The device around the motor: it obeys the master's frames, keeps the parameters, and broadcasts what the tick
+//! reports. A pure state machine without a clock, a bus or a flash of its own.
+//!
+//! ```text
+//!  frames ----- handle_frame --> +------+ --- poll_frame --> frames
+//!  Status ---- handle_status --> | Node | --- poll_event --> Event, to the control tick
+//!  slow inputs handle_inputs --> |      | -- poll_action --> what only the shell can do
+//!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
+//! ```
+//!
+//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left.
+
+mod broadcast;
+mod commands;
+mod inputs;
+mod outbox;
+mod parameters;
+mod requests;
+mod scale;
+
+pub use inputs::SlowInputs;
+
+use crate::bus::Frame;
+use crate::bus::narmotion::{Addresses, DigitalOutputs};
+use crate::dictionary::{Parameters, number};
+use crate::motor::coefficients::Coefficients;
+use crate::motor::event::{Event, Health, SlowMeasurements, Status};
+use crate::motor::fault::FaultWord;
+use crate::motor::front_end::Board;
+use broadcast::Autosend;
+use commands::Commands;
+use outbox::Outbox;
+use parameters::Edges;
+use serde::{Deserialize, Serialize};
+
+/// What the firmware and the board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Build number of the firmware.
+    pub build_number: u16,
+    /// Built from sources that were not committed.
+    pub source_modified: bool,
+    /// Date of the build, YYYYMMDD in decimal.
+    pub build_date: u32,
+    /// Release of the board.
+    pub hardware_release: u16,
+    /// Release of the firmware: major in the high byte, minor in the low byte.
+    pub software_release: u16,
+}
+
+/// What the shell does for the node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Restart the device. Every frame queued before has been polled by then.
+    Reboot,
+}
+
+/// Levels that the shell applies to the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outputs {
+    /// DSIO1 and DSIO2.
+    pub digital: DigitalOutputs,
+    /// Supply of the hall sensors.
+    pub hall_supply: bool,
+}
+
+/// The device.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Node {
+    identity: Identity,
+    board: Board,
+    addresses: Addresses,
+    parameters: Parameters,
+    edges: Edges,
+    commands: Commands,
+    /// The last report of the tick.
+    status: Status,
+    /// Sectors turned since power-up, without the wrap of the report.
+    sectors: i64,
+    /// Mechanical position at sector 0, 0.01 degrees (parameters 16 and 17).
+    position_offset: i32,
+    /// The last reading; `None` before the first.
+    inputs: Option<SlowInputs>,
+    digital: DigitalOutputs,
+    hall_supply_disabled: bool,
+    autosend: Autosend,
+    outbox: Outbox,
+    pending: Pending,
+    counters: Counters,
+    /// Parameter for which the present set does not build.
+    rejected: Option<u16>,
+}
+
+/// Events that the tick has still to get, besides commands; a newer one replaces an older one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Pending {
+    health: Option<Health>,
+    coefficients: bool,
+    slow: Option<SlowMeasurements>,
+    calibrate: Option<bool>,
+    reboot: bool,
+}
+
+/// Counters since power-up, saturating.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Counters {
+    refused: u32,
+    malformed: u32,
+}
+
+impl Node {
+    /// A device at power-up with factory parameters.
+    pub fn new(identity: Identity, board: Board) -> Self {
+        Self::with_parameters(identity, board, Parameters::new())
+    }
+
+    /// A device at power-up with a stored parameter set. Addresses are taken from it now and kept until reboot.
+    pub fn with_parameters(identity: Identity, board: Board, parameters: Parameters) -> Self {
+        let addresses = Addresses {
+            drive: parameters.raw(number::SLAVE_CAN_ADDRESS) as u8,
+            master: parameters.raw(number::MASTER_CAN_ADDRESS) as u8,
+        };
+        let mut node = Self {
+            identity,
+            board,
+            addresses,
+            parameters,
+            edges: Edges::default(),
+            commands: Commands::default(),
+            status: Status { command_expired: true, ..Status::default() },
+            sectors: 0,
+            position_offset: 0,
+            inputs: None,
+            digital: DigitalOutputs::default(),
+            hall_supply_disabled: false,
+            autosend: Autosend::default(),
+            outbox: Outbox::default(),
+            pending: Pending { coefficients: true, ..Pending::default() },
+            counters: Counters::default(),
+            rejected: None,
+        };
+        node.put(number::HARDWARE_RELEASE, identity.hardware_release.into());
+        node.put(number::BUILD_NUMBER, identity.build_number.into());
+        node.put(number::SOFTWARE_RELEASE, identity.software_release.into());
+        node.put(number::SOURCE_MODIFIED, identity.source_modified.into());
+        node.commands.select_mode(&node.parameters);
+        node
+    }
+
+    /// The present parameter set.
+    pub const fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// The board that the node was made for.
+    pub const fn board(&self) -> &Board {
+        &self.board
+    }
+
+    /// The addresses in force.
+    pub const fn addresses(&self) -> Addresses {
+        self.addresses
+    }
+
+    /// Takes a report of the control tick.
+    pub fn handle_status(&mut self, status: Status) {
+        let before = core::mem::replace(&mut self.status, status);
+        let turned = status.sectors.wrapping_sub(before.sectors);
+        self.sectors = self.sectors.wrapping_add(turned.into());
+        if !status.state.is_driving() {
+            self.commands.select_mode(&self.parameters);
+        }
+        self.announce_faults(&before);
+        self.adopt_hall_calibration(before.hall_calibration);
+    }
+
+    /// Takes a reading of the slow inputs, about every 10 ms.
+    pub fn handle_inputs(&mut self, inputs: SlowInputs) {
+        self.inputs = Some(inputs);
+        self.calibrate_inputs();
+    }
+
+    /// Takes the condition of the parameter store and of the self-tests, at boot and when it changes.
+    pub fn handle_health(&mut self, health: Health) {
+        self.pending.health = Some(health);
+        let mapped = !health.store_faults.contains(FaultWord::STORE_MISMATCH);
+        self.put(number::MEMORY_MAPPING_FLAG, i32::from(mapped));
+    }
+
+    /// Advances time to the control tick `now`: queues the broadcasts that are due.
+    pub fn poll(&mut self, now: u64) {
+        if self.autosend.is_due(now, &self.parameters, &self.board) {
+            self.broadcast();
+        }
+    }
+
+    /// The next frame to send, control and status before measurements.
+    pub fn poll_frame(&mut self) -> Option<Frame> {
+        self.outbox.pop()
+    }
+
+    /// The next event for the control tick.
+    pub fn poll_event(&mut self) -> Option<Event> {
+        if let Some(health) = self.pending.health.take() {
+            return Some(Event::Health(health));
+        }
+        if core::mem::take(&mut self.pending.coefficients) {
+            return Some(self.build());
+        }
+        if let Some(slow) = self.pending.slow.take() {
+            return Some(Event::Slow(slow));
+        }
+        if let Some(run) = self.pending.calibrate.take() {
+            return Some(Event::CalibrateHall(run));
+        }
+        self.commands.pop().map(Event::Command)
+    }
+
+    /// The next thing that only the shell can do.
+    pub fn poll_action(&mut self) -> Option<Action> {
+        let due = self.pending.reboot && self.outbox.is_empty();
+        self.pending.reboot &= !due;
+        due.then_some(Action::Reboot)
+    }
+
+    /// What the board's lines shall do now.
+    pub fn outputs(&self) -> Outputs {
+        let enabled = self.parameters.raw(number::HALL_SUPPLY_ENABLE) != 0;
+        Outputs { digital: self.digital, hall_supply: enabled && !self.hall_supply_disabled }
+    }
+
+    /// Sends the last slow reading to the tick, under the present calibration.
+    fn calibrate_inputs(&mut self) {
+        self.pending.slow = self.inputs.map(|inputs| inputs.calibrated(&self.parameters));
+    }
+
+    /// Builds the present set; the tick keeps the last good one if it does not build.
+    fn build(&mut self) -> Event {
+        match Coefficients::build(&self.parameters, &self.board) {
+            Ok(coefficients) => {
+                self.rejected = None;
+                Event::Coefficients(coefficients)
+            }
+            Err(error) => {
+                self.rejected = Some(error.parameter);
+                Event::CoefficientsRejected
+            }
+        }
+    }
+}

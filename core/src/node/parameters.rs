@@ -1,0 +1,243 @@
+//! Reading and writing parameters.
+
+use super::{Node, scale};
+use crate::bus::narmotion::{FromDrive, ParameterStatus};
+use crate::dictionary::{Access, Category, Dictionary, Parameter, ParameterError, number};
+use crate::motor::event::{HallCalibration, HallWiring};
+use crate::motor::state::State;
+use serde::{Deserialize, Serialize};
+
+/// Command parameters: they act on a rising edge.
+const COMMANDS: [u16; 8] = [
+    number::SET_POSITION,
+    number::LOG_READ_REQUEST,
+    number::LOG_ERASE_REQUEST,
+    number::STORE,
+    number::STORE_ONCE,
+    number::RESET_CALIBRATION,
+    number::AUTO_CALIBRATE,
+    number::HALL_CALIBRATE,
+];
+
+/// Which command parameters have a 0 written: a rising edge is a 0 and then a 1 as written, and power-up is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Edges(u8);
+
+impl Edges {
+    fn bit(number: u16) -> u8 {
+        COMMANDS.iter().position(|command| *command == number).map_or(0, |place| 1 << place)
+    }
+    fn arm(&mut self, number: u16) {
+        self.0 |= Self::bit(number);
+    }
+    fn disarm(&mut self, number: u16) {
+        self.0 &= !Self::bit(number);
+    }
+    fn is_armed(self, number: u16) -> bool {
+        self.0 & Self::bit(number) != 0
+    }
+}
+
+impl Node {
+    /// The raw value of a parameter as the bus reads it, live ones included; `None` for an unknown number.
+    pub fn read_parameter(&self, number: u16) -> Option<i32> {
+        let status = &self.status;
+        Some(match number {
+            number::SCOPE_SAMPLING_TIME => {
+                let prescaler = i64::from(self.parameters.raw(number::SCOPE_PRESCALER));
+                (prescaler * 1_000_000 / i64::from(self.board.tick_rate.max(1))) as i32
+            }
+            number::DRIVE_STATE => status.state as i32,
+            number::REFUSED_FRAMES => self.counters.refused as i32,
+            number::MALFORMED_FRAMES => self.counters.malformed as i32,
+            number::START_REFUSAL => status.refusal as i32,
+            number::HALL_INVALID => status.hall_invalid.into(),
+            number::HALL_JUMPS => status.hall_jumps.into(),
+            number::HALL_CALIBRATION_STATE => match status.hall_calibration {
+                HallCalibration::None => 0,
+                HallCalibration::Running => 1,
+                HallCalibration::Done(_) => 2,
+                HallCalibration::Failed => 3,
+            },
+            number::ACTIVE_LIMITER => status.limiter as i32,
+            number::EXTENDED_FAULT_CODE => status.extended_code.into(),
+            number::FRAMES_LOST => self.outbox.lost() as i32,
+            number::REJECTED_PARAMETER => self.rejected.unwrap_or(u16::MAX).into(),
+            _ => self.parameters.value(number)?,
+        })
+    }
+
+    /// Writes a parameter as the master does: number, access, range, state, then what the value does.
+    pub fn write_parameter(&mut self, number: u16, raw: i32) -> ParameterStatus {
+        let Some(row) = Dictionary::row(number) else { return ParameterStatus::UnknownNumber };
+        if row.access == Access::ReadOnly {
+            return ParameterStatus::ReadOnly;
+        }
+        if !row.accepts(raw) {
+            return ParameterStatus::OutOfRange;
+        }
+        if !self.is_allowed_now(row, raw) {
+            return ParameterStatus::WrongState;
+        }
+        if row.command {
+            return self.write_command(number, raw != 0);
+        }
+        self.put(number, raw);
+        if matters_to_the_tick(row) {
+            self.after_change();
+        }
+        if row.category == Category::Calibration {
+            self.calibrate_inputs();
+        }
+        ParameterStatus::Done
+    }
+
+    /// Standby, or Fault at standstill.
+    pub(super) fn is_stopped(&self) -> bool {
+        let still = self.status.speed_hall.to_bits() == 0 && self.status.speed_sensorless.to_bits() == 0;
+        match self.status.state {
+            State::Standby => true,
+            State::Fault => still,
+            _ => false,
+        }
+    }
+
+    /// The set has changed: have it built, and let the enables choose the mode of the next start.
+    pub(super) fn after_change(&mut self) {
+        self.pending.coefficients = true;
+        if !self.status.state.is_driving() {
+            self.commands.select_mode(&self.parameters);
+        }
+    }
+
+    /// Sets a value that the drive itself knows to be in range.
+    pub(super) fn put(&mut self, number: u16, raw: i32) {
+        let _ = self.parameters.set(number, raw);
+    }
+
+    /// Answers PARAMETER, type 2.
+    pub(super) fn answer_read(&mut self, number: u16) {
+        let (value, status) = match self.read_parameter(number) {
+            Some(value) => (value, ParameterStatus::Done),
+            None => (0, ParameterStatus::UnknownNumber),
+        };
+        self.send(FromDrive::Parameter { number, value, status });
+    }
+
+    /// A hall calibration that has just ended: its request is over, and its result becomes parameters 262, 263, 79, 80.
+    pub(super) fn adopt_hall_calibration(&mut self, before: HallCalibration) {
+        let now = self.status.hall_calibration;
+        if now == before {
+            return;
+        }
+        if let HallCalibration::Done(HallWiring { order, polarity, offset }) = now {
+            self.put(number::HALL_ORDER, order.into());
+            self.put(number::HALL_POLARITY, polarity.into());
+            self.put(number::STANDARD_HALL_SEQUENCE, 0);
+            self.put(number::HALL_OFFSET_ANGLE, scale::centidegrees(offset));
+            self.after_change();
+        }
+        if matches!(now, HallCalibration::Done(_) | HallCalibration::Failed) {
+            self.put(number::HALL_CALIBRATE, 0);
+            self.edges.disarm(number::HALL_CALIBRATE);
+        }
+    }
+
+    /// Rules on the time of a write, besides those of the row.
+    fn is_allowed_now(&self, row: &Parameter, raw: i32) -> bool {
+        let input = |number| match number {
+            1 => self.digital.enable1,
+            2 => self.digital.enable2,
+            _ => false,
+        };
+        let special = match row.number {
+            // The sensors that commutate the motor keep their supply.
+            number::HALL_SUPPLY_ENABLE => raw != 0 || self.status.state != State::HallClosedLoop,
+            // A line that is an output cannot command a shutdown.
+            number::SHUTDOWN_INPUT => !input(raw),
+            // The bridge must be off and the next start not yet begun.
+            number::HALL_CALIBRATE | number::AUTO_CALIBRATE => self.status.state == State::Standby,
+            number::LOG_ERASE_REQUEST => !self.status.state.is_driving(),
+            _ => true,
+        };
+        special && (row.access == Access::Live || self.is_stopped())
+    }
+
+    fn write_command(&mut self, number: u16, level: bool) -> ParameterStatus {
+        if !level {
+            if number == number::HALL_CALIBRATE && self.parameters.raw(number) != 0 {
+                self.pending.calibrate = Some(false);
+            }
+            self.edges.arm(number);
+            self.put(number, 0);
+            return ParameterStatus::Done;
+        }
+        if self.edges.is_armed(number) {
+            let status = self.run_command(number);
+            if status != ParameterStatus::Done {
+                return status;
+            }
+            self.edges.disarm(number);
+        }
+        self.put(number, 1);
+        ParameterStatus::Done
+    }
+
+    fn run_command(&mut self, number: u16) -> ParameterStatus {
+        match number {
+            number::SET_POSITION => {
+                let wanted = self.parameters.raw(number::POSITION_CALIBRATION);
+                self.position_offset = wanted.wrapping_sub(self.raw_position());
+            }
+            number::RESET_CALIBRATION => self.reset_calibration(),
+            number::AUTO_CALIBRATE => {
+                if self.auto_calibrate().is_err() {
+                    return ParameterStatus::OutOfRange;
+                }
+            }
+            number::HALL_CALIBRATE => self.pending.calibrate = Some(true),
+            // There is no parameter store and no log memory yet.
+            _ => return ParameterStatus::Storage,
+        }
+        ParameterStatus::Done
+    }
+
+    fn reset_calibration(&mut self) {
+        let rows = Dictionary::rows().filter(|row| row.category == Category::Calibration && !row.command);
+        for row in rows {
+            self.put(row.number, row.factory_raw());
+        }
+        self.position_offset = 0;
+        self.after_change();
+        self.calibrate_inputs();
+    }
+
+    /// With the bridge off the bus current is 0, and the bus voltage is the nominal supply (parameter 266). Measured values
+    /// contain the present offsets.
+    fn auto_calibrate(&mut self) -> Result<(), ParameterError> {
+        let current = self.parameters.raw(number::HV_CURRENT_OFFSET);
+        let voltage = self.parameters.raw(number::HV_VOLTAGE_OFFSET);
+        let nominal = self.parameters.raw(number::NOMINAL_SUPPLY);
+        let current_error = self.status.bus_current.scaled(1000);
+        let voltage_error = self.status.bus_voltage.scaled(1000).saturating_sub(nominal);
+        let mut calibrated = self.parameters.clone();
+        calibrated.set(number::HV_CURRENT_OFFSET, current.saturating_sub(current_error))?;
+        calibrated.set(number::HV_VOLTAGE_OFFSET, voltage.saturating_sub(voltage_error))?;
+        self.parameters = calibrated;
+        self.after_change();
+        Ok(())
+    }
+}
+
+/// Whether the tick's coefficients depend on a parameter of this row.
+fn matters_to_the_tick(row: &Parameter) -> bool {
+    matches!(
+        row.category,
+        Category::Calibration
+            | Category::Machine
+            | Category::Control
+            | Category::CommandSaturation
+            | Category::Limitation
+            | Category::Timing
+    )
+}

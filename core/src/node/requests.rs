@@ -1,0 +1,139 @@
+//! What a frame of the master makes the node do.
+
+use super::Node;
+use crate::bus::Frame;
+use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ToDrive};
+use crate::dictionary::{Category, Parameters, number};
+use crate::motor::state::State;
+
+/// A well-formed request that is not obeyed: silent on the bus, counted in parameter 274.
+struct Refused;
+
+impl Node {
+    /// Takes a frame from the bus. Only data frames of 8 bytes from the configured master to this drive are obeyed;
+    /// what is malformed or not obeyed changes nothing and is counted.
+    pub fn handle_frame(&mut self, frame: &Frame) {
+        let message = match self.accept(frame) {
+            Ok(Some(message)) => message,
+            Ok(None) => return,
+            Err(error) => return self.count(error),
+        };
+        if self.obey(message).is_err() {
+            self.count_refused();
+        }
+    }
+
+    /// The message, if it is for this drive and from its master; `None` for traffic of others.
+    fn accept(&mut self, frame: &Frame) -> Result<Option<ToDrive>, DecodeError> {
+        let id = MessageId::of(frame)?;
+        if id.destination != self.addresses.drive {
+            return Ok(None);
+        }
+        let (id, message) = ToDrive::decode(frame)?;
+        if id.source != self.addresses.master {
+            self.count_refused();
+            return Ok(None);
+        }
+        Ok(Some(message))
+    }
+
+    fn obey(&mut self, message: ToDrive) -> Result<(), Refused> {
+        match message {
+            ToDrive::RequestWord(word) => self.commands.request(word.mode, &self.parameters),
+            ToDrive::MotorCommand { speed } => {
+                let speed = self.commands.set_speed(speed, &self.parameters);
+                self.send(FromDrive::MotorCommand { speed });
+            }
+            ToDrive::SetParameter { number, value } => {
+                let status = self.write_parameter(number, value);
+                let value = self.read_parameter(number).unwrap_or(0);
+                self.send(FromDrive::Parameter { number, value, status });
+            }
+            ToDrive::RequestParameter { number } => self.answer_read(number),
+            ToDrive::RequestBuildInfo => self.send(FromDrive::BuildInfo {
+                number: self.identity.build_number,
+                modified: self.identity.source_modified,
+                date: self.identity.build_date,
+            }),
+            ToDrive::RequestDeviceInfo => self.send(FromDrive::DeviceInfo {
+                hardware: self.identity.hardware_release,
+                software: self.identity.software_release,
+                device_number: self.parameters.raw(number::DEVICE_NUMBER) as u16,
+                address: self.addresses.drive.into(),
+            }),
+            ToDrive::Reboot => {
+                self.require_stopped()?;
+                self.send(FromDrive::Reboot);
+                self.pending.reboot = true;
+            }
+            ToDrive::RestoreFactory { serial } => self.restore_factory(serial)?,
+            ToDrive::DigitalOutputs(outputs) => self.set_digital(outputs)?,
+            ToDrive::DisableHallSupply(disable) => self.disable_hall_supply(disable)?,
+            ToDrive::TriggerScope | ToDrive::DownloadScope | ToDrive::DownloadXml(_) => return Err(Refused),
+        }
+        Ok(())
+    }
+
+    /// Factory values of everything but the board's own facts: device number and calibration (category 02, which
+    /// parameter 258 resets). Addresses follow at the next boot.
+    fn restore_factory(&mut self, serial: u16) -> Result<(), Refused> {
+        self.require_stopped()?;
+        if self.parameters.raw(number::DEVICE_NUMBER) != i32::from(serial) {
+            return Err(Refused);
+        }
+        let mut restored = Parameters::new();
+        for (row, raw) in self.parameters.iter() {
+            let own_fact = row.category == Category::Calibration || row.category == Category::Identification;
+            let own_number = [number::DEVICE_NUMBER, number::HARDWARE_RELEASE, number::MEMORY_MAPPING_FLAG];
+            if own_fact || own_number.contains(&row.number) {
+                // The value was accepted by the same row before.
+                let _ = restored.set(row.number, raw);
+            }
+        }
+        if self.parameters.raw(number::HALL_CALIBRATE) != 0 {
+            self.pending.calibrate = Some(false);
+        }
+        self.parameters = restored;
+        self.after_change();
+        Ok(())
+    }
+
+    /// A line that commands a shutdown (parameter 270) stays an input.
+    fn set_digital(&mut self, outputs: DigitalOutputs) -> Result<(), Refused> {
+        let taken = match self.parameters.raw(number::SHUTDOWN_INPUT) {
+            1 => outputs.enable1,
+            2 => outputs.enable2,
+            _ => false,
+        };
+        if taken {
+            return Err(Refused);
+        }
+        self.digital = outputs;
+        Ok(())
+    }
+
+    /// Not while the hall sensors commutate the motor.
+    fn disable_hall_supply(&mut self, disable: bool) -> Result<(), Refused> {
+        if self.status.state == State::HallClosedLoop {
+            return Err(Refused);
+        }
+        self.hall_supply_disabled = disable;
+        Ok(())
+    }
+
+    fn require_stopped(&self) -> Result<(), Refused> {
+        if self.is_stopped() { Ok(()) } else { Err(Refused) }
+    }
+
+    fn count(&mut self, error: DecodeError) {
+        if error.is_malformed() {
+            self.counters.malformed = self.counters.malformed.saturating_add(1);
+        } else {
+            self.count_refused();
+        }
+    }
+
+    fn count_refused(&mut self) {
+        self.counters.refused = self.counters.refused.saturating_add(1);
+    }
+}

@@ -1,0 +1,159 @@
+//! PROTOCOL.md: its tables are made from the code, and stay so. `UPDATE=1` rewrites them.
+
+use narx_core::bus::Id;
+use narx_core::bus::narmotion::{Addresses, MessageId, SIGNALS};
+use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Parameter};
+use narx_core::motor::fault::Cause;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Name of a block and what makes it.
+type Block = (&'static str, fn() -> String);
+
+const BLOCKS: [Block; 6] = [
+    ("causes", causes),
+    ("categories", categories),
+    ("general", || parameters(0..78)),
+    ("control", || parameters(78..122)),
+    ("own", || parameters(256..u16::MAX)),
+    ("signals", signals),
+];
+
+fn causes() -> String {
+    let mut out = String::from("| code | bit | cause | qualification, us |\n|---|---|---|---|\n");
+    for row in Cause::TABLE {
+        let code = row.cause as u16;
+        writeln!(out, "| {code:04X}h | {} | {} | {} |", code >> 8, row.meaning, row.qualification).unwrap();
+    }
+    out
+}
+
+fn signals() -> String {
+    let mut out = String::from("| frame | word | signal | type | unit | step |\n|---|---|---|---|---|---|\n");
+    for signal in SIGNALS {
+        let frame = signal.opcode.raw() - 200;
+        let last = signal.word + signal.words - 1;
+        let words =
+            if signal.words == 1 { signal.word.to_string() } else { format!("{}-{last}", signal.word) };
+        let kind = match (signal.signed, signal.words) {
+            (true, 1) => "int16",
+            (true, _) => "int32",
+            (false, _) => "uint16, 0 or 1",
+        };
+        let step = Decimal { digits: 1, exponent: signal.exponent };
+        let (name, unit) = (signal.name, signal.unit);
+        writeln!(out, "| MEASUREMENT_{frame} | {words} | {name} | {kind} | {unit} | {step} |").unwrap();
+    }
+    out
+}
+
+fn categories() -> String {
+    let mut out = String::from("| category | written |\n|---|---|\n");
+    let mut labels: Vec<&str> = Vec::new();
+    for category in Dictionary::rows().map(|row| row.category) {
+        if labels.contains(&category.label()) {
+            continue;
+        }
+        labels.push(category.label());
+        let rows = || Dictionary::rows().filter(move |row| row.category == category);
+        let access = match category.access() {
+            _ if rows().all(|row| row.access == Access::ReadOnly) => "by the drive alone",
+            Access::Live => "live",
+            _ => "stopped",
+        };
+        writeln!(out, "| {} | {access} |", category.label()).unwrap();
+    }
+    out
+}
+
+fn parameters(numbers: std::ops::Range<u16>) -> String {
+    let mut out = String::from(
+        "| no. | cat. | name | unit | type | step | range | factory | write | acts | meaning |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for row in Dictionary::rows().filter(|row| numbers.contains(&row.number)) {
+        writeln!(out, "{}", parameter(row)).unwrap();
+    }
+    out
+}
+
+fn parameter(row: &Parameter) -> String {
+    let value = |digits| Decimal { digits, exponent: row.exponent };
+    let access = match row.access {
+        Access::ReadOnly => "read-only",
+        Access::Stopped => "stopped",
+        Access::Live => "live",
+    };
+    let acts = match (row.access, row.command, row.effect) {
+        (Access::ReadOnly, ..) => "",
+        (_, true, Effect::NextStart) => "on a rising edge, at the next start",
+        (_, true, _) => "on a rising edge",
+        (_, _, Effect::Immediately) => "at once",
+        (_, _, Effect::NextStart) => "at the next start",
+        (_, _, Effect::Reboot) => "after store and reboot",
+    };
+    format!(
+        "| {} | {} | {} | {} | {} | {} | {} to {} | {} | {access} | {acts} | {} |",
+        row.number,
+        row.category.label().split('-').next().unwrap(),
+        row.name,
+        row.unit,
+        row.kind.label(),
+        value(1),
+        value(row.min),
+        value(row.max),
+        value(row.default),
+        row.description,
+    )
+}
+
+fn document() -> (PathBuf, String) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../PROTOCOL.md");
+    let text = std::fs::read_to_string(&path).unwrap();
+    (path, text)
+}
+
+#[test]
+fn generated_tables_are_up_to_date() {
+    let (path, text) = document();
+    let mut fresh = text.clone();
+    for (name, render) in BLOCKS {
+        let open = format!("<!-- generated:{name} -->\n");
+        let start = fresh.find(&open).unwrap_or_else(|| panic!("no block {name}")) + open.len();
+        let length = fresh[start..].find("<!-- end -->").unwrap_or_else(|| panic!("block {name} has no end"));
+        fresh.replace_range(start..start + length, &render());
+    }
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(path, &fresh).unwrap();
+        return;
+    }
+    assert!(text == fresh, "PROTOCOL.md is out of date: UPDATE=1 cargo test -p narx-tests --test protocol");
+}
+
+/// The message table is written by hand: each identifier must be what its opcode and type say.
+#[test]
+fn identifiers_in_the_message_table_agree_with_the_code() {
+    let (_, text) = document();
+    let mut found = 0;
+    for line in text.lines() {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let [_, opcode, _, kind, identifier, direction, ..] = cells[..] else { continue };
+        let (Ok(opcode), Ok(kind), Ok(raw)) =
+            (opcode.parse::<u16>(), kind.parse::<u8>(), u32::from_str_radix(identifier, 16))
+        else {
+            continue;
+        };
+        if !["M to D", "D to M"].contains(&direction) {
+            continue;
+        }
+        let id = MessageId::decode(Id::extended(raw).unwrap()).unwrap();
+        assert_eq!((id.opcode.raw(), id.kind as u8), (opcode, kind), "{line}");
+        let composed = match direction {
+            "D to M" => Addresses::FACTORY.from_drive(id.opcode),
+            _ => Addresses::FACTORY.to_drive(id.kind, id.opcode),
+        };
+        assert_eq!(id, composed, "{line}");
+        found += 1;
+    }
+    assert_eq!(found, 33, "the 32 identifiers of Figure 14 and the request of REBOOT");
+}
