@@ -199,7 +199,8 @@ impl Drive {
         let c = &self.coefficients;
         let direction = self.machine.direction();
         match change.row.to {
-            State::Standby if change.row.from == State::Fault => self.protection.acknowledge(),
+            // What was seen while supplies came up and has gone is nobody's fault; what has not is latched again.
+            State::Standby if !change.row.from.is_driving() => self.protection.acknowledge(),
             State::RotorLock => {
                 self.lock = Ramp::default();
                 self.control.start(&c.control, 0);
