@@ -10,6 +10,8 @@ fn drive(frequency: f64) -> Scripted {
     let c = coefficients(&[(number::HALL_ENABLE, 1), (number::SPEED_MIN_HES, 300)]);
     let mut script = Scripted::new(c, ScriptedRotor::new(0.2, frequency, true), 0);
     script.boot();
+    // 48 V on 0.8 ohm: windings carry current, else an open phase is the first thing to be found.
+    script.blocked_current = 60.0;
     script
 }
 
@@ -128,8 +130,8 @@ fn rotor_runs_against_the_torque() {
     let (ticks, code) = until_fault(&mut script, 20_000, |_| {}).expect("a fault");
     println!("edges against the torque become fault {code:04x} after {ticks} ticks");
     assert_eq!(code, Cause::HallDirection as u16);
-    // Six edges of 333 ticks and a part of one.
-    assert!(ticks <= 7 * 334, "{ticks}");
+    // Two sectors of 333 ticks until the speed is known to be small enough for torque, six edges, a part of one.
+    assert!(ticks <= 9 * 334, "{ticks}");
 }
 
 /// Ticks just before u64 wraps change nothing: the same outputs as from tick 0.

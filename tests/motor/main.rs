@@ -8,6 +8,7 @@ mod limits;
 mod machine_search;
 mod protection;
 mod rotor;
+mod safety;
 mod scripted;
 mod support;
 mod transition_table;

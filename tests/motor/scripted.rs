@@ -18,6 +18,8 @@ pub(crate) struct Scripted {
     /// Electrical rev/s.
     pub speed: i32,
     pub status: Status,
+    /// Bus current at a blocked rotor for a duty of 1, A: it goes with the duty squared.
+    pub blocked_current: f64,
     /// Ticks stepped.
     pub ticks: u64,
 }
@@ -43,7 +45,16 @@ impl Scripted {
         };
         let drive = Drive::new(coefficients);
         let (request, speed) = (Request::Standby, 100);
-        Self { drive, rotor, samples, request, speed, status: Status::default(), ticks: 0 }
+        Self {
+            drive,
+            rotor,
+            samples,
+            request,
+            speed,
+            status: Status::default(),
+            blocked_current: 0.0,
+            ticks: 0,
+        }
     }
 
     /// The request, as a master repeats it.
@@ -62,6 +73,8 @@ impl Scripted {
         let output = self.drive.step(&samples);
         self.samples.tick = self.samples.tick.wrapping_add(1);
         self.ticks += 1;
+        let duty = f64::from(output.duty.to_bits()) / 32_768.0;
+        self.samples.bus_current = current_code(self.blocked_current * duty * duty);
         if let Some(status) = self.drive.poll_status() {
             self.status = status;
         }
