@@ -290,11 +290,11 @@ impl Drive {
         let mode = &self.coefficients.hall_mode;
         let speed = self.rotor.hall_speed(&self.coefficients).to_bits().saturating_mul(direction.sign());
         // A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
-        // where no current is measured.
-        if speed < -mode.speed_min / 2 {
+        // where no current is measured. So is one whose sensors contradict themselves.
+        if speed < -(mode.speed_min / 2) || self.rotor.hall_doubtful() {
             return Pattern::OFF;
         }
-        let wanted = self.machine.command().speed.to_bits().clamp(mode.speed_min, mode.speed_max);
+        let wanted = self.machine.command().speed.to_bits().min(mode.speed_max).max(mode.speed_min);
         let target = if self.machine.reversing() { 0 } else { wanted };
         let position = self.rotor.hall_position();
         let (step, commutations) =

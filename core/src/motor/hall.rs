@@ -88,8 +88,17 @@ pub struct Hall {
     angle: u32,
     /// Speed over up to one revolution, 2^-32 turn a tick, signed.
     speed: i32,
+    /// Ticks in a row with the level 000 or 111, saturating.
+    invalid_run: u8,
+    /// The rotor seems to have jumped, or to have turned round at speed: the sensors are not believed.
+    doubt: bool,
     diagnostics: HallDiagnostics,
 }
+
+/// Ticks of an invalid level after which the position is lost.
+const INVALID_RUN_MAX: u8 = 3;
+/// Intervals in one direction that remove a doubt.
+const CONVINCING: u8 = 2;
 
 impl Hall {
     /// One tick: takes the edges of the period that ended and the present level.
@@ -107,6 +116,7 @@ impl Hall {
         self.confirm(c, waiting, level, &mut events);
         // A level that no edge explained: without capture it *is* the edge; with capture its edge belongs to the
         // next tick, unless it was lost, and then the candidate is confirmed there.
+        self.invalid_run = if level == INVALID { self.invalid_run.saturating_add(1) } else { 0 };
         if level == INVALID {
             events.invalid = true;
             self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(1);
@@ -121,6 +131,7 @@ impl Hall {
         if self.since_edge >= c.timeout {
             self.valid = 0;
             self.speed = 0;
+            self.doubt = false;
         }
         events
     }
@@ -195,12 +206,15 @@ impl Hall {
         };
         let direction = if turned > 0 { Direction::Forward } else { Direction::Reverse };
         let interval = self.since_edge.saturating_sub(age);
+        let moving = self.speed.unsigned_abs() >= c.interpolation_min.max(1);
+        self.doubt |= turned.abs() > 1 || (moving && direction != self.direction);
         if turned.abs() > 1 || direction != self.direction || interval >= c.timeout {
             self.valid = 0;
         } else {
             self.intervals[(self.next % 6) as usize] = interval.max(1);
             self.next = (self.next + 1) % 6;
             self.valid = (self.valid + 1).min(6);
+            self.doubt &= self.valid < CONVINCING;
         }
         self.direction = direction;
         self.since_edge = age;
@@ -281,6 +295,11 @@ impl Hall {
     /// No edge for the time-out.
     pub const fn stopped(&self, c: &HallCoefficients) -> bool {
         self.since_edge >= c.timeout
+    }
+
+    /// The position is not to be believed: torque by it could be torque in any direction.
+    pub const fn doubtful(&self) -> bool {
+        self.doubt || self.invalid_run >= INVALID_RUN_MAX
     }
 
     /// Whether any valid code was seen.

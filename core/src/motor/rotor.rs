@@ -64,6 +64,11 @@ impl Rotor {
         self.hall.stopped(&c.hall)
     }
 
+    /// The hall sensors are not to be believed now.
+    pub const fn hall_doubtful(&self) -> bool {
+        self.hall.doubtful()
+    }
+
     /// Speed by the hall sensors, signed.
     pub fn hall_speed(&self, c: &Coefficients) -> ElectricalSpeed {
         let speed = self.hall.speed_bounded();
