@@ -96,6 +96,7 @@ impl Drive {
         match event {
             Event::Command(command) => self.machine.handle_command(command),
             Event::Coefficients(coefficients) => {
+                self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
                 self.coefficients = coefficients;
                 self.parameters_fit = true;
             }
@@ -221,7 +222,7 @@ impl Drive {
             }
             State::HallClosedLoop => {
                 let speed = self.rotor.hall_speed(c).to_bits().saturating_mul(direction.sign());
-                self.control.start(&c.control, speed.max(0));
+                self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0));
             }
             _ => {}
         }

@@ -136,6 +136,11 @@ impl Hall {
         events
     }
 
+    /// Forgets position and speed; the counts stay.
+    pub fn forget(&mut self) {
+        *self = Self { diagnostics: self.diagnostics, ..Self::default() };
+    }
+
     /// A candidate of the tick before that the level still shows is accepted, with the better time stamp if its edge
     /// has come since; one that has gone was a glitch.
     fn confirm(

@@ -2,7 +2,7 @@
 
 use super::coefficients::Coefficients;
 use super::commutation::Direction;
-use super::hall::{Hall, HallDiagnostics, HallEvents};
+use super::hall::{Hall, HallCoefficients, HallDiagnostics, HallEvents};
 use super::open_loop::{Field, OpenLoop};
 use super::samples::Samples;
 use crate::units::ElectricalSpeed;
@@ -32,6 +32,13 @@ impl Rotor {
         let events = self.hall.step(&c.hall, samples);
         self.sectors = self.sectors.wrapping_add(events.sectors as i32);
         events
+    }
+
+    /// The hall lines mean something else from now on: what was measured by the old meaning is forgotten.
+    pub fn change_wiring(&mut self, before: &HallCoefficients, after: &HallCoefficients) {
+        if (before.sectors, before.offset) != (after.sectors, after.offset) {
+            self.hall.forget();
+        }
     }
 
     /// Open loop starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where
