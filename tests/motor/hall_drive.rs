@@ -72,8 +72,8 @@ fn stuck_line_at_speed() {
     assert!(worst <= 1_500, "{worst} ticks");
 }
 
-/// A stuck line at standstill with a rotor that does not turn: the stall time after the time-out of the speed, at most;
-/// 71 ticks where the code is invalid at once.
+/// A stuck line at standstill with a rotor that does not turn: at most the time-out (100 ms) for which a jump is doubted, the
+/// rise of the voltage (50 ms) and the stall time (500 ms); 71 ticks where the code is invalid at once.
 #[test]
 fn stuck_line_from_standstill() {
     let mut worst = 0;
@@ -88,7 +88,7 @@ fn stuck_line_from_standstill() {
         }
     }
     println!("a stuck line at standstill becomes fault bit 6 within {worst} ticks");
-    assert!(worst <= 6_010, "{worst} ticks");
+    assert!(worst <= 6_500, "{worst} ticks");
 }
 
 /// Sensors without supply (111) or shorted (000).

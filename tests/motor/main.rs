@@ -1,6 +1,8 @@
 //! Evidence for the control core, through its public surfaces.
 
 mod arithmetic;
+mod bench;
+mod closed_loop;
 mod commutation;
 mod hall;
 mod hall_drive;
