@@ -101,6 +101,9 @@ const REGENERATING: i32 = -(1 << 16) * 3 / 10;
 /// Mean bus current that is clearly forward: 50 mA.
 const MOTORING: i32 = (1 << 16) / 20;
 
+/// A current limit may take the duty back this many times faster than it rises.
+const RETREAT: u16 = 8;
+
 impl Control {
     /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already:
     /// that one is caught with diodes, where no voltage is too small.
@@ -260,7 +263,8 @@ impl Control {
             (wanted, own)
         };
         if most >= wanted {
-            self.current.wait(voltage);
+            // Beside what the slew limit lets through: waiting further up it would come too late.
+            self.current.wait(voltage.min(share(ceiling, duty.saturating_add(c.slew))));
         }
         (voltage, limiter)
     }
@@ -303,7 +307,12 @@ impl Control {
         if next > duty_max {
             (next, limiter) = (duty_max, Limiter::Duty);
         }
-        let slewed = next.clamp(before.saturating_sub(c.slew), before.saturating_add(c.slew));
+        let current = matches!(
+            limiter,
+            Limiter::Current | Limiter::PhaseCurrent | Limiter::Power | Limiter::Temperature
+        );
+        let fall = if current { c.slew.saturating_mul(RETREAT) } else { c.slew };
+        let slewed = next.min(before.saturating_add(c.slew)).max(before.saturating_sub(fall));
         if slewed != next {
             (next, limiter) = (slewed, Limiter::Slew);
         }
