@@ -89,6 +89,7 @@ fn enables_written_while_driving_act_at_the_next_start() {
     let mut bench = Bench::with_parameters(parameters);
     bench.enter(State::OpenLoop);
     bench.write(number::HALL_ENABLE, 1);
+    bench.enter(State::OpenLoop);
     bench.send(ToDrive::MotorCommand { speed: 9000 });
     assert_eq!(bench.messages(), [FromDrive::MotorCommand { speed: 500 }]);
     bench.enter(State::Standby);
@@ -361,13 +362,46 @@ fn answers_go_before_measurements_and_what_finds_no_room_is_counted() {
     assert_eq!(bench.read(number::FRAMES_LOST).0, 8 + 6);
 }
 
+/// The measurement frames of one broadcast with this report.
+fn measured(pole_pairs: i32, status: Status) -> Vec<FromDrive> {
+    let mut parameters = Parameters::new();
+    parameters.set(number::MOTOR_POLE_PAIRS, pole_pairs).unwrap();
+    let mut bench = Bench::with_parameters(parameters);
+    bench.node.handle_status(status);
+    bench.node.poll(0);
+    bench.messages()
+}
+
+#[test]
+fn speeds_come_back_as_they_were_asked() {
+    for pole_pairs in [1, 2, 4, 7, 12, 50] {
+        for rpm in [0, 1, 7, 499, 500, 2999, 3999, 4000, 32_767] {
+            for rpm in [rpm, -rpm] {
+                let status = Status { speed_hall: speed(rpm.into(), pole_pairs.into()), ..Status::default() };
+                let m5 = FromDrive::Measurement(Measurement::M5 { speed_hall: rpm, dsi2: false });
+                assert!(measured(pole_pairs, status).contains(&m5), "{rpm} rpm, {pole_pairs} pole pairs");
+            }
+        }
+    }
+}
+
+#[test]
+fn positions_are_rounded_down_on_both_sides_of_zero() {
+    // One sector of 7 pole pairs is 8.5714 degrees.
+    for (sectors, position) in [(1, 857), (7, 6000), (42, 36_000), (-1, -858), (-7, -6000), (-8, -6858)] {
+        let m1 = Measurement::M1 { speed_sensorless: 0, position, power: 0 };
+        let messages = measured(7, Status { sectors, ..Status::default() });
+        assert!(messages.contains(&FromDrive::Measurement(m1)), "{sectors}: {messages:?}");
+    }
+}
+
 /// Bits of the longest 29-bit frame with n bytes, from PROTOCOL.md.
 fn frame_bits(n: u64) -> u64 {
     67 + 8 * n + (53 + 8 * n) / 4
 }
 
-/// Runs a node for `ticks`, polled at the given gaps in turn; the greatest share of the bus in any second.
-fn bus_share(period: i32, tick_rate: u32, gaps: &[u64], ticks: u64) -> f64 {
+/// Runs a node for `ticks`, polled at the given gaps in turn: tick and bits of each broadcast.
+fn broadcasts(period: i32, tick_rate: u32, gaps: &[u64], ticks: u64) -> Vec<(u64, u64)> {
     let mut parameters = Parameters::new();
     parameters.set(number::AUTOSEND_PERIOD, period).unwrap();
     let board = Board { tick_rate, ..Board::BENCH };
@@ -387,6 +421,11 @@ fn bus_share(period: i32, tick_rate: u32, gaps: &[u64], ticks: u64) -> f64 {
             break;
         }
     }
+    sent
+}
+
+/// The greatest share of the bus in any second.
+fn bus_share(sent: &[(u64, u64)], tick_rate: u32) -> f64 {
     let second = u64::from(tick_rate);
     let windows = sent.iter().map(|(from, _)| {
         let within = sent.iter().filter(|(at, _)| (*from..*from + second).contains(at));
@@ -400,15 +439,16 @@ fn broadcasts_take_at_most_30_per_cent_of_the_bus() {
     assert_eq!(frame_bits(8), 160);
     for tick_rate in [8_000, 10_000, 20_000, 33_333] {
         for period in [1, 2, 5, 8, 9, 10, 20, 50, 1000, 60_000] {
-            let share = bus_share(period, tick_rate, &[1], u64::from(tick_rate) * 2);
+            let sent = broadcasts(period, tick_rate, &[1], u64::from(tick_rate) * 2);
+            let share = bus_share(&sent, tick_rate);
             // One broadcast more than the mean may begin in a second.
             let one = 8.0 * 160.0 / 500_000.0;
             assert!(share <= 0.30 + one, "{period} ms at {tick_rate} Hz: {share}");
         }
     }
-    let busiest = bus_share(1, 10_000, &[1], 100_000);
+    let busiest = bus_share(&broadcasts(1, 10_000, &[1], 100_000), 10_000);
     assert!(busiest > 0.29, "the clamp is no tighter than it must be: {busiest}");
-    let normal = bus_share(50, 10_000, &[1], 100_000);
+    let normal = bus_share(&broadcasts(50, 10_000, &[1], 100_000), 10_000);
     assert!((0.05..0.055).contains(&normal), "{normal}");
 }
 
@@ -493,7 +533,10 @@ proptest! {
     #[test]
     fn late_polls_never_overload_the_bus(period in 1..200_i32, gaps in prop::collection::vec(1..400_u64, 1..20)) {
         let one = 8.0 * 160.0 / 500_000.0;
-        prop_assert!(bus_share(period, 10_000, &gaps, 30_000) <= 0.30 + one);
+        let sent = broadcasts(period, 10_000, &gaps, 30_000);
+        prop_assert!(bus_share(&sent, 10_000) <= 0.30 + one);
+        // Two broadcasts are never closer than the shortest period, 8.534 ms.
+        prop_assert!(sent.windows(2).all(|pair| pair[1].0 - pair[0].0 >= 86));
     }
 
     #[test]
