@@ -83,7 +83,10 @@ impl fmt::Display for Note {
                 "mean phase current is limited to {current:.1} A: the ripple of {ripple:.1} A must stay below the 12 A peak"
             ),
             Self::SpeedForTick { speed } => {
-                write!(f, "speed is limited to {speed:.0} rpm: faster, a sector has less than two control ticks")
+                write!(
+                    f,
+                    "speed is limited to {speed:.0} rpm: faster, a sector has less than two control ticks"
+                )
             }
         }
     }
@@ -269,7 +272,8 @@ impl Design {
     fn new(plate: &Nameplate, notes: &mut Vec<Note, 4>) -> Result<Self, CommissioningError> {
         let m = &plate.motor;
         let period = 1.0 / f64::from(Board::BENCH.tick_rate);
-        let needed = fmin(plate.rated_current.unwrap_or(CONTINUOUS), CONTINUOUS);
+        // A quarter above the rated current, so that the limit does not bind at the rated load.
+        let needed = fmin(1.25 * plate.rated_current.unwrap_or(CONTINUOUS), CONTINUOUS);
         // Ripple V D (1 - D) T / L, and mean plus half of it within the peak.
         let ripple = |duty: f64| plate.supply * duty * (1.0 - duty) * period / m.inductance;
         let duty_max = duty_within(2.0 * (PEAK - needed) * m.inductance / (plate.supply * period));
@@ -293,7 +297,8 @@ impl Design {
         if !(speed_max > speed_min) {
             return Err(CommissioningError::TooSlow { speed_max, speed_min });
         }
-        let start_current = fmin(fmin(CONTINUOUS, phase_current), 0.8 * duty_max * plate.supply / m.resistance);
+        let start_current =
+            fmin(fmin(CONTINUOUS, phase_current), 0.8 * duty_max * plate.supply / m.resistance);
         // A third of the rated torque accelerates, and full speed takes 0.4 s at least.
         let acceleration = m.torque_constant * needed / m.inertia / 3.0 * 60.0 / TWO_PI;
         let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), 32_767.0);

@@ -1,8 +1,18 @@
-//! The bench.
+//! The bench: the real control core in a simulated world of motor, power stage, supply, load, sensors and CAN bus.
+//!
+//! Everything but the trace builds without std and without heap, because the emulated board carries it too.
 #![no_std]
 #![forbid(unsafe_code)]
+
+#[cfg(feature = "alloc")]
+extern crate alloc;
 
 pub mod can;
 pub mod commissioning;
 pub mod plant;
+pub mod presets;
 pub mod random;
+#[cfg(feature = "alloc")]
+pub mod recording;
+#[cfg(feature = "alloc")]
+pub mod trace;

@@ -1,8 +1,8 @@
 //! Replay against a stand-in for the drive that answers with what it has seen so far.
 
 use super::support::{Growing, Noise, turning};
-use narx_core::motor::event::{Event, Status};
-use narx_core::motor::{PwmCommand, Samples};
+use narx_core::motor::event::{Command, Event, Request, Status};
+use narx_core::motor::{Coefficients, Drive, PwmCommand, Samples};
 use narx_core::recording::{
     BEHAVIOUR_VERSION, Header, Outcome, Recorder, Recording, ReplayError, Replayable, replay, replay_with,
 };
@@ -60,6 +60,34 @@ fn the_same_drive_answers_the_same() {
     .unwrap();
     assert_eq!(seen.len(), 500);
     assert_eq!((seen[0].0, seen[0].1), (6, 1_000));
+}
+
+#[test]
+fn the_real_drive() {
+    let mut drive = Drive::new(Coefficients::default());
+    let mut state = [0; 4_096];
+    let state = postcard::to_slice(&drive, &mut state).unwrap();
+    println!("serialised drive: {} bytes", state.len());
+    let mut recorder = Recorder::new(Growing::default(), &Header::drive(10_000, ""), state).unwrap();
+    let mut ticks = turning(12_000, &mut Noise(6));
+    ticks[3].event = Some(Event::Coefficients(Coefficients::default()));
+    ticks[6_000].event = Some(Event::Command(Command { request: Request::Drive, ..Command::default() }));
+    for tick in &ticks {
+        if let Some(event) = tick.event.clone() {
+            drive.handle_event(event);
+        }
+        let command = drive.step(&tick.samples);
+        recorder.record(tick.event.as_ref(), &tick.samples, &command, drive.poll_status().as_ref()).unwrap();
+    }
+    let file = recorder.finish().unwrap().0;
+    let mut last = None;
+    let outcome = replay_with(&Recording::open(&file).unwrap(), |drive: &Drive, _, _| {
+        last = Some(drive.clone());
+    })
+    .unwrap();
+    assert!(outcome.is_identical());
+    assert_eq!(outcome.ticks, 12_000);
+    assert!(last.unwrap() == drive);
 }
 
 #[test]

@@ -209,11 +209,11 @@ impl Builder<'_> {
         })
     }
 
-    /// Raw I16F16 of a parameter in its unit.
+    /// Raw I16F16 of a parameter in its unit, nearest.
     fn quantity(&self, number: u16) -> i32 {
         let exponent = Dictionary::row(number).map_or(0, |row| row.exponent);
         let denominator = 10_i128.pow(exponent.min(0).unsigned_abs() as u32);
-        saturate((self.raw(number) << 16) / denominator)
+        saturate(((self.raw(number) << 16) + denominator / 2).div_euclid(denominator))
     }
 
     /// Raw U1F15 of a percentage in 0.01 %.

@@ -45,10 +45,13 @@ impl Commutator {
         let mut sector = self.settle(at_earliest, speed);
         let first = Step::for_sector(sector, torque);
         let mut commutations = Commutations::default();
+        // A rotor that seems to pass a sector within the blind start would be due before `earliest`.
+        let mut last = c.earliest;
         for _ in 0..2 {
             let Some(instant) = instant_of_next(c, angle, speed, sector) else { break };
             sector = if speed > 0 { (sector + 1) % 6 } else { (sector + 5) % 6 };
-            commutations.push(Commutation { instant, step: Step::for_sector(sector, torque) });
+            last = last.max(instant);
+            commutations.push(Commutation { instant: last, step: Step::for_sector(sector, torque) });
         }
         self.sector = Some(sector);
         (first, commutations)

@@ -76,21 +76,29 @@ pub struct Output {
 pub struct Control {
     speed: Pi,
     current: Pi,
-    return_current: Pi,
+    /// Least voltage while the motor would feed the bus, raw I16F16 with 16 extra bits.
+    floor: Option<i64>,
     setpoint: Ramp,
     limit: CurrentLimit,
-    /// Output of the speed loop, held between milliseconds.
+    /// Output and error of the speed loop, held between milliseconds.
     speed_voltage: i32,
+    speed_error: i32,
+    /// Voltage that the last duty gives, raw I16F16.
+    applied: i32,
     millisecond: u16,
     /// The last tick was synchronous.
     synchronous: bool,
     output: Output,
 }
 
-/// Mean bus current that may flow back: 80 mA, above the converter's noise and below what lifts the bus noticeably.
-const RETURN: i32 = -(1 << 16) * 8 / 100;
+/// Mean bus current that may flow back: 10 mA, what the drive itself consumes (Table 1).
+const RETURN: i32 = -(1 << 16) / 100;
+/// No floor is above 128 V.
+const CEILING: i64 = 128 << 32;
 /// Mean bus current beyond which diodes take over: -0.3 A.
 const REGENERATING: i32 = -(1 << 16) * 3 / 10;
+/// 0.25 V.
+const GUARD_HYSTERESIS: i32 = 1 << 14;
 /// Mean bus current that is clearly forward: 50 mA.
 const MOTORING: i32 = (1 << 16) / 20;
 
@@ -110,9 +118,9 @@ impl Control {
 
     /// Every controller continues from `voltage`.
     fn take_over(&mut self, voltage: i32) {
-        self.speed.track(voltage);
-        self.current.track(voltage);
-        self.return_current.track(voltage);
+        self.speed.wait(voltage);
+        self.current.wait(voltage);
+        self.floor = None;
         self.speed_voltage = voltage;
     }
 
@@ -128,28 +136,35 @@ impl Control {
         let due = self.tick_millisecond(c);
         if due {
             let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
-            self.limit.update(&c.limits, measured.bus_voltage, temperature, turns);
+            self.limit.update(&c.limits, measured, temperature, turns);
         }
-        let (wanted, duty_max) = match demand {
+        let (wanted, own, duty_max) = match demand {
             Demand::Off => {
                 self.output = Output::default();
                 return self.output;
             }
-            Demand::Voltage { voltage, duty_max } => (voltage, duty_max),
+            Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
             Demand::Speed { gains, target, measured: speed, duty_max } => {
                 self.leave_diodes(c, speed);
                 if due {
                     let ceiling = share(measured.bus_voltage.to_bits(), duty_max);
                     let setpoint = self.advance_setpoint(c, target, speed);
-                    let error = setpoint.saturating_sub(speed);
-                    self.speed_voltage = self.speed.step(&gains, error, 0, ceiling);
+                    self.speed_error = setpoint.saturating_sub(speed);
+                    self.speed_voltage = self.speed.step(&gains, self.speed_error, 0, ceiling);
                 }
-                (self.speed_voltage, duty_max)
+                (self.speed_voltage, Limiter::Speed, duty_max)
             }
         };
-        let own = if matches!(demand, Demand::Speed { .. }) { Limiter::Speed } else { Limiter::Fixed };
         let (voltage, limiter) = self.limit_current(c, wanted, own, measured);
         self.apply(c, measurement.duty(voltage), duty_max, limiter, measured);
+        let duty = self.output.duty.to_bits().saturating_sub(self.dead_time(c));
+        self.applied = share(measured.bus_voltage.to_bits(), duty);
+        // The slew limit passes within a tick or two and is no reason to forget; maximum duty is the loop's own ceiling.
+        if let Demand::Speed { gains, .. } = demand
+            && limiter != Limiter::Speed
+        {
+            self.speed.track(&gains, self.applied, self.speed_error);
+        }
         self.output
     }
 
@@ -157,7 +172,7 @@ impl Control {
     /// switches take over, the controllers must stand at back-EMF, or the motor would brake.
     fn leave_diodes(&mut self, c: &ControlCoefficients, speed: i32) {
         let synchronous = self.output.rectification == Rectification::Synchronous;
-        if synchronous && !core::mem::replace(&mut self.synchronous, synchronous) {
+        if synchronous && !self.synchronous {
             let back_emf = c.back_emf.apply32(speed);
             if back_emf > self.speed_voltage {
                 self.take_over(back_emf);
@@ -197,7 +212,7 @@ impl Control {
     }
 
     /// The wanted voltage, but no more than the current limiter allows and no less than keeps the motor from feeding the
-    /// bus. The losers follow the winner.
+    /// bus. Both look at phase amperes, bus current over duty, so that their loop does not change with the duty.
     fn limit_current(
         &mut self,
         c: &ControlCoefficients,
@@ -205,13 +220,12 @@ impl Control {
         own: Limiter,
         measured: &Measured,
     ) -> (i32, Limiter) {
-        let (bound, limiter) = self.limit.bound(&c.limits, self.output.duty.to_bits().max(c.duty_min));
-        let current = measured.bus_current.to_bits();
+        let duty = self.output.duty.to_bits();
         let ceiling = measured.bus_voltage.to_bits().max(0);
-        let most = self.current.step(&c.current, bound.saturating_sub(current), 0, ceiling);
-        // Filtered: the winding's energy comes back in a pulse at every commutation, and that is no braking.
-        let returned = RETURN.saturating_sub(measured.bus_current_filtered.to_bits());
-        let least = self.return_current.step(&c.current, returned, 0, ceiling);
+        let (bound, limiter) = self.limit.bound(duty.max(c.duty_min));
+        let room = per_duty(bound.saturating_sub(measured.bus_current.to_bits()), duty);
+        let most = self.current.step(&c.current, room, 0, ceiling);
+        let least = self.keep_from_feeding(c, wanted, measured);
         let (voltage, limiter) = if most < wanted {
             (most, limiter)
         } else if least > wanted {
@@ -219,17 +233,33 @@ impl Control {
         } else {
             (wanted, own)
         };
-        match limiter {
-            Limiter::Speed | Limiter::Fixed => {}
-            _ => self.speed.track(voltage),
-        }
-        if limiter != Limiter::Return {
-            self.return_current.track(voltage);
-        }
         if most >= wanted {
-            self.current.track(voltage);
+            self.current.wait(voltage);
         }
         (voltage, limiter)
+    }
+
+    /// The voltage below which the motor would feed the bus: it stands at back-EMF and follows it down. It looks at the
+    /// filtered current, because at every commutation the winding's energy comes back in a pulse, and that is no
+    /// braking. Integral action alone, 32 times slower than the limiter, slow against that filter.
+    fn keep_from_feeding(&mut self, c: &ControlCoefficients, wanted: i32, measured: &Measured) -> i32 {
+        let current = measured.bus_current_filtered.to_bits();
+        let synchronous = self.output.rectification == Rectification::Synchronous;
+        let floor = match self.floor {
+            Some(floor) => floor,
+            None if synchronous && current < RETURN => i64::from(self.applied) << 16,
+            None => return 0,
+        };
+        let error = per_duty(RETURN.saturating_sub(current), self.output.duty.to_bits());
+        let floor = (floor + (c.current.integral.apply_extended(error) >> 5)).clamp(0, CEILING);
+        let least = (floor >> 16) as i32;
+        self.floor = (synchronous && least > wanted).then_some(floor);
+        if self.floor.is_some() { least } else { 0 }
+    }
+
+    /// What dead time takes off the duty in the present mode.
+    fn dead_time(&self, c: &ControlCoefficients) -> u16 {
+        if self.output.rectification == Rectification::Synchronous { c.dead_time } else { 0 }
     }
 
     fn apply(
@@ -241,8 +271,7 @@ impl Control {
         measured: &Measured,
     ) {
         let before = self.output.duty.to_bits();
-        let synchronous = self.output.rectification == Rectification::Synchronous;
-        let lost = if synchronous && duty.to_bits() > 0 { c.dead_time } else { 0 };
+        let lost = if duty.to_bits() > 0 { self.dead_time(c) } else { 0 };
         let wanted = shortest(c, duty.to_bits().saturating_add(lost));
         let (mut next, mut limiter) = (wanted, limiter);
         if next > duty_max {
@@ -256,12 +285,15 @@ impl Control {
         self.output = Output { duty: Duty::from_bits(next), rectification, limiter };
     }
 
-    /// Diodes take over while the bus is fed in earnest or stands near its limit: current in a diode cannot reverse.
+    /// Diodes take over while the bus is fed in earnest or stands near its limit: current in a diode cannot reverse. The
+    /// switches come back when the motor draws current, and is not too fast: with diodes it can only coast to its set-point,
+    /// and must be left to.
     fn rectification(&self, c: &ControlCoefficients, measured: &Measured) -> Rectification {
         let current = measured.bus_current_filtered.to_bits();
-        if measured.bus_voltage.to_bits() > c.bus_guard || current < REGENERATING {
+        let voltage = measured.bus_voltage.to_bits();
+        if voltage > c.bus_guard || current < REGENERATING {
             Rectification::Diode
-        } else if current > MOTORING {
+        } else if current > MOTORING && self.speed_error >= 0 && voltage < c.bus_guard - GUARD_HYSTERESIS {
             Rectification::Synchronous
         } else {
             self.output.rectification
@@ -272,6 +304,14 @@ impl Control {
 /// `voltage x duty`.
 fn share(voltage: i32, duty: u16) -> i32 {
     ((voltage.max(0) as i64 * duty as i64) >> 15) as i32
+}
+
+/// `current / duty`, raw I16F16: what a mean bus current is in the phase. Below 1/32 the duty counts as that, so that
+/// noise is not blown up. 32-bit division, which the processor has.
+fn per_duty(current: i32, duty: u16) -> i32 {
+    let duty = i32::from(duty.max(1 << 10));
+    let current = current.clamp(-(1 << 19), 1 << 19);
+    ((current << 11) / duty) << 4
 }
 
 /// A pulse shorter than the shortest one becomes the shortest or none, whichever is nearer.

@@ -16,9 +16,14 @@ use super::ramp::Ramp;
 use super::rotor::Rotor;
 use super::samples::{SampleMode, Samples};
 use super::state::State;
-use crate::recording::Replayable;
 use crate::units::{Amps, Duty, ElectricalAngle, ElectricalSpeed, Volts, Watts};
 use serde::{Deserialize, Serialize};
+
+/// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
+pub const LAYOUT_VERSION: u16 = 1;
+
+/// What the drive does with its inputs: rises with every change that moves a digest.
+pub const BEHAVIOUR_VERSION: u16 = 1;
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -124,6 +129,11 @@ impl Drive {
     /// The report of the last tick, if one is due: every millisecond, and when state or fault word change.
     pub fn poll_status(&mut self) -> Option<Status> {
         self.status.take()
+    }
+
+    /// What bounds the duty in the last tick.
+    pub fn limiter(&self) -> Limiter {
+        self.control.output().limiter
     }
 
     /// Exact state.
@@ -374,20 +384,6 @@ impl Drive {
             hall_jumps: hall.jumps,
             hall_calibration: self.calibration,
         }
-    }
-}
-
-impl Replayable for Drive {
-    fn handle_event(&mut self, event: Event) {
-        Self::handle_event(self, event);
-    }
-
-    fn step(&mut self, samples: &Samples) -> PwmCommand {
-        Self::step(self, samples)
-    }
-
-    fn poll_status(&mut self) -> Option<Status> {
-        Self::poll_status(self)
     }
 }
 

@@ -19,10 +19,10 @@ impl Gain {
     /// 0.
     pub const ZERO: Self = Self { mantissa: 0, shift: 0 };
 
-    /// The gain nearest to `numerator / denominator`. `None` if negative, too large (2^30 and more) or too small
-    /// to keep [`SIGNIFICANT_BITS`].
+    /// The gain `numerator / denominator`, its last bit rounded down. `None` if negative, too large (2^30 and more) or too small
+    /// to keep [`SIGNIFICANT_BITS`]; and for a numerator of 2^64 and more, which the arithmetic has no room for.
     pub const fn from_ratio(numerator: i128, denominator: i128) -> Option<Self> {
-        if numerator < 0 || denominator <= 0 {
+        if numerator < 0 || denominator <= 0 || numerator >> 64 != 0 {
             return None;
         }
         if numerator == 0 {

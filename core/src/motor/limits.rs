@@ -2,8 +2,9 @@
 
 use super::event::Limiter;
 use super::gain::Gain;
+use super::measurement::Measured;
 use super::ramp::Ramp;
-use crate::units::{Celsius, Volts, saturate64};
+use crate::units::{Celsius, saturate64};
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of the current limits, raw I16F16.
@@ -32,7 +33,11 @@ const POWER_STEP: i32 = (48 << 16) + (1 << 15);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CurrentLimit {
     ramp: Ramp,
+    /// What the power rating leaves, raw I16F16 A with 16 extra bits.
+    power: i64,
     bound: i32,
+    /// What temperature leaves of the phase current bound, raw I16F16 A.
+    phase: i32,
     limiter: Limiter,
 }
 
@@ -40,33 +45,43 @@ impl CurrentLimit {
     /// A start begins: back to the soft-start limit.
     pub fn start(&mut self, c: &LimitCoefficients) {
         self.ramp.set(c.soft_start);
+        self.power = (c.maximum as i64) << 16;
         (self.bound, self.limiter) = (c.soft_start, Limiter::Current);
+        self.phase = c.phase_current;
     }
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
-    pub fn update(&mut self, c: &LimitCoefficients, voltage: Volts, temperature: Celsius, turns: bool) {
+    pub fn update(&mut self, c: &LimitCoefficients, measured: &Measured, temperature: Celsius, turns: bool) {
         let target = if turns { c.maximum } else { c.soft_start.min(c.maximum) };
         let table = self.ramp.step(target, c.rate);
-        let voltage = voltage.to_bits().max(1 << 16);
-        let rating = POWER[usize::from(voltage > POWER_STEP)];
-        let power = saturate64(((rating as i64) << 16) / voltage as i64);
-        (self.bound, self.limiter) = (table, Limiter::Current);
-        if power < self.bound {
-            (self.bound, self.limiter) = (power, Limiter::Power);
-        }
+        let power = self.rate_power(c, measured);
+        (self.bound, self.limiter) =
+            if power < table { (power, Limiter::Power) } else { (table, Limiter::Current) };
+        self.phase = c.phase_current;
         let excess = temperature.to_bits().saturating_sub(c.derating_start);
         if excess > 0 {
             let left = (1_i64 << 16).saturating_sub(c.derating.apply(excess)).max(0);
             self.bound = ((self.bound as i64 * left) >> 16) as i32;
+            self.phase = ((self.phase as i64 * left) >> 16) as i32;
             self.limiter = Limiter::Temperature;
         }
+    }
+
+    /// The power rating is one of heat, not of an instant, and the current swings with every commutation. So an
+    /// integrator of 20 ms moves the bound until the filtered power is the rating.
+    fn rate_power(&mut self, c: &LimitCoefficients, measured: &Measured) -> i32 {
+        let voltage = measured.bus_voltage.to_bits().max(1 << 16);
+        let rating = saturate64(((POWER[usize::from(voltage > POWER_STEP)] as i64) << 16) / voltage as i64);
+        let room = rating as i64 - measured.bus_current_filtered.to_bits() as i64;
+        self.power = (self.power + (room << 16) / 20).clamp(0, (c.maximum as i64) << 16);
+        (self.power >> 16) as i32
     }
 
     /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase current times the
     /// duty, so the phase bound is that much smaller here.
     #[inline]
-    pub fn bound(&self, c: &LimitCoefficients, duty: u16) -> (i32, Limiter) {
-        let phase = ((c.phase_current as i64 * duty as i64) >> 15) as i32;
+    pub fn bound(&self, duty: u16) -> (i32, Limiter) {
+        let phase = ((self.phase as i64 * duty as i64) >> 15) as i32;
         if phase < self.bound { (phase, Limiter::PhaseCurrent) } else { (self.bound, self.limiter) }
     }
 }

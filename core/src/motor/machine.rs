@@ -154,7 +154,7 @@ impl Machine {
             (boot_passed, Conditions::BOOTED),
             (inputs.critical, Conditions::CRITICAL),
             (inputs.unhealthy, Conditions::UNHEALTHY),
-            (self.command.request == Request::Standby, Conditions::STANDBY),
+            (!wanted, Conditions::STANDBY),
             (wanted && self.refusal == Refusal::None, Conditions::START),
             (inputs.calibrated, Conditions::CALIBRATED),
             (self.command_expired(c), Conditions::EXPIRED),

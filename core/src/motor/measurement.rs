@@ -43,7 +43,7 @@ pub struct Measured {
     pub bus_voltage: Volts,
     /// Mean DC-link current.
     pub bus_current: Amps,
-    /// The same after a first-order filter of eight ticks.
+    /// The same after a first-order filter of 64 ticks: longer than what a commutation returns to the bus.
     pub bus_current_filtered: Amps,
     /// Terminal voltages A, B, C.
     pub phase_voltage: [Volts; 3],
@@ -52,7 +52,8 @@ pub struct Measured {
 /// State of the measurement station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Measurement {
-    filtered: i32,
+    /// Raw I16F16 with 6 extra bits.
+    filtered: i64,
     zero: ZeroCurrent,
     reciprocal: Reciprocal,
 }
@@ -82,13 +83,12 @@ impl Measurement {
     pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Measured {
         let bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
         let bus_current = self.zero.step(scales.bus_current.convert(samples.bus_current), idle);
-        let difference = bus_current.saturating_sub(self.filtered);
-        self.filtered = self.filtered.saturating_add(difference >> 3);
+        self.filtered += i64::from(bus_current) - (self.filtered >> 6);
         self.reciprocal.follow(bus_voltage);
         Measured {
             bus_voltage: Volts::from_bits(bus_voltage),
             bus_current: Amps::from_bits(bus_current),
-            bus_current_filtered: Amps::from_bits(self.filtered),
+            bus_current_filtered: Amps::from_bits((self.filtered >> 6) as i32),
             phase_voltage: samples
                 .phase_voltage
                 .map(|code| Volts::from_bits(scales.phase_voltage.convert(code))),
@@ -102,7 +102,7 @@ impl Measurement {
     }
 }
 
-/// `2^47 / voltage bits`, kept by one Newton step a tick: `r' = r (2 - v r)`.
+/// `2^47 / voltage bits`, kept by two Newton steps a tick: `r' = r (2 - v r)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Reciprocal(i64);
 
@@ -114,12 +114,20 @@ impl Reciprocal {
     fn follow(&mut self, bus_voltage: i32) {
         let voltage = bus_voltage.max(BUS_MIN) as i64;
         let error = (1 << 47) - voltage * self.0;
-        // Newton converges from within half; outside (power-up, a torn supply) divide once.
-        self.0 = if error.abs() < 1 << 46 {
-            self.0 + ((self.0 * (error >> 16)) >> 31)
+        // A step squares the relative error: from within 1/16 two leave 2^-16. Outside (power-up, a torn supply)
+        // divide once.
+        self.0 = if error.abs() < 1 << 43 {
+            let first = self.refined(error);
+            first.refined((1 << 47) - voltage * first.0).0
         } else {
             (1 << 47) / voltage
         };
+    }
+
+    /// One Newton step; `error` is 2^47 less voltage x reciprocal.
+    #[inline]
+    const fn refined(self, error: i64) -> Self {
+        Self(self.0 + ((self.0 * (error >> 16)) >> 31))
     }
 
     #[inline]

@@ -4,6 +4,9 @@ use super::gain::Gain;
 use crate::units::saturate64;
 use serde::{Deserialize, Serialize};
 
+/// Largest proportional part: 2^15 volts with 16 + 16 fraction bits, far above any output, far below overflow.
+const HEADROOM: i64 = 1 << 47;
+
 /// Gains of a [`Pi`], built for one step rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PiGains {
@@ -20,21 +23,32 @@ pub struct Pi {
 }
 
 impl Pi {
-    /// The output for `error`, within `minimum..=maximum`; the integrator stays within them too.
+    /// The output for `error`, within `minimum..=maximum`. The integrator never holds more than brings the output to
+    /// one of them.
     #[inline]
     pub fn step(&mut self, gains: &PiGains, error: i32, minimum: i32, maximum: i32) -> i32 {
-        let (low, high) = ((minimum as i64) << 16, (maximum.max(minimum) as i64) << 16);
-        self.integrator =
-            self.integrator.saturating_add(gains.integral.apply_extended(error)).clamp(low, high);
-        let output = gains.proportional.apply(error).saturating_add(self.integrator >> 16);
-        saturate64(output.clamp(low >> 16, high >> 16))
+        let (low, high) = (i64::from(minimum) << 16, i64::from(maximum.max(minimum)) << 16);
+        let proportional = gains.proportional.apply_extended(error).clamp(-HEADROOM, HEADROOM);
+        self.integrator = self
+            .integrator
+            .saturating_add(gains.integral.apply_extended(error))
+            .clamp(low - proportional.max(0), high - proportional.min(0));
+        saturate64((self.integrator + proportional).clamp(low, high) >> 16)
     }
 
-    /// Back-calculation with unit gain: another controller decided `applied`, so that is what this one's integrator
-    /// takes over; its proportional part alone stays as the distance to taking over.
+    /// Back-calculation: something else decided `applied`, so the integrator is set to what would have given that
+    /// output for the present `error`. The controller takes over again when its error asks for it, without a bump.
     #[inline]
-    pub fn track(&mut self, applied: i32) {
-        self.integrator = (applied as i64) << 16;
+    pub fn track(&mut self, gains: &PiGains, applied: i32, error: i32) {
+        let proportional = gains.proportional.apply_extended(error).clamp(-HEADROOM, HEADROOM);
+        self.integrator = (i64::from(applied) << 16) - proportional;
+    }
+
+    /// Waits beside `applied`: a limiter that is not needed keeps its integrator there, and its proportional part alone is
+    /// the distance to intervening.
+    #[inline]
+    pub fn wait(&mut self, applied: i32) {
+        self.integrator = i64::from(applied) << 16;
     }
 
     /// The integral part, raw I16F16.

@@ -55,7 +55,7 @@ bitflags::bitflags! {
         const CRITICAL = 1 << 1;
         /// A self-test or the parameter store failed at boot.
         const UNHEALTHY = 1 << 2;
-        /// Standby is requested.
+        /// Standby is requested, or a shutdown whose fault bit is masked: the bridge goes off all the same.
         const STANDBY = 1 << 3;
         /// Drive or Reverse is requested by a fresh edge, and nothing refuses the start.
         const START = 1 << 4;
@@ -103,6 +103,8 @@ const fn t(name: &'static str, from: State, to: State, all: Conditions, none: Co
 
 const ANY: Conditions = Conditions::empty();
 const REVERSED: Conditions = Conditions::REVERSAL.union(Conditions::STOPPED);
+/// Neither a request to stand by nor one that nobody has renewed for the time-out starts anything.
+const IDLE: Conditions = Conditions::STANDBY.union(Conditions::EXPIRED);
 
 use Conditions as C;
 use State::{
@@ -116,10 +118,10 @@ pub const TRANSITIONS: [Transition; 33] = [
     t("T06", Initialization, Fault, C::UNHEALTHY, ANY),
     t("T01", Initialization, Standby, C::BOOTED, ANY),
     t("T16", Standby, Fault, C::CRITICAL, ANY),
-    t("T12", Standby, RotorLock, C::START.union(C::CALIBRATION), ANY),
-    t("T15", Standby, HallClosedLoop, C::START.union(C::HALL), ANY),
-    t("T12", Standby, RotorLock, C::START.union(C::SENSORLESS), C::HALL),
-    t("T13", Standby, OpenLoop, C::START.union(C::OPEN_LOOP), C::HALL.union(C::SENSORLESS)),
+    t("T12", Standby, RotorLock, C::START.union(C::CALIBRATION), IDLE),
+    t("T15", Standby, HallClosedLoop, C::START.union(C::HALL), IDLE),
+    t("T12", Standby, RotorLock, C::START.union(C::SENSORLESS), C::HALL.union(IDLE)),
+    t("T13", Standby, OpenLoop, C::START.union(C::OPEN_LOOP), C::HALL.union(C::SENSORLESS).union(IDLE)),
     t("T26", RotorLock, Fault, C::CRITICAL, ANY),
     t("T21", RotorLock, Standby, C::STANDBY, ANY),
     t("T26", RotorLock, Fault, C::EXPIRED, ANY),
@@ -128,7 +130,7 @@ pub const TRANSITIONS: [Transition; 33] = [
     t("T36", OpenLoop, Fault, C::CRITICAL, ANY),
     t("T31", OpenLoop, Standby, C::STANDBY, ANY),
     t("T36", OpenLoop, Fault, C::EXPIRED, ANY),
-    t("T31", OpenLoop, Standby, C::CALIBRATED, ANY),
+    t("T31", OpenLoop, Standby, C::CALIBRATION.union(C::CALIBRATED), ANY),
     t("T31", OpenLoop, Standby, REVERSED, ANY),
     t(
         "T34",
@@ -146,7 +148,7 @@ pub const TRANSITIONS: [Transition; 33] = [
     t("T51", HallClosedLoop, Standby, C::STANDBY, ANY),
     t("T56", HallClosedLoop, Fault, C::EXPIRED, ANY),
     t("T51", HallClosedLoop, Standby, REVERSED, ANY),
-    t("T61", Fault, Standby, C::ACKNOWLEDGED, ANY),
+    t("T61", Fault, Standby, C::ACKNOWLEDGED, C::CRITICAL),
     t("T76", SensorlessAutoRestart, Fault, C::CRITICAL, ANY),
     t("T71", SensorlessAutoRestart, Standby, C::STANDBY, ANY),
     t("T76", SensorlessAutoRestart, Fault, C::EXPIRED, ANY),

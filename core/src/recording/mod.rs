@@ -53,6 +53,7 @@ mod replay;
 mod tick;
 mod write;
 
+pub use crate::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 pub use digest::Digest;
 pub use error::{ReadError, RecordError, ReplayError};
 pub use read::{End, Recording, Tick, Ticks};
@@ -66,12 +67,6 @@ pub const MAGIC: [u8; 8] = *b"narxrec\n";
 
 /// Version of the container described here.
 pub const CONTAINER_VERSION: u8 = 1;
-
-/// Version of what the drive does with its inputs. Rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 1;
-
-/// Version of the serialised drive state and of [`Event`](crate::motor::event::Event).
-pub const LAYOUT_VERSION: u16 = 1;
 
 /// Payload bytes of a chunk of ticks at most; one tick with its event fits.
 pub const CHUNK_BYTES: usize = 1024;

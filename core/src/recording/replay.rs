@@ -2,7 +2,7 @@
 
 use super::{Digest, Recording, ReplayError};
 use crate::motor::event::{Event, Status};
-use crate::motor::{PwmCommand, Samples};
+use crate::motor::{Drive, PwmCommand, Samples};
 use serde::de::DeserializeOwned;
 
 /// What can be replayed: the drive, seen as events and samples in, commands and status out.
@@ -13,6 +13,18 @@ pub trait Replayable {
     fn step(&mut self, samples: &Samples) -> PwmCommand;
     /// The status, if this tick reported one.
     fn poll_status(&mut self) -> Option<Status>;
+}
+
+impl Replayable for Drive {
+    fn handle_event(&mut self, event: Event) {
+        self.handle_event(event);
+    }
+    fn step(&mut self, samples: &Samples) -> PwmCommand {
+        self.step(samples)
+    }
+    fn poll_status(&mut self) -> Option<Status> {
+        self.poll_status()
+    }
 }
 
 /// What a replay found.

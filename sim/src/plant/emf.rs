@@ -44,6 +44,11 @@ impl EmfShape {
         self.peak = self.nominal * factor;
     }
 
+    /// Amplitude of one phase now, V s/rad.
+    pub(crate) fn peak(&self) -> f64 {
+        self.peak
+    }
+
     /// Values at the two Gauss points of an interval of length `h` joined by straight lines, so that the flux
     /// linkage over the interval is exact to the third order. `middle` is the angle in the interval's middle,
     /// `span` the angle it covers, both in turns.

@@ -39,6 +39,11 @@ impl Event {
         }
     }
 
+    /// How far beyond counts, A or V: a current stops at zero, a voltage has to pass its edge.
+    pub(crate) fn edge(self) -> f64 {
+        if matches!(self, Self::Stops(_)) { 0.0 } else { VOLTAGE_EDGE }
+    }
+
     /// The instant of the event inside `(lower, beyond there, upper, beyond there)`, on the far side of it. 0 if it has
     /// been reached at the start already.
     pub(crate) fn locate(self, segment: &Segment, network: &Network, bracket: (f64, f64, f64, f64)) -> f64 {
@@ -46,10 +51,8 @@ impl Event {
             let decay = network.decay(segment.topology, segment.source_on, t);
             self.beyond(segment, network, t, &segment.at(t, &decay))
         };
-        let (edge, close) = match self {
-            Self::Stops(_) => (0.0, 1e-8),
-            _ => (VOLTAGE_EDGE, 1e-5),
-        };
+        let edge = self.edge();
+        let close = if edge == 0.0 { 1e-8 } else { 1e-5 };
         let (mut lower, mut f_lower, mut upper, mut f_upper) = bracket;
         f_lower -= edge;
         f_upper -= edge;

@@ -2,6 +2,7 @@
 
 use super::config::{LoadConfig, MotorConfig};
 use super::emf::sin_cos;
+use super::segment::Motion;
 
 /// The shaft's state and constants.
 #[derive(Clone, Debug)]
@@ -18,18 +19,24 @@ pub(crate) struct Shaft {
     pub(crate) angle: f64,
     /// Mechanical speed, rad/s.
     pub(crate) speed: f64,
-    /// Acceleration over the last interval, rad/s2.
+    /// Acceleration at the end of the last interval, rad/s2.
     acceleration: f64,
     pub(crate) blocked: bool,
 }
 
-/// What one interval did to the shaft.
+/// What one interval does to the shaft.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Move {
+pub(crate) struct Turn {
+    /// Speed at the end, rad/s.
+    speed: f64,
+    /// Mechanical angle turned, rad.
+    pub(crate) path: f64,
     /// Energy lost in the motor's friction (and the block), J.
     pub(crate) friction: f64,
     /// Energy taken by the load, J.
     pub(crate) load: f64,
+    /// Torque of cogging less all friction at the end, N m.
+    opposing: f64,
 }
 
 const TAU: f64 = 2.0 * core::f64::consts::PI;
@@ -69,21 +76,32 @@ impl Shaft {
         self.angle / self.turns_per_radian()
     }
 
-    /// Speed to expect in the middle of an interval of `h` seconds, rad/s.
-    pub(crate) fn predict(&self, h: f64) -> f64 {
-        let middle = self.speed + 0.5 * h * self.acceleration;
-        if middle * self.speed > 0.0 { middle } else { 0.0 }
+    /// How the shaft is expected to move over `h` seconds.
+    pub(crate) fn predict(&self, h: f64) -> Motion {
+        let (speed, acceleration) = (self.speed, self.acceleration);
+        if self.blocked || speed == 0.0 {
+            return Motion { speed: 0.0, acceleration: 0.0, per_inertia: 0.0, h };
+        }
+        if (speed + acceleration * h) * speed <= 0.0 {
+            // About to stop: on average half way there.
+            return Motion { speed, acceleration: -speed / h, per_inertia: 0.0, h };
+        }
+        Motion { speed, acceleration, per_inertia: 1.0 / (self.inertia + self.load.inertia), h }
     }
 
     /// Kinetic and cogging energy, J.
     pub(crate) fn energy(&self) -> f64 {
-        let kinetic = 0.5 * (self.inertia + self.load.inertia) * self.speed * self.speed;
+        let kinetic = self.kinetic(self.speed);
         if self.cogging_torque == 0.0 {
             return kinetic;
         }
         // T = -dU/dangle with T = amplitude sin(n angle)
         let (_, cos) = sin_cos(self.cogging_periods * self.mechanical_angle() * (1.0 / TAU));
         kinetic + self.cogging_torque / self.cogging_periods * cos
+    }
+
+    fn kinetic(&self, speed: f64) -> f64 {
+        0.5 * (self.inertia + self.load.inertia) * speed * speed
     }
 
     /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here.
@@ -98,64 +116,69 @@ impl Shaft {
         self.cogging_torque * sin * (1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0)))
     }
 
-    /// Turns the shaft for `h` seconds under the electrical angular impulse `impulse` (N m s).
-    pub(crate) fn turn(&mut self, impulse: f64, h: f64) -> Move {
-        let before = self.speed;
-        let inertia = self.inertia + self.load.inertia;
+    /// What `h` seconds under the electrical angular impulse `impulse` (N m s) would do; `predicted` is the mean
+    /// speed that the circuit was solved with.
+    pub(crate) fn turn(&self, impulse: f64, h: f64, predicted: f64) -> Turn {
         if self.blocked {
-            self.speed = 0.0;
-            self.acceleration = 0.0;
-            return Move { friction: 0.5 * inertia * before * before, load: 0.0 };
+            return Turn { friction: self.kinetic(self.speed), ..Turn::default() };
         }
-        let predicted = self.predict(h);
-        let drive = impulse / h + self.cogging(predicted * h);
+        let cogging = self.cogging(predicted * h);
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
-        let (after, path, slid) = self.slide(drive, coulomb, viscous, inertia, h);
-        self.speed = after;
-        self.acceleration = (after - before) / h;
-        self.angle += path * self.turns_per_radian();
+        let (speed, path, slid) = self.slide(impulse / h + cogging, coulomb, viscous, h);
         // Coulomb friction works along the path, drag with the mean speed.
         let drag = path * path / h;
-        Move {
+        let sign = if speed > 0.0 { 1.0 } else { -1.0 };
+        Turn {
+            speed,
+            path,
             friction: self.static_friction * slid + self.viscous_friction * drag,
             load: self.load.constant * slid + (viscous - self.viscous_friction) * drag,
+            opposing: cogging - sign * coulomb - viscous * speed,
         }
     }
 
-    /// Speed after `h` seconds, way travelled and distance slid (both rad). The drag is taken at the mean of old and
-    /// new speed, which is stable whatever the inertia and conserves energy exactly.
-    fn slide(&self, drive: f64, coulomb: f64, viscous: f64, inertia: f64, h: f64) -> (f64, f64, f64) {
+    /// Takes over a turn; `torque` is the electrical torque at its end, N m.
+    pub(crate) fn apply(&mut self, turn: &Turn, torque: f64) {
+        self.speed = turn.speed;
+        self.angle += turn.path * self.turns_per_radian();
+        self.acceleration = if self.speed == 0.0 {
+            0.0
+        } else {
+            (torque + turn.opposing) / (self.inertia + self.load.inertia)
+        };
+    }
+
+    /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m. The drag is taken at the
+    /// mean of old and new speed, which is stable whatever the inertia and conserves energy exactly.
+    fn slide(&self, drive: f64, coulomb: f64, viscous: f64, h: f64) -> (f64, f64, f64) {
+        let inertia = self.inertia + self.load.inertia;
         let before = self.speed;
-        let drag = 0.5 * viscous * h;
-        let advance = |from: f64, sign: f64, time: f64| {
+        let after = |from: f64, sign: f64, time: f64| {
             let drag = 0.5 * viscous * time;
             (from * (inertia - drag) + (drive - sign * coulomb) * time) / (inertia + drag)
         };
-        let mut rest = h;
-        let mut path = 0.0;
-        let mut slid = 0.0;
+        let (mut rest, mut path) = (h, 0.0);
         if before != 0.0 {
             let sign = if before > 0.0 { 1.0 } else { -1.0 };
-            let after = (before * (inertia - drag) + (drive - sign * coulomb) * h) / (inertia + drag);
-            if after * sign > 0.0 {
-                path = 0.5 * (before + after) * h;
-                return (after, path, path.abs());
+            let end = after(before, sign, h);
+            if end * sign > 0.0 {
+                path = 0.5 * (before + end) * h;
+                return (end, path, path.abs());
             }
-            // It comes to rest inside the interval: inertia (0 - before) = (drive - friction - drag before / 2) time.
+            // It comes to rest inside: inertia (0 - before) = (drive - friction - viscous before / 2) time.
             let push = drive - sign * coulomb - 0.5 * viscous * before;
             let time = if push * sign < 0.0 { (-inertia * before / push).clamp(0.0, h) } else { h };
             path = 0.5 * before * time;
-            slid = path.abs();
             rest = h - time;
         }
+        let slid = path.abs();
         // At rest: friction holds it, or what exceeds friction moves it.
         if drive.abs() <= coulomb || rest <= 0.0 {
             return (0.0, path, slid);
         }
-        let sign = if drive > 0.0 { 1.0 } else { -1.0 };
-        let after = advance(0.0, sign, rest);
-        let more = 0.5 * after * rest;
-        (after, path + more, slid + more.abs())
+        let end = after(0.0, if drive > 0.0 { 1.0 } else { -1.0 }, rest);
+        let more = 0.5 * end * rest;
+        (end, path + more, slid + more.abs())
     }
 }

@@ -107,6 +107,8 @@ pub struct Observation {
     pub ledger: Ledger,
     /// Changes of diodes since the start.
     pub diode_events: u64,
+    /// Intervals solved since the start.
+    pub intervals: u64,
 }
 
 impl Plant {
@@ -143,12 +145,12 @@ impl Plant {
     pub fn sample(&mut self) -> Samples {
         self.advance(self.instant(self.gates.sample_at()));
         let bus = self.stage.electric.v;
-        let first = self.stage.terminals;
+        let first = self.stage.terminals();
         let skew = self.converter.skew();
         if skew > 0 {
             self.advance((self.t + self.instant(skew)).min(self.period));
         }
-        let last = self.stage.terminals;
+        let last = self.stage.terminals();
         let now = self.tick as f64 * self.period + self.t;
         let charge = self.stage.shunt_charge;
         // The DC-link current is averaged by the amplifier's filter since the last reading.
@@ -223,7 +225,7 @@ impl Plant {
             angle: stage.shaft.mechanical_angle(),
             electrical_turns: stage.shaft.angle,
             current: stage.electric.i,
-            terminal: stage.terminals,
+            terminal: stage.terminals(),
             neutral: stage.neutral,
             bus_voltage: stage.electric.v,
             bus_current: self.bus_current,
@@ -231,6 +233,7 @@ impl Plant {
             winding_temperature: self.winding_temperature,
             ledger: Ledger { stored: stage.stored(), ..stage.ledger },
             diode_events: stage.diode_events,
+            intervals: stage.intervals,
         }
     }
 

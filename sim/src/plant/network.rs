@@ -20,6 +20,8 @@ pub(crate) struct Network {
     pub(crate) switch: f64,
     /// `copper + switch`.
     pub(crate) r: f64,
+    /// `r / l`, 1/s.
+    pub(crate) rate: f64,
     /// One phase, H.
     pub(crate) l: f64,
     /// Bus, F.
@@ -42,6 +44,10 @@ struct Modes {
     middle: f64,
     distance: f64,
     complex: bool,
+    /// The real eigenvalues, 1/s, and 1 / (slow - fast).
+    slow: f64,
+    fast: f64,
+    per_distance: f64,
     trace: f64,
     det: f64,
 }
@@ -81,6 +87,7 @@ impl Network {
             copper,
             switch,
             r: copper + switch,
+            rate: (copper + switch) / l,
             l,
             c,
             drop,
@@ -96,6 +103,7 @@ impl Network {
     /// To be called after a change of any element.
     pub(crate) fn update(&mut self) {
         self.r = self.copper + self.switch;
+        self.rate = self.r / self.l;
         for source_on in [false, true] {
             for topology in [Loop::TwoLegs, Loop::ThreeLegs] {
                 let g = self.g(source_on);
@@ -104,8 +112,18 @@ impl Network {
                 let middle = 0.5 * trace;
                 let square = middle * middle - det;
                 let distance = libm::sqrt(square.abs());
-                self.modes[usize::from(source_on)][usize::from(topology == Loop::ThreeLegs)] =
-                    Modes { middle, distance, complex: square < 0.0, trace, det };
+                let fast = middle - distance;
+                self.modes[usize::from(source_on)][usize::from(topology == Loop::ThreeLegs)] = Modes {
+                    middle,
+                    distance,
+                    complex: square < 0.0,
+                    // From the product of both, because their sum cancels.
+                    slow: det / fast,
+                    fast,
+                    per_distance: 0.5 / distance.max(1e-9),
+                    trace,
+                    det,
+                };
             }
         }
     }
@@ -120,15 +138,33 @@ impl Network {
         if source_on { self.source_g * self.source_v } else { 0.0 }
     }
 
+    /// Energy lost in the source resistance over `h` seconds in which the bus goes from `v0` to `v1`, J. `fall` is the
+    /// integral of y = source voltage - v, `links` the link current S at start, middle and end.
+    ///
+    /// y has a fast part (source resistance times bus capacitance), which a quadrature would miss. The bus equation
+    /// C dv/dt = G y - S - g v, multiplied by y, gives the integral of y^2 from that of S y, and S is smooth: it is
+    /// taken as a straight line, and the moment of y that it needs is exact, again from the bus equation.
+    pub(crate) fn source_loss(&self, h: f64, v0: f64, v1: f64, fall: f64, links: [f64; 3]) -> f64 {
+        let (y0, y1) = (self.source_v - v0, self.source_v - v1);
+        let per_g = 1.0 / (self.source_g + self.leak_g);
+        let link_moment = h * h * (1.0 / 6.0) * (2.0 * links[1] + links[2]);
+        let volt_seconds = self.source_v * h - fall;
+        let leak = self.leak_g * self.source_v;
+        let moment = (self.c * (h * v1 - volt_seconds) + link_moment + 0.5 * leak * h * h) * per_g;
+        let product = links[0] * fall + (links[2] - links[0]) / h * moment;
+        self.source_g * per_g * (0.5 * self.c * (y0 * y0 - y1 * y1) + product + leak * fall)
+    }
+
     fn modes(&self, topology: Loop, source_on: bool) -> &Modes {
         &self.modes[usize::from(source_on)][usize::from(topology == Loop::ThreeLegs)]
     }
 
     /// Transition over `t` seconds.
     pub(crate) fn decay(&self, topology: Loop, source_on: bool, t: f64) -> Decay {
-        let leg = libm::exp(-self.r / self.l * t);
+        // Two legs share one current: nothing decays apart from the loop.
+        let leg = if topology == Loop::TwoLegs { 0.0 } else { exp_small(-self.rate * t) };
         let (alpha, beta) = match topology {
-            Loop::Open => (libm::exp(-self.g(source_on) / self.c * t), 0.0),
+            Loop::Open => (exp_negative(-self.g(source_on) / self.c * t), 0.0),
             _ => self.modes(topology, source_on).transition(t),
         };
         Decay { leg, alpha, beta }
@@ -149,20 +185,36 @@ impl Network {
 impl Modes {
     fn transition(&self, t: f64) -> (f64, f64) {
         if self.complex {
-            let envelope = libm::exp(self.middle * t);
+            let envelope = exp_small(self.middle * t);
             let angle = self.distance * t;
             let beta = envelope * libm::sin(angle) / self.distance;
             return (envelope * libm::cos(angle) - self.middle * beta, beta);
         }
         if self.distance * t < 1e-6 {
-            let beta = libm::exp(self.middle * t) * t;
+            let beta = exp_small(self.middle * t) * t;
             return (beta / t - self.middle * beta, beta);
         }
-        let fast = self.middle - self.distance;
-        // From the product, because the sum cancels.
-        let slow = self.det / fast;
-        let (e_slow, e_fast) = (libm::exp(slow * t), libm::exp(fast * t));
-        let beta = (e_slow - e_fast) / (2.0 * self.distance);
-        (e_slow - beta * slow, beta)
+        let (e_slow, e_fast) = (exp_small(self.slow * t), exp_negative(self.fast * t));
+        let beta = (e_slow - e_fast) * self.per_distance;
+        (e_slow - beta * self.slow, beta)
     }
+}
+
+/// exp(x) by its series where that is short; exact to 1e-13.
+fn exp_small(x: f64) -> f64 {
+    if x.abs() > 0.25 {
+        return exp_negative(x);
+    }
+    let tail = 1.0 + x * (1.0 / 7.0) * (1.0 + x * (1.0 / 8.0) * (1.0 + x * (1.0 / 9.0)));
+    1.0 + x
+        * (1.0
+            + x * (1.0 / 2.0)
+                * (1.0
+                    + x * (1.0 / 3.0)
+                        * (1.0 + x * (1.0 / 4.0) * (1.0 + x * (1.0 / 5.0) * (1.0 + x * (1.0 / 6.0) * tail)))))
+}
+
+/// exp(x), 0 where that cannot be told from it.
+fn exp_negative(x: f64) -> f64 {
+    if x < -80.0 { 0.0 } else { libm::exp(x) }
 }

@@ -35,6 +35,19 @@ pub(crate) struct Electric {
     pub(crate) v: f64,
 }
 
+/// How the shaft is expected to move over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    /// Mechanical speed at the start, rad/s.
+    pub(crate) speed: f64,
+    /// Acceleration at the start, rad/s2.
+    pub(crate) acceleration: f64,
+    /// 1 / (kg m2) to let the acceleration follow the currents, 0 to keep it.
+    pub(crate) per_inertia: f64,
+    /// Length of the interval, s.
+    pub(crate) h: f64,
+}
+
 /// One interval's circuit and its solution.
 #[derive(Clone, Debug)]
 pub(crate) struct Segment {
@@ -42,6 +55,8 @@ pub(crate) struct Segment {
     pub(crate) topology: Loop,
     pub(crate) source_on: bool,
     pub(crate) emf: Linear3,
+    /// Mean acceleration that the back-EMF was taken with, rad/s2.
+    pub(crate) acceleration: f64,
     /// Legs that conduct.
     conducting: u8,
     /// Neutral voltage = `neutral_v` v + `neutral_0` + `neutral_1` t, while any leg conducts.
@@ -69,45 +84,116 @@ pub(crate) struct Segment {
 }
 
 impl Segment {
-    /// The circuit of `legs` from `electric` on.
+    /// The circuit of `legs` from `electric` on; `shape` is the back-EMF per speed.
     pub(crate) fn new(
         network: &Network,
         legs: [Leg; 3],
         source_on: bool,
         electric: &Electric,
-        emf: Linear3,
+        shape: &Linear3,
+        motion: &Motion,
     ) -> Self {
-        let mut high = Group::default();
-        let mut low = Group::default();
-        let mut driving = [(0.0, 0.0); 3];
+        let mut segment = Self::idle(legs, source_on, electric);
+        let mut offsets = [0.0; 3];
         for x in 0..3 {
-            // Terminal = h v + offset - Ron i; what drives the phase is that less its back-EMF.
-            let (group, offset) = match legs[x] {
+            // Terminal = h v + offset - Ron i.
+            match legs[x] {
                 Leg::Idle => continue,
-                Leg::HighSwitch => (&mut high, 0.0),
-                Leg::HighDiode => (&mut high, network.drop),
-                Leg::LowSwitch => (&mut low, 0.0),
-                Leg::LowDiode => (&mut low, -network.drop),
-            };
-            driving[x] = (offset - emf.start[x], -emf.slope[x]);
-            group.add(driving[x], electric.i[x]);
+                Leg::HighSwitch | Leg::LowSwitch => {}
+                Leg::HighDiode => offsets[x] = network.drop,
+                Leg::LowDiode => offsets[x] = -network.drop,
+            }
+            segment.conducting += 1;
         }
-        let mut segment = Self::idle(legs, source_on, electric, emf);
-        segment.conducting = high.count + low.count;
+        segment.move_on(network, &offsets, electric, shape, motion);
         if segment.conducting > 0 {
+            let mut high = Group::default();
+            let mut low = Group::default();
+            let mut driving = [(0.0, 0.0); 3];
+            for x in 0..3 {
+                // What drives a phase is its terminal less its back-EMF.
+                driving[x] = (offsets[x] - segment.emf.start[x], -segment.emf.slope[x]);
+                match legs[x] {
+                    Leg::Idle => {}
+                    leg if leg.is_high() => high.add(driving[x], electric.i[x]),
+                    _ => low.add(driving[x], electric.i[x]),
+                }
+            }
             segment.tie_neutral(&high, &low);
-            segment.spread(network, &high, &low, &driving, electric);
+            if segment.topology != Loop::TwoLegs {
+                segment.spread(network, &high, &low, &driving, electric);
+            } else {
+                segment.share_two();
+            }
+            segment.solve_link(network, &high, electric);
+        } else {
+            segment.solve_link(network, &Group::default(), electric);
         }
-        segment.solve_link(network, &high, electric);
         segment
     }
 
-    fn idle(legs: [Leg; 3], source_on: bool, electric: &Electric, emf: Linear3) -> Self {
+    /// Back-EMF over the interval: the shape times a speed that changes with the mean acceleration. The torque's own
+    /// slope gives the acceleration's, else a light rotor would outrun its prediction within one interval.
+    fn move_on(
+        &mut self,
+        network: &Network,
+        offsets: &[f64; 3],
+        electric: &Electric,
+        shape: &Linear3,
+        motion: &Motion,
+    ) {
+        if motion.speed == 0.0 && motion.acceleration == 0.0 {
+            return;
+        }
+        let mut jerk = 0.0;
+        if motion.per_inertia > 0.0 && self.conducting > 1 {
+            let mut rest = [0.0; 3];
+            let mut sum = 0.0;
+            for x in 0..3 {
+                if self.legs[x] != Leg::Idle {
+                    let bus = if self.legs[x].is_high() { electric.v } else { 0.0 };
+                    rest[x] = bus + offsets[x] - shape.start[x] * motion.speed;
+                    sum += rest[x];
+                }
+            }
+            let neutral = sum / f64::from(self.conducting);
+            let mut torque_slope = 0.0;
+            for x in 0..3 {
+                if self.legs[x] != Leg::Idle {
+                    let i_slope = rest[x] - neutral - network.r * electric.i[x];
+                    torque_slope += shape.start[x] * i_slope;
+                }
+            }
+            jerk = torque_slope / network.l * motion.per_inertia;
+        }
+        // Mean over the interval of alpha + jerk t, weighted as it acts on the way travelled: a third, not a half.
+        self.acceleration = motion.acceleration + jerk * motion.h * (1.0 / 3.0);
+        let middle = motion.speed + 0.5 * self.acceleration * motion.h;
+        for x in 0..3 {
+            let k = shape.start[x] + 0.5 * motion.h * shape.slope[x];
+            self.emf.start[x] = shape.start[x] * motion.speed;
+            self.emf.slope[x] = shape.slope[x] * middle + k * self.acceleration;
+        }
+    }
+
+    /// One leg high, one low: both carry the link current and nothing else.
+    fn share_two(&mut self) {
+        for x in 0..3 {
+            self.share[x] = match self.legs[x] {
+                Leg::Idle => 0.0,
+                leg if leg.is_high() => 1.0,
+                _ => -1.0,
+            };
+        }
+    }
+
+    fn idle(legs: [Leg; 3], source_on: bool, electric: &Electric) -> Self {
         Self {
             legs,
             topology: Loop::Open,
             source_on,
-            emf,
+            emf: Linear3::default(),
+            acceleration: 0.0,
             conducting: 0,
             neutral_v: 0.0,
             neutral_0: 0.0,
@@ -196,9 +282,11 @@ impl Segment {
         let link =
             self.p[0] + self.q[0] * t + decay.alpha * ds + decay.beta * (self.a_ss * ds + self.a_sv * dv);
         let v = self.p[1] + self.q[1] * t + decay.alpha * dv + decay.beta * (self.a_vs * ds + self.a_vv * dv);
-        let mut i = [0.0; 3];
-        for x in 0..3 {
-            i[x] = self.share[x] * link + self.dp[x] + self.dq[x] * t + decay.leg * self.d[x];
+        let mut i = self.share.map(|share| share * link);
+        if self.topology != Loop::TwoLegs {
+            for x in 0..3 {
+                i[x] += self.dp[x] + self.dq[x] * t + decay.leg * self.d[x];
+            }
         }
         Electric { i, v }
     }

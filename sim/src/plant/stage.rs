@@ -5,18 +5,24 @@ use super::emf::{EmfShape, Linear3};
 use super::event::Event;
 use super::gates::Gate;
 use super::ledger::Ledger;
-use super::mechanics::Shaft;
+use super::mechanics::{Shaft, Turn};
 use super::network::Network;
-use super::segment::{Electric, Leg, Segment};
+use super::segment::{Electric, Leg, Motion, Segment};
 
-/// Longest interval, s: half a period at 10 kHz, a tenth of the shortest L / R of common motors.
-const INTERVAL_MAX: f64 = 50e-6;
+/// Longest interval, s: a period at 10 kHz.
+const INTERVAL_MAX: f64 = 100e-6;
+/// Longest interval in time constants L / R: Simpson's rule gives losses to 1e-4 then.
+const TIME_CONSTANTS_MAX: f64 = 0.35;
 /// Largest electrical angle of an interval, rad: the back-EMF is linear in it to 1e-3.
 const ANGLE_MAX: f64 = 0.15;
 /// A current below this is none, A.
 const CURRENT_ZERO: f64 = 1e-9;
 /// A diode or the source turns on or off when its voltage is this far beyond, V. Keeps rounding from toggling it.
 pub(crate) const VOLTAGE_EDGE: f64 = 1e-7;
+/// Largest error of a phase's back-EMF because the speed was predicted wrongly, V.
+const EMF_ERROR: f64 = 1e-4;
+/// Attempts to get below it.
+const CORRECTIONS_MAX: u32 = 3;
 /// Shorter intervals are none, s.
 const INSTANT: f64 = 1e-13;
 
@@ -41,9 +47,11 @@ pub(crate) struct Stage {
     pub(crate) impulse: f64,
     /// Changes of diodes since the start.
     pub(crate) diode_events: u64,
-    /// Terminal voltages at the end of the last interval.
-    pub(crate) terminals: [f64; 3],
+    /// Intervals solved since the start, corrections included.
+    pub(crate) intervals: u64,
+    /// Star point and back-EMF at the end of the last interval, V.
     pub(crate) neutral: f64,
+    emf: [f64; 3],
 }
 
 impl Stage {
@@ -74,11 +82,28 @@ impl Stage {
             shunt_charge: 0.0,
             impulse: 0.0,
             diode_events: 0,
-            terminals: [0.0; 3],
+            intervals: 0,
             neutral: 0.0,
+            emf: [0.0; 3],
         };
         stage.stored_at_start = stage.stored();
         stage
+    }
+
+    /// Terminal voltages now, V. A broken cable leaves the motor's side to the divider: it reads 0.
+    pub(crate) fn terminals(&self) -> [f64; 3] {
+        let (v, drop) = (self.electric.v, self.network.drop);
+        [0, 1, 2].map(|x| {
+            let fall = self.network.switch * self.electric.i[x];
+            match self.legs[x] {
+                Leg::Idle if self.open[x] => 0.0,
+                Leg::Idle => (self.neutral + self.emf[x]).clamp(-drop, v + drop),
+                Leg::HighSwitch => v - fall,
+                Leg::LowSwitch => -fall,
+                Leg::HighDiode => v + drop - fall,
+                Leg::LowDiode => -drop - fall,
+            }
+        })
     }
 
     /// Energy in capacitor, inductances and shaft, J.
@@ -161,39 +186,60 @@ impl Stage {
 
     /// Advances by `limit` seconds or less, to the next event at most. Returns by how much.
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
-        let h = limit.min(self.longest());
-        let speed = self.shaft.predict(h);
-        let span = speed * self.shaft.turns_per_radian() * h;
+        let mut motion = self.shaft.predict(limit.min(self.longest()));
+        for corrections in 0.. {
+            let solved = self.solve(&motion);
+            if solved.h <= INSTANT {
+                if let Some(event) = solved.event {
+                    self.apply(event, true);
+                }
+                return 0.0;
+            }
+            let simpson = Simpson { h: solved.h, points: [&self.electric, &solved.middle, &solved.end] };
+            let impulse = simpson.impulse(&solved.shape);
+            let expected = motion.speed + 0.5 * solved.segment.acceleration * solved.h;
+            let turn = self.shaft.turn(impulse, solved.h, expected);
+            let mean = turn.path / solved.h;
+            if corrections == CORRECTIONS_MAX || (mean - expected).abs() * self.shape.peak() < EMF_ERROR {
+                self.commit(&solved, impulse, &turn);
+                return solved.h;
+            }
+            // The shaft went faster or slower than the circuit was told: once more with what it did.
+            motion.acceleration = 2.0 * (mean - motion.speed) / solved.h;
+            motion.per_inertia = 0.0;
+            motion.h = motion.h.min(1.001 * solved.h);
+        }
+        0.0
+    }
+
+    /// Solves the circuit over `motion`'s interval or to its first event.
+    #[inline]
+    fn solve(&mut self, motion: &Motion) -> Solved {
+        self.intervals += 1;
+        let h = motion.h;
+        let span = (motion.speed + 0.5 * h * motion.acceleration) * self.shaft.turns_per_radian() * h;
         let shape = self.shape.over(self.shaft.angle + 0.5 * span, span, h);
-        let emf = Linear3 { start: shape.start.map(|k| k * speed), slope: shape.slope.map(|k| k * speed) };
-        let segment = self.settle(emf);
-        let half = self.network.decay(segment.topology, segment.source_on, 0.5 * h);
-        let full = self.network.squared(segment.topology, segment.source_on, &half);
-        let middle = segment.at(0.5 * h, &half);
-        let end = segment.at(h, &full);
+        let segment = self.settle(&shape, motion);
+        let (middle, end) = self.ends(&segment, h);
         match self.first_event(&segment, h, &middle, &end) {
-            None => {
-                self.commit(&segment, &shape, h, &middle, &end);
-                h
-            }
-            Some((event, t)) if t > INSTANT => {
-                let half = self.network.decay(segment.topology, segment.source_on, 0.5 * t);
-                let full = self.network.squared(segment.topology, segment.source_on, &half);
-                let (middle, end) = (segment.at(0.5 * t, &half), segment.at(t, &full));
-                self.commit(&segment, &shape, t, &middle, &end);
-                self.apply(event, false);
-                t
-            }
-            Some((event, _)) => {
-                self.apply(event, true);
-                0.0
+            None => Solved { segment, shape, h, middle, end, event: None },
+            Some((event, t)) => {
+                let (middle, end) = self.ends(&segment, t);
+                Solved { segment, shape, h: t, middle, end, event: Some(event) }
             }
         }
     }
 
+    /// State after half of `h` and after `h` seconds.
+    fn ends(&self, segment: &Segment, h: f64) -> (Electric, Electric) {
+        let half = self.network.decay(segment.topology, segment.source_on, 0.5 * h);
+        let full = self.network.squared(segment.topology, segment.source_on, &half);
+        (segment.at(0.5 * h, &half), segment.at(h, &full))
+    }
+
     /// Longest interval that the approximations allow.
     fn longest(&self) -> f64 {
-        let mut h = INTERVAL_MAX;
+        let mut h = INTERVAL_MAX.min(TIME_CONSTANTS_MAX * self.network.l / self.network.r);
         let turns_per_second = self.shaft.speed * self.shaft.turns_per_radian();
         if turns_per_second != 0.0 {
             let rate = turns_per_second.abs();
@@ -202,24 +248,21 @@ impl Stage {
                 h = h.min(turns / rate);
             }
         }
-        // While the source charges an empty capacitor, its loss needs a closer look.
-        if self.source_on && self.network.source_v - self.electric.v > 2.0 {
-            h = h.min(0.5 * self.network.c / self.network.source_g);
-        }
         h
     }
 
     /// Turns diodes and source on or off until they agree with the voltages, and returns the circuit.
-    fn settle(&mut self, emf: Linear3) -> Segment {
+    fn settle(&mut self, shape: &Linear3, motion: &Motion) -> Segment {
         self.settle_source();
-        let mut segment = Segment::new(&self.network, self.legs, self.source_on, &self.electric, emf);
+        let mut segment =
+            Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
         // Each pass changes one diode; six are more than three legs can need.
         for _ in 0..6 {
             if !self.settle_diode(&segment) {
                 break;
             }
             self.diode_events += 1;
-            segment = Segment::new(&self.network, self.legs, self.source_on, &self.electric, emf);
+            segment = Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
         }
         segment
     }
@@ -246,6 +289,9 @@ impl Stage {
                     return true;
                 }
             }
+        }
+        if !self.outside(segment, 0.0, &self.electric) {
+            return false;
         }
         let mut most = (VOLTAGE_EDGE, None);
         for event in self.starts(segment).into_iter().flatten() {
@@ -307,38 +353,40 @@ impl Stage {
         middle: &Electric,
         end: &Electric,
     ) -> Option<(Event, f64)> {
-        let mut first: Option<(Event, f64)> = None;
-        let mut consider = |event: Event, edge: f64| {
-            let at_middle = event.beyond(segment, &self.network, 0.5 * h, middle);
-            let bracket = if at_middle > edge {
-                Some((0.0, event.beyond(segment, &self.network, 0.0, &self.electric), 0.5 * h, at_middle))
-            } else {
-                let at_end = event.beyond(segment, &self.network, h, end);
-                (at_end > edge).then_some((0.5 * h, at_middle, h, at_end))
-            };
-            if let Some(bracket) = bracket {
-                let t = event.locate(segment, &self.network, bracket);
-                if first.is_none_or(|(_, earliest)| t < earliest) {
-                    first = Some((event, t));
-                }
-            }
-        };
+        let mut first = First { stage: self, segment, h, middle, end, found: None };
         for x in 0..3 {
-            if self.legs[x].is_diode() {
-                consider(Event::Stops(x), 0.0);
+            match self.legs[x] {
+                Leg::HighDiode if middle.i[x] > 0.0 || end.i[x] > 0.0 => first.consider(Event::Stops(x)),
+                Leg::LowDiode if middle.i[x] < 0.0 || end.i[x] < 0.0 => first.consider(Event::Stops(x)),
+                _ => {}
             }
         }
-        for event in self.starts(segment).into_iter().flatten() {
-            consider(event, VOLTAGE_EDGE);
+        let may_start = self.outside(segment, 0.5 * h, middle) || self.outside(segment, h, end);
+        if may_start {
+            for event in self.starts(segment).into_iter().flatten() {
+                first.consider(event);
+            }
         }
         if !self.may_sink {
-            if self.source_on {
-                consider(Event::SourceStops, VOLTAGE_EDGE);
-            } else {
-                consider(Event::SourceStarts, VOLTAGE_EDGE);
-            }
+            first.consider(if self.source_on { Event::SourceStops } else { Event::SourceStarts });
         }
-        first
+        first.found
+    }
+
+    /// True if the terminal of any idle leg is outside the rails: a quick look before a close one.
+    fn outside(&self, segment: &Segment, t: f64, at: &Electric) -> bool {
+        let edge = self.network.drop + VOLTAGE_EDGE;
+        if segment.is_tied() {
+            let neutral = segment.neutral(t, at.v, self.network.drop);
+            return (0..3).any(|x| {
+                self.legs[x] == Leg::Idle && {
+                    let terminal = neutral + segment.emf_at(x, t);
+                    terminal < -edge || terminal > at.v + edge
+                }
+            });
+        }
+        let [a, b, c] = [0, 1, 2].map(|x| segment.emf_at(x, t));
+        a.max(b).max(c) - a.min(b).min(c) > at.v + self.network.drop + edge
     }
 
     /// Makes `event` happen. One that comes without any delay holds its leg for an interval.
@@ -359,26 +407,25 @@ impl Stage {
         }
     }
 
-    /// Takes over the state after `h` seconds and books the energies.
-    fn commit(&mut self, segment: &Segment, shape: &Linear3, h: f64, middle: &Electric, end: &Electric) {
+    /// Takes over what was solved, books the energies and lets the event happen.
+    fn commit(&mut self, solved: &Solved, impulse: f64, turn: &Turn) {
+        let Solved { segment, shape, h, middle, end, event } = solved;
         let start = self.electric;
-        let (link, volt_seconds) = segment.integrals(&self.network, h, &start, end);
+        let (link, volt_seconds) = segment.integrals(&self.network, *h, &start, end);
         self.shunt_charge += link + self.network.leak_g * volt_seconds;
-        let simpson = Simpson { h, points: [&start, middle, end] };
-        let impulse = simpson.impulse(shape);
         self.impulse += impulse;
-        self.book(segment, &simpson, volt_seconds);
+        self.book(segment, &Simpson { h: *h, points: [&start, middle, end] }, volt_seconds);
+        self.ledger.shaft += impulse * turn.path / h;
+        self.ledger.friction += turn.friction;
+        self.ledger.load += turn.load;
+        let torque_at = |x: usize| (shape.start[x] + shape.slope[x] * h) * end.i[x];
+        self.shaft.apply(turn, torque_at(0) + torque_at(1) + torque_at(2));
         self.electric = *end;
-        let before = self.shaft.angle;
-        let moved = self.shaft.turn(impulse, h);
-        let ledger = &mut self.ledger;
-        ledger.shaft += impulse * (self.shaft.angle - before) / (self.shaft.turns_per_radian() * h);
-        ledger.friction += moved.friction;
-        ledger.load += moved.load;
         self.held = [false; 3];
-        self.neutral = segment.neutral(h, end.v, self.network.drop);
-        for x in 0..3 {
-            self.terminals[x] = segment.terminal(&self.network, x, h, end);
+        self.neutral = segment.neutral(*h, end.v, self.network.drop);
+        self.emf = [0, 1, 2].map(|x| segment.emf_at(x, *h));
+        if let Some(event) = *event {
+            self.apply(event, false);
         }
     }
 
@@ -394,16 +441,57 @@ impl Stage {
             }
         }
         if segment.source_on {
-            let charge = network.source_g * (network.source_v * simpson.h - volt_seconds);
-            ledger.source += network.source_v * charge;
-            ledger.source_loss += network.source_g
-                * simpson.integral(|at| {
-                    let fall = network.source_v - at.v;
-                    fall * fall
-                });
+            let fall = network.source_v * simpson.h - volt_seconds;
+            ledger.source += network.source_v * network.source_g * fall;
+            let links = simpson.points.map(|at| segment.link(at));
+            ledger.source_loss +=
+                network.source_loss(simpson.h, simpson.points[0].v, simpson.points[2].v, fall, links);
         }
         if network.leak_g > 0.0 {
             ledger.leak += network.leak_g * simpson.integral(|at| at.v * at.v);
+        }
+    }
+}
+
+/// One interval, solved.
+struct Solved {
+    segment: Segment,
+    /// Back-EMF per speed.
+    shape: Linear3,
+    h: f64,
+    middle: Electric,
+    end: Electric,
+    /// What ended it early.
+    event: Option<Event>,
+}
+
+/// The search for the first event of an interval.
+struct First<'a> {
+    stage: &'a Stage,
+    segment: &'a Segment,
+    h: f64,
+    middle: &'a Electric,
+    end: &'a Electric,
+    found: Option<(Event, f64)>,
+}
+
+impl First<'_> {
+    fn consider(&mut self, event: Event) {
+        let (network, h) = (&self.stage.network, self.h);
+        let edge = event.edge();
+        let at_middle = event.beyond(self.segment, network, 0.5 * h, self.middle);
+        let bracket = if at_middle > edge {
+            (0.0, event.beyond(self.segment, network, 0.0, &self.stage.electric), 0.5 * h, at_middle)
+        } else {
+            let at_end = event.beyond(self.segment, network, h, self.end);
+            if at_end <= edge {
+                return;
+            }
+            (0.5 * h, at_middle, h, at_end)
+        };
+        let t = event.locate(self.segment, network, bracket);
+        if self.found.is_none_or(|(_, earliest)| t < earliest) {
+            self.found = Some((event, t));
         }
     }
 }

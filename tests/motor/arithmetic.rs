@@ -1,0 +1,223 @@
+//! Gains, PI, ramp and the volts-to-duty division against exact arithmetic.
+
+use narx_core::motor::Samples;
+use narx_core::motor::gain::{Gain, SIGNIFICANT_BITS};
+use narx_core::motor::measurement::{ChannelScale, Measurement, MeasurementScales};
+use narx_core::motor::pi::{Pi, PiGains};
+use narx_core::motor::ramp::Ramp;
+use proptest::prelude::*;
+
+fn gain(numerator: i128, denominator: i128) -> Gain {
+    Gain::from_ratio(numerator, denominator).unwrap()
+}
+
+/// |`found` - floor(`numerator x value / denominator`)| within what a mantissa of at least `bits` bits allows, plus 1.
+fn assert_product(found: i64, numerator: i128, denominator: i128, value: i32, bits: u32) {
+    let exact = (numerator * value as i128).div_euclid(denominator);
+    let allowed = (exact.abs() >> bits) + 1;
+    assert!(
+        (found as i128 - exact).abs() <= allowed,
+        "{numerator}/{denominator} x {value} = {found}, exact {exact}, allowed {allowed}"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4096))]
+
+    /// Ratios from 2^-31 up keep 30 bits; below that the bits get fewer, down to the eight that `from_ratio` insists on.
+    #[test]
+    fn gain_against_rationals(
+        numerator in 1..1_i128 << 62,
+        scale in 0..62_u32,
+        denominator in 1..1_i128 << 62,
+        value: i32,
+    ) {
+        let numerator = (numerator >> scale).max(1);
+        match Gain::from_ratio(numerator, denominator) {
+            Some(found) => {
+                // The mantissa is the ratio in units of 2^-62, capped at 30 bits.
+                let bits = (((numerator << 62) / denominator).ilog2()).min(29);
+                prop_assert!(bits >= SIGNIFICANT_BITS - 1);
+                let exact = numerator * value as i128 / denominator;
+                if exact.abs() < i64::MAX as i128 {
+                    assert_product(found.apply(value), numerator, denominator, value, bits);
+                    let saturated = found.apply(value).clamp(i32::MIN as i64, i32::MAX as i64);
+                    prop_assert_eq!(found.apply32(value) as i64, saturated);
+                    let extended = (found.apply_extended(value) as i128) >> 16;
+                    let limit = i64::MAX as i128 >> 16;
+                    prop_assert_eq!(extended, (found.apply(value) as i128).clamp(-limit - 1, limit));
+                }
+            }
+            None => {
+                let large = numerator >= denominator << 30;
+                let small = (numerator << 62) / denominator < 1 << (SIGNIFICANT_BITS - 1);
+                let edge = numerator + 1 >= denominator << 30;
+                prop_assert!(large || small || edge, "{numerator}/{denominator} refused");
+            }
+        }
+    }
+}
+
+#[test]
+fn gain_edges() {
+    assert_eq!(Gain::from_ratio(0, 5), Some(Gain::ZERO));
+    assert_eq!(Gain::from_ratio(-1, 5), None);
+    assert_eq!(Gain::from_ratio(1, 0), None);
+    assert_eq!(Gain::from_ratio(1 << 30, 1), None, "2^30 needs a mantissa of 31 bits");
+    assert!(Gain::from_ratio((1 << 30) - 1, 1).is_some());
+    // 8 significant bits of 2^-62: 2^-55 and no less.
+    assert!(Gain::from_ratio(1, 1 << 55).is_some());
+    assert_eq!(Gain::from_ratio(1, 1 << 56), None);
+    // Wider than what can be shifted by 62: refused, not wrapped.
+    assert_eq!(Gain::from_ratio(1 << 100, 1 << 100), None);
+    assert_eq!(gain(1, 1).apply(i32::MIN), i32::MIN as i64);
+    assert_eq!(gain(1, 3).apply(-1), -1, "rounds down");
+    assert_eq!(gain((1 << 30) - 1, 1).apply32(i32::MAX), i32::MAX);
+    for (numerator, denominator) in [(1_i128, 3_i128), (2, 3), (5, 7), (355, 113)] {
+        let found = gain(numerator, denominator).apply_extended(1 << 30) as i128;
+        let exact = ((numerator << 46) * 2 + denominator) / (2 * denominator);
+        assert!((found - exact).abs() <= 1 << 17, "{numerator}/{denominator}: {found} {exact}");
+    }
+}
+
+#[test]
+fn pi_step_response_in_closed_form() {
+    // Kp = 1/2, Ki per step = 1/8, error 3: u_n = 1.5 + n x 0.375, in raw units of 2^-16 exactly.
+    let gains = PiGains { proportional: gain(1, 2), integral: gain(1, 8) };
+    let mut pi = Pi::default();
+    for n in 1..=1000_i64 {
+        let expected = (3 << 16) / 2 + n * (3 << 16) / 8;
+        assert_eq!(pi.step(&gains, 3 << 16, -(1 << 30), 1 << 30) as i64, expected, "step {n}");
+    }
+    // An error far below one output unit still integrates: 1 raw x 2^-10 a step for 2^10 x 5 steps.
+    let gains = PiGains { proportional: Gain::ZERO, integral: gain(1, 1 << 10) };
+    let mut pi = Pi::default();
+    let last = (0..5 << 10).map(|_| pi.step(&gains, 1, -100, 100)).last();
+    assert_eq!(last, Some(5));
+}
+
+proptest! {
+    /// Whatever comes in: output and integrator within the limits; and from saturation an error of the other sign acts at
+    /// once and whole, because nothing was wound up beyond a limit.
+    #[test]
+    fn pi_is_bounded_and_does_not_wind_up(
+        errors in prop::collection::vec(any::<i32>(), 1..50),
+        kp in 0..1 << 20,
+        ki in 0..1 << 20,
+        a: i32,
+        b: i32,
+    ) {
+        let (low, high) = (a.min(b), a.max(b));
+        let gains = PiGains { proportional: gain(kp as i128, 1 << 10), integral: gain(ki as i128, 1 << 16) };
+        let mut pi = Pi::default();
+        for error in errors {
+            let saturated = pi.integral() == high;
+            let output = pi.step(&gains, error, low, high);
+            prop_assert!((low..=high).contains(&output));
+            if saturated && error < 0 {
+                let unwound = (high as i64 + gains.integral.apply(error)).max(low as i64);
+                prop_assert!((pi.integral() as i64 - unwound).abs() <= 1);
+            }
+        }
+    }
+
+    /// The loser of the smaller-of-two tracks what was applied: with the same error it would have given that very
+    /// value, whatever it did before, and at error 0 so does one that waits.
+    #[test]
+    fn tracking_hands_over_without_a_bump(
+        before in prop::collection::vec(-1_000_000..1_000_000_i32, 0..20),
+        applied in 0..3_000_000_i32,
+        kp in 1..1 << 16,
+        error in -1_000_000..1_000_000_i32,
+    ) {
+        let gains = PiGains { proportional: gain(kp as i128, 1 << 12), integral: gain(1, 1 << 16) };
+        let held = PiGains { integral: Gain::ZERO, ..gains };
+        let mut pi = Pi::default();
+        for error in before {
+            pi.step(&gains, error, 0, 1 << 22);
+        }
+        pi.track(&gains, applied, error);
+        prop_assert_eq!(pi.step(&held, error, 0, 1 << 22), applied);
+        pi.wait(applied);
+        prop_assert_eq!(pi.step(&held, 0, 0, 1 << 22), applied);
+    }
+
+    /// Exact rate, never past the target, and the exact number of steps.
+    #[test]
+    fn ramp_rate_and_arrival(start: i32, target: i32, rate in 1..i64::MAX >> 16) {
+        let mut ramp = Ramp::default();
+        ramp.set(start);
+        let (from, to) = ((start as i64) << 16, (target as i64) << 16);
+        let sign = (to - from).signum();
+        for n in 1..=40_i64 {
+            let travelled = (rate as i128 * n as i128).min((to - from).abs() as i128) as i64;
+            prop_assert_eq!(ramp.step(target, rate) as i64, (from + sign * travelled) >> 16);
+        }
+        let needed = ((to - from).abs() as u64).div_ceil(rate as u64);
+        if needed <= 40 {
+            prop_assert_eq!(ramp.value(), target);
+        }
+    }
+}
+
+#[test]
+fn slow_ramps_move_and_no_rate_stands_still() {
+    // 2^-32 of a unit a step: one raw bit after 65 536 steps, to the step.
+    let mut ramp = Ramp::default();
+    assert_eq!((0..65_535).map(|_| ramp.step(5, 1)).last(), Some(0));
+    assert_eq!(ramp.step(5, 1), 1);
+    assert_eq!(ramp.step(5, 0), 1);
+    assert_eq!(ramp.step(5, -7), 1, "a negative rate is none");
+    let mut ramp = Ramp::default();
+    ramp.set(i32::MIN);
+    assert_eq!(ramp.step(i32::MAX, i64::MAX), i32::MAX);
+}
+
+/// A front end whose codes are raw volts / 80: 1.2 mV resolution up to 80 V.
+fn fine_scales() -> MeasurementScales {
+    let scale = ChannelScale { zero: 0, gain: gain(80, 1), offset: 0 };
+    MeasurementScales { bus_voltage: scale, bus_current: scale, phase_voltage: scale }
+}
+
+fn assert_duty(measurement: &Measurement, bus: i32, voltage: i32) -> Result<(), TestCaseError> {
+    let exact = (voltage as f64 / bus as f64 * 32_768.0).min(32_768.0);
+    let found = measurement.duty(voltage).to_bits() as f64;
+    let allowed = 1.0 + exact * 1e-4;
+    prop_assert!((found - exact).abs() <= allowed, "{voltage} of {bus}: {found}, exact {exact}");
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    /// 4 to 80 V, steps of up to 8 % a tick, and jumps to anywhere: the duty is right in the same tick.
+    #[test]
+    fn duty_follows_the_bus(
+        first in 4.0..80.0_f64,
+        walk in prop::collection::vec((-0.08..0.08_f64, prop::option::weighted(0.02, 4.0..80.0_f64)), 1..300),
+        voltages in prop::collection::vec(0..80 << 16_i32, 4),
+    ) {
+        let scales = fine_scales();
+        let mut measurement = Measurement::default();
+        let mut volts = first;
+        for (step, jump) in walk {
+            volts = jump.unwrap_or((volts * (1.0 + step)).clamp(4.0, 79.0));
+            let samples = Samples { bus_voltage: (volts * 65_536.0 / 80.0) as u16, ..Samples::default() };
+            let measured = measurement.step(&scales, &samples, false);
+            for voltage in &voltages {
+                assert_duty(&measurement, measured.bus_voltage.to_bits().max(4 << 16), *voltage)?;
+            }
+        }
+    }
+}
+
+#[test]
+fn duty_without_a_bus_is_finite() {
+    let mut measurement = Measurement::default();
+    for code in [0, u16::MAX, 0, 1, u16::MAX] {
+        measurement.step(&fine_scales(), &Samples { bus_voltage: code, ..Samples::default() }, false);
+        assert_eq!(measurement.duty(0).to_bits(), 0);
+        assert_eq!(measurement.duty(-1).to_bits(), 0);
+        assert_eq!(measurement.duty(i32::MAX).to_bits(), 32_768);
+    }
+}

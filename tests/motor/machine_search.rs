@@ -1,0 +1,360 @@
+//! The stateful machine around the table, explored breadth first to a fixpoint.
+//!
+//! A node is the machine's whole memory (by its serialised form) with the two ages cut off above every threshold that they are
+//! compared with, which loses nothing, and a few ghosts: what the specification needs to remember, kept by the
+//! test alone. From each node every event and every tick (512 combinations of inputs and enables) is tried.
+
+use narx_core::motor::coefficients::MachineCoefficients;
+use narx_core::motor::event::{Command, Refusal, Request};
+use narx_core::motor::machine::{Change, Inputs, Machine};
+use narx_core::motor::state::Conditions;
+use narx_core::motor::{Direction, State};
+use narx_core::units::ElectricalSpeed;
+use serde::{Deserialize, Serialize};
+use std::collections::{HashMap, HashSet, VecDeque};
+
+/// The machine's memory, field by field in the order of its layout.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Memory {
+    state: State,
+    age: u32,
+    command: Command,
+    command_age: u32,
+    armed: bool,
+    acknowledged: bool,
+    direction: Direction,
+    mode: Conditions,
+    calibrate: bool,
+    refusal: Refusal,
+}
+
+const BOOT: u32 = 2;
+const LOCK: u32 = 1;
+const RAMP: u32 = 2;
+const WAIT: u32 = 2;
+const TIMEOUT: u32 = 2;
+/// Above every threshold.
+const AGE_MAX: u32 = 3;
+
+fn coefficients(enables: u8) -> MachineCoefficients {
+    MachineCoefficients {
+        open_loop_enable: enables & 1 != 0,
+        sensorless_enable: enables & 2 != 0,
+        hall_enable: enables & 4 != 0,
+        boot: BOOT,
+        lock: LOCK,
+        open_loop: RAMP,
+        auto_restart: RAMP,
+        fault_wait: WAIT,
+        command_timeout: TIMEOUT,
+        ..MachineCoefficients::default()
+    }
+}
+
+fn memory(machine: &Machine) -> Memory {
+    postcard::from_bytes(&bytes(machine)).unwrap()
+}
+
+fn bytes(value: &impl Serialize) -> Vec<u8> {
+    postcard::to_slice(value, &mut [0; 64]).unwrap().to_vec()
+}
+
+fn machine(memory: &Memory) -> Machine {
+    postcard::from_bytes(&bytes(memory)).unwrap()
+}
+
+/// What the specification remembers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Ghost {
+    /// A Drive request would be a fresh edge: Standby was requested since the last stop (or the direction was changed).
+    fresh: bool,
+    /// Standby was requested since the fault.
+    standby_since_fault: bool,
+    /// The present stop is the one tick of a reversal.
+    reversing: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Input {
+    Request(Request),
+    Calibrate(bool),
+    Tick { bits: u8, enables: u8 },
+}
+
+fn inputs(bits: u8) -> Inputs {
+    let bit = |n: u8| bits & (1 << n) != 0;
+    Inputs {
+        critical: bit(0),
+        unhealthy: bit(1),
+        causes_gone: bit(2),
+        stopped: bit(3),
+        calibrated: bit(4),
+        parameters_fit: bit(5),
+    }
+}
+
+fn all_inputs() -> Vec<Input> {
+    let requests =
+        [Request::Standby, Request::Drive, Request::Reverse, Request::Shutdown].map(Input::Request);
+    let ticks = (0..64).flat_map(|bits| (0..8).map(move |enables| Input::Tick { bits, enables }));
+    requests.into_iter().chain([true, false].map(Input::Calibrate)).chain(ticks).collect()
+}
+
+fn key(memory: &Memory, ghost: Ghost) -> (Vec<u8>, Ghost) {
+    (bytes(memory), ghost)
+}
+
+fn bounded(mut memory: Memory) -> Memory {
+    memory.age = memory.age.min(AGE_MAX);
+    memory.command_age = memory.command_age.min(AGE_MAX);
+    memory
+}
+
+fn wanted(request: Request) -> Option<Direction> {
+    match request {
+        Request::Drive => Some(Direction::Forward),
+        Request::Reverse => Some(Direction::Reverse),
+        Request::Standby | Request::Shutdown => None,
+    }
+}
+
+/// Everything reached, with the number of edges tried.
+struct Explored {
+    nodes: Vec<(Memory, Ghost)>,
+    edges: u64,
+    pairs: HashSet<(State, State, &'static str)>,
+}
+
+/// Explores from power-up; `check` sees every tick.
+fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Change>)) -> Explored {
+    let first = (
+        bounded(memory(&Machine::default())),
+        Ghost { fresh: true, standby_since_fault: false, reversing: false },
+    );
+    let mut seen = HashMap::from([(key(&first.0, first.1), ())]);
+    let mut waiting = VecDeque::from([first]);
+    let mut explored = Explored { nodes: Vec::new(), edges: 0, pairs: HashSet::new() };
+    let all = all_inputs();
+    while let Some((before, ghost)) = waiting.pop_front() {
+        for input in &all {
+            let mut after = machine(&before);
+            let mut ghost_after = ghost;
+            match *input {
+                Input::Request(request) => {
+                    after.handle_command(Command { request, speed: ElectricalSpeed::ZERO });
+                    ghost_after = ghost_request(before.state, request, ghost);
+                }
+                Input::Calibrate(run) => after.handle_calibration(run),
+                Input::Tick { bits, enables } => {
+                    let inputs = inputs(bits);
+                    let change = after.step(&coefficients(enables), &inputs);
+                    let memory = memory(&after);
+                    check(&before, ghost, inputs, enables, &memory, change);
+                    if let Some(change) = change {
+                        explored.pairs.insert((change.row.from, change.row.to, change.row.name));
+                    }
+                    ghost_after = ghost_tick(&before, &memory, ghost);
+                }
+            }
+            explored.edges += 1;
+            let after = bounded(memory(&after));
+            if seen.insert(key(&after, ghost_after), ()).is_none() {
+                waiting.push_back((after, ghost_after));
+            }
+        }
+        explored.nodes.push((before, ghost));
+    }
+    explored
+}
+
+/// Decision 5, and: Drive asked for during Initialization spends the edge that power-up counts as.
+fn ghost_request(state: State, request: Request, mut ghost: Ghost) -> Ghost {
+    match request {
+        Request::Standby => {
+            ghost.fresh |= !state.is_driving();
+            ghost.standby_since_fault |= state == State::Fault;
+        }
+        Request::Drive | Request::Reverse => ghost.fresh &= state != State::Initialization,
+        Request::Shutdown => {}
+    }
+    ghost
+}
+
+fn ghost_tick(before: &Memory, after: &Memory, mut ghost: Ghost) -> Ghost {
+    let (from, to) = (before.state, after.state);
+    let reversal = wanted(before.command.request).is_some_and(|direction| direction != before.direction);
+    ghost.reversing = from.is_driving() && to == State::Standby && reversal;
+    if from.is_driving() && to == State::Standby {
+        ghost.fresh = before.command.request == Request::Standby || reversal;
+    }
+    if to.is_driving() || to == State::Fault {
+        ghost.fresh = false;
+    }
+    if from != State::Fault {
+        ghost.standby_since_fault = false;
+    }
+    // Acknowledged with Drive requested again meanwhile: Standby has to be seen once more.
+    if from == State::Fault && to == State::Standby {
+        ghost.fresh = before.command.request == Request::Standby;
+    }
+    ghost
+}
+
+#[test]
+fn memory_is_read_whole() {
+    let machine_before = Machine::default();
+    assert_eq!(bytes(&memory(&machine_before)), bytes(&machine_before));
+    assert_eq!(machine(&memory(&machine_before)), machine_before);
+}
+
+#[test]
+fn invariants_hold_in_every_reachable_state() {
+    let explored = explore(|before, ghost, inputs, enables, after, change| {
+        let context = || format!("{before:?} {ghost:?} {inputs:?} enables {enables:03b} -> {after:?}");
+        check_stops(before, &inputs, after, change, &context);
+        check_start(before, ghost, &inputs, enables, after, &context);
+        check_fault(before, ghost, &inputs, after, change, &context);
+        check_reversal(before, ghost, &inputs, enables, after, &context);
+    });
+    let states: HashSet<State> = explored.nodes.iter().map(|(memory, _)| memory.state).collect();
+    println!("{} machine states, {} edges to the fixpoint", explored.nodes.len(), explored.edges);
+    let mut pairs: Vec<_> = explored.pairs.iter().map(|(from, to, name)| (*name, *from, *to)).collect();
+    pairs.sort_by_key(|pair| pair.0);
+    println!("transitions reached: {pairs:?}");
+    // Without an estimator 4 and 7 cannot be reached.
+    let reachable = [
+        State::Initialization,
+        State::Standby,
+        State::RotorLock,
+        State::OpenLoop,
+        State::HallClosedLoop,
+        State::Fault,
+    ];
+    assert_eq!(states, HashSet::from(reachable));
+}
+
+/// Critical fault, Standby request and time-out, in this order and in the same tick.
+fn check_stops(
+    before: &Memory,
+    inputs: &Inputs,
+    after: &Memory,
+    change: Option<Change>,
+    context: &impl Fn() -> String,
+) {
+    let driving = before.state.is_driving();
+    let judged = driving || before.state == State::Standby;
+    let request = before.command.request;
+    let expired = before.command_age + 1 >= TIMEOUT;
+    if judged && inputs.critical {
+        assert_eq!(after.state, State::Fault, "a fault wins in the same tick: {}", context());
+    } else if driving && request == Request::Standby {
+        assert_eq!(after.state, State::Standby, "Standby stops: {}", context());
+    } else if driving && request == Request::Shutdown {
+        assert!(!after.state.is_driving(), "a shutdown request stops, masked or not: {}", context());
+    } else if driving && expired {
+        assert_eq!(after.state, State::Fault, "silence stops: {}", context());
+        assert!(change.is_some_and(|change| change.timed_out), "it has a name: {}", context());
+    } else {
+        assert!(!change.is_some_and(|change| change.timed_out), "no time-out: {}", context());
+    }
+    if before.state == State::Initialization {
+        let elapsed = before.age + 1 >= BOOT;
+        match after.state {
+            State::Standby => assert!(elapsed && !inputs.unhealthy, "T01: {}", context()),
+            State::Fault => assert!(inputs.unhealthy, "T06: {}", context()),
+            state => assert_eq!(state, State::Initialization, "{}", context()),
+        }
+    }
+}
+
+/// Leaving Standby: fresh edge, live command, parameters that fit, Table 6, and the enables sampled.
+fn check_start(
+    before: &Memory,
+    ghost: Ghost,
+    inputs: &Inputs,
+    enables: u8,
+    after: &Memory,
+    context: &impl Fn() -> String,
+) {
+    let (open_loop, sensorless, hall) = (enables & 1 != 0, enables & 2 != 0, enables & 4 != 0);
+    let request = wanted(before.command.request);
+    let expired = before.command_age + 1 >= TIMEOUT;
+    let able = request.is_some() && inputs.parameters_fit && !inputs.critical && !expired;
+    let mode = before.calibrate || hall || (open_loop && !sensorless);
+    if before.state == State::Standby {
+        let starts = after.state.is_driving();
+        assert_eq!(starts, able && ghost.fresh && mode, "a start needs all of it: {}", context());
+        if starts {
+            let wanted_state = match (before.calibrate, hall) {
+                (true, _) => State::RotorLock,
+                (false, true) => State::HallClosedLoop,
+                (false, false) => State::OpenLoop,
+            };
+            assert_eq!(after.state, wanted_state, "Table 6: {}", context());
+            assert_eq!(Some(after.direction), request, "{}", context());
+        }
+        // Decision 2 and the estimator that does not exist yet.
+        if ghost.fresh && request.is_some() && inputs.parameters_fit && !before.calibrate {
+            let refusal = match (hall, sensorless, open_loop) {
+                (false, true, _) => Refusal::NoEstimator,
+                (false, false, false) => Refusal::NoMode,
+                _ => Refusal::None,
+            };
+            assert_eq!(after.refusal, refusal, "{}", context());
+        }
+    } else if !before.state.is_driving() {
+        assert!(!after.state.is_driving(), "only Standby leads to a driving state: {}", context());
+    }
+    if before.state.is_driving() {
+        // What was sampled decides, not what is set now.
+        let mut other = machine(before);
+        other.step(&coefficients(!enables & 7), inputs);
+        assert_eq!(memory(&other), *after, "enables are sampled: {}", context());
+    }
+}
+
+/// T61: wait elapsed, causes gone, Standby requested since, nothing critical now; and nothing else leaves Fault.
+fn check_fault(
+    before: &Memory,
+    ghost: Ghost,
+    inputs: &Inputs,
+    after: &Memory,
+    change: Option<Change>,
+    context: &impl Fn() -> String,
+) {
+    if before.state != State::Fault {
+        return;
+    }
+    let cured = ghost.standby_since_fault && before.age + 1 >= WAIT && inputs.causes_gone && !inputs.critical;
+    let expected = if cured { State::Standby } else { State::Fault };
+    assert_eq!(after.state, expected, "T61: {}", context());
+    assert_eq!(change.is_some(), cured, "{}", context());
+}
+
+/// A direction changes in Standby only, and a reversal spends exactly one tick there.
+fn check_reversal(
+    before: &Memory,
+    ghost: Ghost,
+    inputs: &Inputs,
+    enables: u8,
+    after: &Memory,
+    context: &impl Fn() -> String,
+) {
+    if before.state.is_driving() && after.state.is_driving() {
+        assert_eq!(before.direction, after.direction, "never plug: {}", context());
+    }
+    let reversal = wanted(before.command.request).is_some_and(|direction| direction != before.direction);
+    let expired = before.command_age + 1 >= TIMEOUT;
+    if before.state.is_driving() && reversal && !inputs.critical && !expired {
+        let rests = inputs.stopped || before.state == State::RotorLock;
+        let calibrated = before.mode.contains(Conditions::CALIBRATION) && inputs.calibrated;
+        let leaves = rests || (before.state == State::OpenLoop && calibrated);
+        let expected = if leaves { State::Standby } else { before.state };
+        assert_eq!(after.state, expected, "reversal: {}", context());
+    }
+    let healthy = inputs.parameters_fit && !inputs.critical && !expired;
+    if before.state == State::Standby && ghost.reversing && healthy && enables & 4 != 0 && reversal {
+        assert!(after.state.is_driving(), "one tick in Standby is the edge: {}", context());
+        assert_eq!(Some(after.direction), wanted(before.command.request), "{}", context());
+    }
+}

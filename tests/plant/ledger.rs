@@ -1,0 +1,105 @@
+//! Energy: what the source gives is lost, delivered or stored, to 0.1 %.
+
+use crate::driving::Ideal;
+use narx_core::motor::{Direction, PwmCommand, Rectification, Step};
+use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig, Plant, PlantConfig, SupplyConfig};
+use proptest::prelude::*;
+
+/// One stretch of driving.
+#[derive(Clone, Copy, Debug)]
+enum Stretch {
+    /// Ideal commutation.
+    Commutated { duty: f64, forward: bool, synchronous: bool },
+    /// Any step, held.
+    Held { step: usize, duty: f64, synchronous: bool },
+}
+
+fn stretch() -> impl Strategy<Value = Stretch> {
+    prop_oneof![
+        (0.0..=1.0f64, any::<bool>(), any::<bool>())
+            .prop_map(|(duty, forward, synchronous)| Stretch::Commutated { duty, forward, synchronous }),
+        (0usize..13, 0.0..=0.3f64, any::<bool>()).prop_map(|(step, duty, synchronous)| Stretch::Held {
+            step,
+            duty,
+            synchronous
+        }),
+    ]
+}
+
+fn config() -> impl Strategy<Value = PlantConfig> {
+    let electric = (0.2..2.0f64, 1e-4..2e-3f64, 0.02..0.1f64, 18.0..60.0f64, 0.0..0.3f64, any::<bool>());
+    let shaft = (2e-6..2e-4f64, 0.0..0.01f64, 0.0..1e-5f64, 0.0..0.01f64);
+    let shape = prop_oneof![
+        Just(BackEmf::Sinusoidal),
+        (60.0..150.0f64).prop_map(|flat_top_deg| BackEmf::Trapezoidal { flat_top_deg })
+    ];
+    let load = (0.0..0.02f64, 0.0..1e-5f64, 0.0..1e-7f64);
+    (electric, shaft, shape, load, 1u8..=8, 0.0..360.0f64).prop_map(
+        |(electric, shaft, back_emf, load, pole_pairs, angle_deg)| {
+            let (resistance, inductance, torque_constant, voltage, source, may_sink) = electric;
+            let (inertia, static_friction, viscous_friction, cogging_torque) = shaft;
+            let motor = MotorConfig {
+                pole_pairs,
+                resistance,
+                inductance,
+                torque_constant,
+                inertia,
+                static_friction,
+                viscous_friction,
+                back_emf,
+                cogging_torque,
+                ..MotorConfig::default()
+            };
+            let mut config = PlantConfig::new(motor, voltage);
+            config.supply = SupplyConfig { voltage, resistance: source, may_sink };
+            config.load = LoadConfig { constant: load.0, viscous: load.1, quadratic: load.2, inertia: 0.0 };
+            config.angle_deg = angle_deg;
+            config
+        },
+    )
+}
+
+fn drive(plant: &mut Plant, stretch: Stretch, seconds: f64) {
+    let rectification =
+        |synchronous| if synchronous { Rectification::Synchronous } else { Rectification::Diode };
+    match stretch {
+        Stretch::Commutated { duty, forward, synchronous } => {
+            let direction = if forward { Direction::Forward } else { Direction::Reverse };
+            Ideal { duty, direction, rectification: rectification(synchronous) }.run(plant, seconds);
+        }
+        Stretch::Held { step, duty, synchronous } => {
+            let ideal =
+                Ideal { duty, direction: Direction::Forward, rectification: rectification(synchronous) };
+            let command: PwmCommand = ideal.hold(Step::ALL[step]);
+            for _ in 0..(seconds * 10_000.0) as u32 {
+                plant.sample();
+                plant.finish_period(&command);
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    #[test]
+    fn energy_is_conserved_whatever_is_commanded(
+        config in config(),
+        stretches in prop::collection::vec(stretch(), 1..6),
+    ) {
+        let mut plant = Plant::new(&config);
+        for stretch in stretches {
+            drive(&mut plant, stretch, 0.05);
+            let seen = plant.observe();
+            let ledger = seen.ledger;
+            let sum: f64 = seen.current.iter().sum();
+            prop_assert!(sum.abs() < 1e-9, "currents sum to {sum}");
+            prop_assert!(seen.bus_voltage.is_finite() && seen.speed.is_finite());
+            let ratio = ledger.residual().abs() / ledger.turnover().max(1e-3);
+            if std::env::var_os("RATIOS").is_some() {
+                println!("ratio {ratio:.2e}");
+            }
+            prop_assert!(ratio < 1e-3, "{ratio:.2e}: {ledger:?}");
+        }
+    }
+}

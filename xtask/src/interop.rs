@@ -1,0 +1,119 @@
+//! What other people's tools make of our files: python-can reads a log that we wrote.
+
+use crate::candump;
+use crate::steps::{self, Outcome};
+use narx_core::bus::{Frame, Id};
+use narx_sim::can::Bus;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+/// Writes the samples, prepares a Python environment under `target/` and runs `tests/interop` in it.
+pub fn run(root: &Path) -> Outcome {
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let samples = target.join("interop");
+    write_samples(&samples).map_err(|error| format!("{}: {error}", samples.display()))?;
+    let tests = root.join("tests/interop");
+    let python = environment(&target.join("interop-python"), &tests.join("requirements.txt"))?;
+    steps::run(
+        Command::new(python)
+            .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider"])
+            .arg(&tests)
+            .env("NARX_INTEROP", &samples)
+            .env("PYTHONDONTWRITEBYTECODE", "1"),
+    )
+}
+
+/// A candump log of frames as they came over the simulated bus, and the same frames as a table.
+fn write_samples(directory: &Path) -> std::io::Result<()> {
+    fs::create_dir_all(directory)?;
+    let mut bus = Bus::<2, 64>::new(500_000);
+    let (Some(sender), Some(receiver)) = (bus.attach(), bus.attach()) else {
+        return Err(std::io::Error::other("no place on the bus"));
+    };
+    for frame in sample_frames() {
+        bus.send(sender, frame, 2_500_000_000).map_err(std::io::Error::other)?;
+    }
+    bus.advance(3_000_000_000);
+    let mut log = String::new();
+    let mut table = String::from("micros,id,extended,remote,length,data\n");
+    while let Some(received) = bus.receive(receiver) {
+        let frame = received.frame;
+        let data: String = frame.payload().iter().map(|byte| format!("{byte:02x}")).collect();
+        // Writing to a string cannot fail.
+        let _ = writeln!(log, "{}", candump::line(received.time_ns, "can0", &frame));
+        let _ = writeln!(
+            table,
+            "{},{},{},{},{},{data}",
+            received.time_ns / 1_000,
+            frame.id().raw(),
+            u8::from(frame.id().is_extended()),
+            u8::from(frame.is_remote()),
+            frame.dlc(),
+        );
+    }
+    fs::write(directory.join("frames.log"), log)?;
+    fs::write(directory.join("frames.csv"), table)
+}
+
+/// The drive's request word, then data and remote frames of every length with both kinds of identifier, among them
+/// small 29-bit identifiers, which only their digits tell from 11-bit ones.
+fn sample_frames() -> Vec<Frame> {
+    let bytes = [0x00, 0x01, 0x7f, 0x80, 0xff, 0x10, 0x0a, 0xa0];
+    let mut frames = vec![(Id::extended(0x0AAD_5202), [0, 0, 0, 1, 0, 0, 0, 0].as_slice(), None)];
+    for length in 0..=8u8 {
+        let data = &bytes[..usize::from(length)];
+        for id in [
+            Id::standard(0x7f - u16::from(length)),
+            Id::extended(u32::from(length)),
+            Id::extended(0x1fff_ffff),
+        ] {
+            frames.push((id, data, None));
+            frames.push((id, data, Some(length)));
+        }
+    }
+    frames
+        .into_iter()
+        .filter_map(|(id, data, remote)| match remote {
+            None => Frame::data(id?, data),
+            Some(length) => Frame::remote(id?, length),
+        })
+        .collect()
+}
+
+/// The interpreter of a virtual environment with exactly these requirements.
+fn environment(directory: &Path, requirements: &Path) -> Result<PathBuf, String> {
+    let python = directory.join("bin/python");
+    let wanted =
+        fs::read_to_string(requirements).map_err(|error| format!("{}: {error}", requirements.display()))?;
+    let stamp = directory.join("installed.txt");
+    if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+        return Ok(python);
+    }
+    create_environment(directory)?;
+    steps::run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "-r"]).arg(requirements))?;
+    fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))?;
+    Ok(python)
+}
+
+fn create_environment(directory: &Path) -> Result<(), String> {
+    let create = || steps::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(directory));
+    let Err(reason) = create() else { return Ok(()) };
+    // Debian ships Python without the module that makes environments.
+    let install = ["apt-get", "install", "-y", "python3-venv"];
+    let advice = format!("{reason}\nPython 3 with venv is needed; on Debian: sudo {}", install.join(" "));
+    if !Path::new("/etc/debian_version").exists() {
+        return Err(advice);
+    }
+    let (program, arguments) = if is_root() { (install[0], &install[1..]) } else { ("sudo", &install[..]) };
+    let mut command = Command::new(program);
+    command.args(arguments);
+    // The first installation in a fresh image can fail on a rename; the second does not.
+    steps::run(&mut command).or_else(|_| steps::run(&mut command)).map_err(|_| advice.clone())?;
+    create().map(|_| ()).map_err(|_| advice)
+}
+
+fn is_root() -> bool {
+    Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout.trim_ascii() == b"0")
+}

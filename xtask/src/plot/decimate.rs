@@ -1,0 +1,82 @@
+//! Fewer points than rows, without losing a peak.
+
+/// What a signal did within a stretch of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extent {
+    /// Where its smallest value lies.
+    pub(super) min: (f64, f64),
+    /// Where its largest value lies.
+    pub(super) max: (f64, f64),
+}
+
+/// Cuts the points into `count` stretches of equal number and keeps the extremes of each. Not-a-number is left out.
+pub(super) fn extents(points: &[(f64, f64)], count: usize) -> Vec<Extent> {
+    let per_stretch = points.len().div_ceil(count.max(1)).max(1);
+    points.chunks(per_stretch).filter_map(extent).collect()
+}
+
+/// A line through the extremes of at most `count` stretches; all the points if there are few.
+pub(super) fn line(points: &[(f64, f64)], count: usize) -> Vec<(f64, f64)> {
+    if points.len() <= 2 * count {
+        return without_repeats(points.iter().copied().filter(|(_, y)| !y.is_nan()));
+    }
+    without_repeats(
+        extents(points, count).into_iter().flat_map(
+            |Extent { min, max }| {
+                if min.0 <= max.0 { [min, max] } else { [max, min] }
+            },
+        ),
+    )
+}
+
+fn extent(points: &[(f64, f64)]) -> Option<Extent> {
+    let mut numbers = points.iter().copied().filter(|(_, y)| !y.is_nan());
+    let first = numbers.next()?;
+    let start = Extent { min: first, max: first };
+    Some(numbers.fold(start, |Extent { min, max }, point| Extent {
+        min: if point.1 < min.1 { point } else { min },
+        max: if point.1 >= max.1 { point } else { max },
+    }))
+}
+
+/// Leaves out points in the middle of a level stretch.
+fn without_repeats(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for point in points {
+        if let [.., before, last] = kept.as_mut_slice()
+            && before.1 == last.1
+            && last.1 == point.1
+        {
+            *last = point;
+            continue;
+        }
+        kept.push(point);
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_peak_is_lost() {
+        let mut points: Vec<(f64, f64)> = (0..30_000).map(|k| (f64::from(k), 0.0)).collect();
+        points[12_345].1 = 9.0;
+        points[23_456].1 = -7.0;
+        let line = line(&points, 900);
+        assert!(line.len() <= 1_800);
+        assert!(line.iter().any(|(_, y)| *y == 9.0) && line.iter().any(|(_, y)| *y == -7.0));
+        assert_eq!(line.first().unwrap().1, 0.0);
+        // Level stretches cost next to nothing.
+        assert!(line.len() < 20, "{}", line.len());
+    }
+
+    #[test]
+    fn few_points_stay_as_they_are() {
+        let points: Vec<(f64, f64)> = (0..50).map(|k| (f64::from(k), f64::from(k % 7))).collect();
+        assert_eq!(line(&points, 100), points);
+        assert!(line(&[], 100).is_empty());
+        assert!(extents(&[(0.0, f64::NAN)], 100).is_empty());
+    }
+}

@@ -1,0 +1,236 @@
+//! A run as a picture for a report: speed, currents, duty and supply over time, the states above them, and the phase
+//! currents of the last revolutions below.
+
+mod decimate;
+mod panel;
+mod states;
+
+use decimate::{extents, line};
+use narx_sim::trace::Trace;
+use panel::{Area, Axis, Curve, Panel, Shape, px};
+use plotters::prelude::*;
+use std::fmt;
+
+/// Colours that the colour-blind tell apart (Okabe and Ito, "Color Universal Design", 2008).
+mod colour {
+    use plotters::style::RGBColor;
+    pub(super) const BLACK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+    pub(super) const GREY: RGBColor = RGBColor(0x99, 0x99, 0x99);
+    pub(super) const ORANGE: RGBColor = RGBColor(0xe6, 0x9f, 0x00);
+    pub(super) const SKY: RGBColor = RGBColor(0x56, 0xb4, 0xe9);
+    pub(super) const GREEN: RGBColor = RGBColor(0x00, 0x9e, 0x73);
+    pub(super) const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xb2);
+    pub(super) const VERMILION: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
+    pub(super) const PURPLE: RGBColor = RGBColor(0xcc, 0x79, 0xa7);
+}
+
+/// Stretches of time that a curve is drawn with: one for each pixel and a half of an ordinary screen.
+const STRETCHES: usize = 600;
+const WIDTH: u32 = 1_100;
+const TITLE_HEIGHT: u32 = 58;
+const STATES_HEIGHT: u32 = 30;
+const PANEL_HEIGHT: u32 = 220;
+/// The panel that carries the time axis for those above.
+const LAST_PANEL_HEIGHT: u32 = 252;
+
+/// The text above the picture.
+pub struct Caption<'a> {
+    /// The motor.
+    pub title: &'a str,
+    /// Mode, supply, load.
+    pub subtitle: &'a str,
+}
+
+/// Why there is no picture.
+#[derive(Debug, PartialEq)]
+pub enum PlotError {
+    /// The trace lacks a signal.
+    Missing(&'static str),
+    /// The trace has fewer than two rows.
+    TooShort,
+    /// The drawing library refused.
+    Drawing(String),
+}
+
+impl fmt::Display for PlotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Missing(name) => write!(f, "the trace has no signal \"{name}\""),
+            Self::TooShort => write!(f, "the trace has fewer than two rows"),
+            Self::Drawing(reason) => write!(f, "the picture could not be drawn: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for PlotError {}
+
+/// Draws a trace that has at least the signals that `run.csv` promises.
+pub fn svg(trace: &Trace, caption: &Caption<'_>) -> Result<String, PlotError> {
+    let run = Run::new(trace)?;
+    let panels = [run.speed(), run.currents(), run.duty()?];
+    let zoom = run.last_revolutions();
+    let height = TITLE_HEIGHT + STATES_HEIGHT + 2 * PANEL_HEIGHT + 2 * LAST_PANEL_HEIGHT;
+    let mut text = String::new();
+    {
+        let root = SVGBackend::with_string(&mut text, (px(WIDTH), px(height))).into_drawing_area();
+        let draw = || -> Result<(), panel::DrawError> {
+            root.fill(&WHITE)?;
+            let (title, rest) = root.split_vertically(px(TITLE_HEIGHT));
+            draw_title(&title, caption)?;
+            let (band, mut rest) = rest.split_vertically(px(STATES_HEIGHT));
+            let changes = states::draw(&band, &run.time, &run.state)?;
+            for (index, panel) in panels.iter().enumerate() {
+                let last = index + 1 == panels.len();
+                let height = if last { LAST_PANEL_HEIGHT } else { PANEL_HEIGHT };
+                let (area, below) = rest.split_vertically(px(height));
+                panel.draw(&area, last.then_some("time, s"), &changes)?;
+                rest = below;
+            }
+            zoom.draw(&rest, Some("time, s"), &[])?;
+            root.present()
+        };
+        draw().map_err(|error| PlotError::Drawing(error.to_string()))?;
+    }
+    // Drawn large, because the library places points on whole units; shown at its proper size.
+    let large = format!("width=\"{}\" height=\"{}\"", px(WIDTH), px(height));
+    Ok(text.replacen(&large, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1))
+}
+
+fn draw_title(area: &Area<'_>, caption: &Caption<'_>) -> Result<(), panel::DrawError> {
+    let left = px(panel::LEFT) as i32;
+    let title = ("sans-serif", px(21), FontStyle::Bold, &colour::BLACK).into_text_style(area);
+    area.draw_text(caption.title, &title, (left, px(9) as i32))?;
+    let subtitle = ("sans-serif", px(15), &colour::BLACK).into_text_style(area);
+    area.draw_text(caption.subtitle, &subtitle, (left, px(34) as i32))
+}
+
+/// The signals that are drawn.
+struct Run<'a> {
+    trace: &'a Trace,
+    time: Vec<f64>,
+    state: Vec<f64>,
+    sector: Vec<f64>,
+    phases: [Vec<f64>; 3],
+}
+
+impl<'a> Run<'a> {
+    fn new(trace: &'a Trace) -> Result<Self, PlotError> {
+        let column = |name| column(trace, name);
+        for name in ["speed", "speed_estimated", "setpoint", "bus_current"] {
+            column(name)?;
+        }
+        let run = Self {
+            trace,
+            time: column("time")?,
+            state: column("state")?,
+            sector: column("sector")?,
+            phases: [column("current_a")?, column("current_b")?, column("current_c")?],
+        };
+        if run.time.len() < 2 { Err(PlotError::TooShort) } else { Ok(run) }
+    }
+
+    fn points(&self, name: &'static str) -> Vec<(f64, f64)> {
+        let values = column(self.trace, name).unwrap_or_default();
+        self.time.iter().copied().zip(values).collect()
+    }
+
+    fn curve(&self, name: &'static str, legend: &'static str, colour: RGBColor) -> Curve {
+        Curve { legend, colour, width: 1.5, shape: Shape::Line(line(&self.points(name), STRETCHES)) }
+    }
+
+    fn time_range(&self) -> (f64, f64) {
+        // To the end of the last row's period.
+        match self.time.as_slice() {
+            [first, .., before, last] => (*first, last + (last - before)),
+            [first, last] => (*first, *last),
+            _ => (0.0, 1.0),
+        }
+    }
+
+    fn speed(&self) -> Panel {
+        let curves = vec![
+            self.curve("speed_estimated", "estimated", colour::ORANGE),
+            self.curve("speed", "true", colour::BLUE),
+            Curve { width: 1.2, ..self.curve("setpoint", "set-point", colour::BLACK) },
+        ];
+        Panel::new("Speed, rpm", self.time_range(), Axis::around(&curves), curves)
+    }
+
+    fn currents(&self) -> Panel {
+        // The phase currents are one band: which phase it is changes far faster than a pixel.
+        let any_phase = |pick: fn(f64, f64) -> f64| -> Vec<f64> {
+            let [a, b, c] = &self.phases;
+            a.iter().zip(b).zip(c).map(|((a, b), c)| pick(pick(*a, *b), *c)).collect()
+        };
+        let [low, high] = [any_phase(f64::min), any_phase(f64::max)].map(|values| {
+            let points: Vec<(f64, f64)> = self.time.iter().copied().zip(values).collect();
+            extents(&points, STRETCHES)
+        });
+        let band = low.iter().zip(&high).map(|(low, high)| (low.min.0, low.min.1, high.max.1)).collect();
+        let phases = Curve {
+            legend: "phases A, B, C (envelope)",
+            colour: colour::SKY,
+            width: 0.0,
+            shape: Shape::Band(band),
+        };
+        let curves = vec![phases, self.curve("bus_current", "bus", colour::VERMILION)];
+        Panel::new("Currents, A", self.time_range(), Axis::around(&curves), curves)
+    }
+
+    fn duty(&self) -> Result<Panel, PlotError> {
+        let voltage = column(self.trace, "bus_voltage")?;
+        let top = voltage.into_iter().filter(|v| v.is_finite()).fold(1.0, f64::max) * 1.12;
+        column(self.trace, "duty")?;
+        let duty = vec![self.curve("duty", "duty (left)", colour::GREEN)];
+        let supply = vec![self.curve("bus_voltage", "bus voltage, V (right)", colour::PURPLE)];
+        let mut panel = Panel::new("Duty and bus voltage, V", self.time_range(), Axis::fixed(0.0, 1.0), duty);
+        panel.secondary = Some((Axis::fixed(0.0, top), supply));
+        Ok(panel)
+    }
+
+    /// The phase currents in detail, at the end of the last stretch of rotation under control.
+    fn last_revolutions(&self) -> Panel {
+        let (from, to) = self.last_sectors();
+        let colours = [colour::ORANGE, colour::BLUE, colour::GREEN];
+        let curve = |(index, legend): (usize, &'static str)| {
+            let points: Vec<(f64, f64)> = (from..to)
+                .filter_map(|row| Some((*self.time.get(row)?, *self.phases[index].get(row)?)))
+                .collect();
+            let shape = Shape::Line(line(&points, STRETCHES));
+            Curve { legend, colour: colours[index], width: 1.5, shape }
+        };
+        let mut curves: Vec<Curve> =
+            ["phase A", "phase B", "phase C"].into_iter().enumerate().map(curve).collect();
+        let bus: Vec<(f64, f64)> = self.points("bus_current").drain(from..to).collect();
+        curves.push(Curve {
+            legend: "bus",
+            colour: colour::VERMILION,
+            width: 1.2,
+            shape: Shape::Line(line(&bus, STRETCHES)),
+        });
+        let range = (self.time[from], self.time[to - 1]);
+        Panel::new("Currents in the last electrical revolutions, A", range, Axis::around(&curves), curves)
+    }
+
+    /// Rows of up to 18 sectors (three electrical revolutions) before control ended, at least 100.
+    fn last_sectors(&self) -> (usize, usize) {
+        const ROWS_MIN: usize = 100;
+        const ROWS_MAX: usize = 5_000;
+        let controlled = |state: &f64| (2.0..=5.0).contains(state) || *state == 7.0;
+        let end = self.state.iter().rposition(controlled).map_or(self.time.len(), |row| row + 1).max(2);
+        let mut changes = 0;
+        let mut start = end - 1;
+        while start > 0 && end - start < ROWS_MAX && (changes < 18 || end - start < ROWS_MIN) {
+            changes += usize::from(self.sector[start] != self.sector[start - 1]);
+            start -= 1;
+        }
+        (start, end)
+    }
+}
+
+fn column(trace: &Trace, name: &'static str) -> Result<Vec<f64>, PlotError> {
+    Ok(trace.column(name).ok_or(PlotError::Missing(name))?.iter().collect())
+}
+
+#[cfg(test)]
+mod tests;

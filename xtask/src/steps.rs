@@ -1,0 +1,77 @@
+//! Steps of a command: each named and timed, with the closing lines of what it ran.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Command, ExitCode, Stdio};
+use std::time::{Duration, Instant};
+
+/// The closing lines of a step that went well, or why it did not.
+pub type Outcome = Result<Vec<String>, String>;
+
+/// Something to do.
+pub struct Step<'a> {
+    name: &'static str,
+    run: Box<dyn FnOnce() -> Outcome + 'a>,
+}
+
+impl<'a> Step<'a> {
+    /// A step that runs `run`.
+    pub fn new(name: &'static str, run: impl FnOnce() -> Outcome + 'a) -> Self {
+        Self { name, run: Box::new(run) }
+    }
+
+    /// A step that runs a program in `directory`.
+    pub fn command(directory: &'a Path, name: &'static str, program: &'a str, arguments: &'a [&str]) -> Self {
+        Self::new(name, move || run(Command::new(program).args(arguments).current_dir(directory)))
+    }
+}
+
+/// Runs all steps, goes on after one that fails, and ends with a table of what they came to.
+pub fn run_all(steps: Vec<Step<'_>>) -> ExitCode {
+    let mut results: Vec<(&str, Duration, Outcome)> = Vec::new();
+    for step in steps {
+        println!("\n== {}", step.name);
+        let start = Instant::now();
+        let outcome = (step.run)();
+        if let Err(reason) = &outcome {
+            println!("{reason}");
+        }
+        results.push((step.name, start.elapsed(), outcome));
+    }
+    println!();
+    for (name, time, outcome) in &results {
+        let verdict = if outcome.is_ok() { "ok" } else { "FAILED" };
+        println!("{verdict:<7} {name:<17} {:>6.1} s", time.as_secs_f64());
+        match outcome {
+            Ok(lines) => lines.iter().for_each(|line| println!("          {line}")),
+            Err(reason) => println!("          {reason}"),
+        }
+    }
+    if results.iter().all(|(_, _, outcome)| outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Runs a program, shows what it prints, and keeps the lines in which test runners sum up.
+pub fn run(command: &mut Command) -> Outcome {
+    let shown = format!("{command:?}").replace('"', "");
+    let mut child = command
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(|error| format!("{} did not start: {error}", command.get_program().display()))?;
+    let mut closing = Vec::new();
+    if let Some(output) = child.stdout.take() {
+        let mut suite = String::new();
+        for line in BufReader::new(output).lines().map_while(Result::ok) {
+            println!("{line}");
+            let _ = std::io::stdout().flush();
+            if line.starts_with("running ") {
+                suite.clone_from(&line);
+            } else if line.starts_with("test result:") && suite != "running 0 tests" {
+                closing.push(line);
+            } else if line.starts_with("==") && line.contains(" in ") {
+                closing.push(line.trim_matches(['=', ' ']).to_owned());
+            }
+        }
+    }
+    let status = child.wait().map_err(|error| format!("{shown}: {error}"))?;
+    if status.success() { Ok(closing) } else { Err(format!("{status}: {shown}")) }
+}
