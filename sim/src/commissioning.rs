@@ -31,6 +31,8 @@ pub struct Nameplate {
     pub rated_current: Option<f64>,
     /// Supply voltage, V.
     pub supply: f64,
+    /// Mechanical speed of open loop, rpm; without it the slowest closed-loop speed.
+    pub open_loop_speed: Option<f64>,
 }
 
 /// A parameter set and what the drive's limits made of the motor.
@@ -44,6 +46,8 @@ pub struct Commissioning {
     pub speed_max: f64,
     /// Smallest set-point, mechanical rpm.
     pub speed_min: f64,
+    /// Mean phase current that the limits leave, A.
+    pub phase_current: f64,
 }
 
 /// A limit of the drive that holds the motor back.
@@ -172,7 +176,13 @@ impl Nameplate {
         self.write_limits(&design, &mut parameters)?;
         self.write_gains(&design, &mut parameters)?;
         self.write_start(&design, &mut parameters)?;
-        Ok(Commissioning { parameters, notes, speed_max: design.speed_max, speed_min: design.speed_min })
+        Ok(Commissioning {
+            parameters,
+            notes,
+            speed_max: design.speed_max,
+            speed_min: design.speed_min,
+            phase_current: design.phase_current,
+        })
     }
 
     fn check(&self) -> Result<(), CommissioningError> {
@@ -187,7 +197,7 @@ impl Nameplate {
             ("inertia", m.inertia),
             ("pole pairs", f64::from(m.pole_pairs)),
         ];
-        match figures.into_iter().find(|(_, value)| !(*value > 0.0)) {
+        match figures.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
             Some((name, value)) => Err(CommissioningError::Motor { name, value }),
             None => Ok(()),
         }
@@ -241,12 +251,13 @@ impl Nameplate {
         let m = &self.motor;
         // A lock leads through one phase and two in parallel: three quarters of the line-to-line resistance.
         let lock = 0.75 * m.resistance * d.start_current;
-        let speed = d.speed_min * TWO_PI / 60.0;
+        let set = self.open_loop_speed.unwrap_or(d.speed_min);
+        let speed = set * TWO_PI / 60.0;
         let level = m.resistance * d.start_current + m.torque_constant * speed;
         let per_cent = |voltage: f64| fmin(100.0 * voltage / self.supply, d.duty_max * 100.0);
         write(p, number::LOCK_DUTY, per_cent(lock))?;
         write(p, number::OPEN_LOOP_DUTY, per_cent(level))?;
-        write(p, number::OPEN_LOOP_SPEED, d.speed_min)?;
+        write(p, number::OPEN_LOOP_SPEED, set)?;
         // A held rotor swings with wn = sqrt(p k I / J); five periods let it settle.
         let torque = m.torque_constant * d.start_current;
         let swing = TWO_PI / sqrt(f64::from(m.pole_pairs) * torque / m.inertia);
@@ -294,7 +305,7 @@ impl Design {
         if tick_speed < supply_speed {
             push(notes, Note::SpeedForTick { speed: tick_speed });
         }
-        if !(speed_max > speed_min) {
+        if speed_max.is_nan() || speed_max <= speed_min {
             return Err(CommissioningError::TooSlow { speed_max, speed_min });
         }
         let start_current =

@@ -335,7 +335,8 @@ impl Plant {
         f64::from(part) * (1.0 / 65_536.0) * self.period
     }
 
-    fn lines(&self) -> Lines {
+    /// Digital inputs as they stand.
+    pub fn lines(&self) -> Lines {
         let mut lines = Lines::empty();
         lines.set(Lines::DRIVER_FAULT, self.injected.driver.contains(&true));
         lines.set(Lines::EMERGENCY, self.injected.emergency);
