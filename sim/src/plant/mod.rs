@@ -333,6 +333,7 @@ impl Plant {
         self.stage.set_open(self.injected.open);
         self.stage.shaft.blocked = self.injected.blocked;
         self.stage.network.leak_g = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
+        self.halls.rewire(self.t / self.period * 65_536.0, &self.injected, &mut self.capture);
         self.apply_supply();
     }
 
