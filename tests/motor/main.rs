@@ -1,9 +1,16 @@
 //! Evidence for the control core, through its public surfaces.
 
 mod arithmetic;
+mod bench;
+mod closed_loop;
 mod commutation;
+mod hall;
+mod hall_drive;
 mod limits;
 mod machine_search;
 mod protection;
+mod rotor;
+mod safety;
+mod scripted;
 mod support;
 mod transition_table;

@@ -96,6 +96,7 @@ impl Drive {
         match event {
             Event::Command(command) => self.machine.handle_command(command),
             Event::Coefficients(coefficients) => {
+                self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
                 self.coefficients = coefficients;
                 self.parameters_fit = true;
             }
@@ -199,7 +200,8 @@ impl Drive {
         let c = &self.coefficients;
         let direction = self.machine.direction();
         match change.row.to {
-            State::Standby if change.row.from == State::Fault => self.protection.acknowledge(),
+            // What was seen while supplies came up and has gone is nobody's fault; what has not is latched again.
+            State::Standby if !change.row.from.is_driving() => self.protection.acknowledge(),
             State::RotorLock => {
                 self.lock = Ramp::default();
                 self.control.start(&c.control, 0);
@@ -220,7 +222,7 @@ impl Drive {
             }
             State::HallClosedLoop => {
                 let speed = self.rotor.hall_speed(c).to_bits().saturating_mul(direction.sign());
-                self.control.start(&c.control, speed.max(0));
+                self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0));
             }
             _ => {}
         }
@@ -289,11 +291,11 @@ impl Drive {
         let mode = &self.coefficients.hall_mode;
         let speed = self.rotor.hall_speed(&self.coefficients).to_bits().saturating_mul(direction.sign());
         // A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
-        // where no current is measured.
-        if speed < -mode.speed_min / 2 {
+        // where no current is measured. So is one whose sensors contradict themselves.
+        if speed < -(mode.speed_min / 2) || self.rotor.hall_doubtful() {
             return Pattern::OFF;
         }
-        let wanted = self.machine.command().speed.to_bits().clamp(mode.speed_min, mode.speed_max);
+        let wanted = self.machine.command().speed.to_bits().min(mode.speed_max).max(mode.speed_min);
         let target = if self.machine.reversing() { 0 } else { wanted };
         let position = self.rotor.hall_position();
         let (step, commutations) =

@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 
 /// One tick in the units of intervals: 1/65 536 tick.
 pub const TICK: u32 = 1 << 16;
+/// An edge that only the sampled level shows came half a tick ago, on average.
+const SAMPLED_AGE: u32 = TICK / 2;
 /// One sixth of a turn as a u32 angle.
 const SIXTH: u32 = u32::MAX / 6;
 /// No sector.
@@ -86,8 +88,17 @@ pub struct Hall {
     angle: u32,
     /// Speed over up to one revolution, 2^-32 turn a tick, signed.
     speed: i32,
+    /// Ticks in a row with the level 000 or 111, saturating.
+    invalid_run: u8,
+    /// The rotor seems to have jumped, or to have turned round at speed: the sensors are not believed.
+    doubt: bool,
     diagnostics: HallDiagnostics,
 }
+
+/// Ticks of an invalid level after which the position is lost.
+const INVALID_RUN_MAX: u8 = 3;
+/// Intervals in one direction that remove a doubt.
+const CONVINCING: u8 = 2;
 
 impl Hall {
     /// One tick: takes the edges of the period that ended and the present level.
@@ -105,6 +116,7 @@ impl Hall {
         self.confirm(c, waiting, level, &mut events);
         // A level that no edge explained: without capture it *is* the edge; with capture its edge belongs to the
         // next tick, unless it was lost, and then the candidate is confirmed there.
+        self.invalid_run = if level == INVALID { self.invalid_run.saturating_add(1) } else { 0 };
         if level == INVALID {
             events.invalid = true;
             self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(1);
@@ -112,15 +124,21 @@ impl Hall {
             if c.captured && self.sector.is_some() {
                 self.candidate = Some((level, 0));
             } else {
-                self.observe_sector(c, level, 0, &mut events);
+                self.observe_sector(c, level, SAMPLED_AGE, &mut events);
             }
         }
         self.clamp(c);
         if self.since_edge >= c.timeout {
             self.valid = 0;
             self.speed = 0;
+            self.doubt = false;
         }
         events
+    }
+
+    /// Forgets position and speed; the counts stay.
+    pub fn forget(&mut self) {
+        *self = Self { diagnostics: self.diagnostics, ..Self::default() };
     }
 
     /// A candidate of the tick before that the level still shows is accepted, with the better time stamp if its edge
@@ -157,6 +175,8 @@ impl Hall {
         let Some(present) = self.sector else {
             self.sector = Some(sector);
             self.angle = self.centre(c, sector);
+            // The rotor may turn already: what is left of this sector is no interval.
+            self.since_edge = u32::MAX;
             return;
         };
         let direction = match (sector + 6 - present) % 6 {
@@ -191,12 +211,15 @@ impl Hall {
         };
         let direction = if turned > 0 { Direction::Forward } else { Direction::Reverse };
         let interval = self.since_edge.saturating_sub(age);
+        let moving = self.speed.unsigned_abs() >= c.interpolation_min.max(1);
+        self.doubt |= turned.abs() > 1 || (moving && direction != self.direction);
         if turned.abs() > 1 || direction != self.direction || interval >= c.timeout {
             self.valid = 0;
         } else {
             self.intervals[(self.next % 6) as usize] = interval.max(1);
             self.next = (self.next + 1) % 6;
             self.valid = (self.valid + 1).min(6);
+            self.doubt &= self.valid < CONVINCING;
         }
         self.direction = direction;
         self.since_edge = age;
@@ -277,6 +300,11 @@ impl Hall {
     /// No edge for the time-out.
     pub const fn stopped(&self, c: &HallCoefficients) -> bool {
         self.since_edge >= c.timeout
+    }
+
+    /// The position is not to be believed: torque by it could be torque in any direction.
+    pub const fn doubtful(&self) -> bool {
+        self.doubt || self.invalid_run >= INVALID_RUN_MAX
     }
 
     /// Whether any valid code was seen.

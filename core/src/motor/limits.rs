@@ -73,7 +73,7 @@ impl CurrentLimit {
         let voltage = measured.bus_voltage.to_bits().max(1 << 16);
         let rating = saturate64(((POWER[usize::from(voltage > POWER_STEP)] as i64) << 16) / voltage as i64);
         let room = rating as i64 - measured.bus_current_filtered.to_bits() as i64;
-        self.power = (self.power + (room << 16) / 20).clamp(0, (c.maximum as i64) << 16);
+        self.power = (self.power + (room << 16) / 20).min((c.maximum as i64) << 16).max(0);
         (self.power >> 16) as i32
     }
 

@@ -57,7 +57,7 @@ impl OpenLoop {
             angle: self.angle,
             speed,
             frequency: frequency * direction.sign(),
-            voltage: voltage.clamp(0, c.voltage.max(c.voltage_start)),
+            voltage: voltage.min(c.voltage.max(c.voltage_start)).max(0),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::coefficients::Coefficients;
 use super::commutation::Direction;
-use super::hall::{Hall, HallDiagnostics, HallEvents};
+use super::hall::{Hall, HallCoefficients, HallDiagnostics, HallEvents};
 use super::open_loop::{Field, OpenLoop};
 use super::samples::Samples;
 use crate::units::ElectricalSpeed;
@@ -34,6 +34,13 @@ impl Rotor {
         events
     }
 
+    /// The hall lines mean something else from now on: what was measured by the old meaning is forgotten.
+    pub fn change_wiring(&mut self, before: &HallCoefficients, after: &HallCoefficients) {
+        if (before.sectors, before.offset) != (after.sectors, after.offset) {
+            self.hall.forget();
+        }
+    }
+
     /// Open loop starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where
     /// the field's pull is 0 and grows as it turns.
     pub fn start_open_loop(&mut self, angle: u32, direction: Direction) {
@@ -62,6 +69,11 @@ impl Rotor {
     /// No hall edge for the time-out.
     pub const fn hall_stopped(&self, c: &Coefficients) -> bool {
         self.hall.stopped(&c.hall)
+    }
+
+    /// The hall sensors are not to be believed now.
+    pub const fn hall_doubtful(&self) -> bool {
+        self.hall.doubtful()
     }
 
     /// Speed by the hall sensors, signed.

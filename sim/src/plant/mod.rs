@@ -24,6 +24,7 @@ mod ledger;
 mod mechanics;
 mod network;
 mod segment;
+mod simpson;
 mod stage;
 
 pub use config::{
@@ -144,6 +145,7 @@ impl Plant {
             config: config.clone(),
         };
         plant.apply_drift();
+        plant.apply_injections();
         plant
     }
 
@@ -331,7 +333,10 @@ impl Plant {
     fn apply_injections(&mut self) {
         self.stage.set_open(self.injected.open);
         self.stage.shaft.blocked = self.injected.blocked;
-        self.stage.network.leak_g = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
+        let leak = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
+        self.stage.network.shunt_g = leak;
+        self.stage.network.leak_g = leak + self.config.inverter.own_conductance;
+        self.halls.rewire(self.t / self.period * 65_536.0, &self.injected, &mut self.capture);
         self.apply_supply();
     }
 

@@ -2,12 +2,13 @@
 
 use super::config::{PlantConfig, SupplyConfig};
 use super::emf::{EmfShape, Linear3};
-use super::event::Event;
+use super::event::{Event, First};
 use super::gates::Gate;
 use super::ledger::Ledger;
 use super::mechanics::{Shaft, Turn};
 use super::network::Network;
 use super::segment::{Electric, Leg, Motion, Segment};
+use super::simpson::Simpson;
 
 /// Longest interval, s: a period at 10 kHz.
 const INTERVAL_MAX: f64 = 100e-6;
@@ -20,7 +21,7 @@ const CURRENT_ZERO: f64 = 1e-9;
 /// A diode or the source turns on or off when its voltage is this far beyond, V. Keeps rounding from toggling it.
 pub(crate) const VOLTAGE_EDGE: f64 = 1e-7;
 /// Largest error of a phase's back-EMF because the speed was predicted wrongly, V.
-const EMF_ERROR: f64 = 2e-4;
+const EMF_ERROR: f64 = 1e-3;
 /// Attempts to get below it.
 const CORRECTIONS_MAX: u32 = 3;
 /// Shorter intervals are none, s.
@@ -358,7 +359,8 @@ impl Stage {
         middle: &Electric,
         end: &Electric,
     ) -> Option<(Event, f64)> {
-        let mut first = First { stage: self, segment, h, middle, end, found: None };
+        let mut first =
+            First { network: &self.network, segment, h, start: &self.electric, middle, end, found: None };
         for x in 0..3 {
             match self.legs[x] {
                 Leg::HighDiode if middle.i[x] > 0.0 || end.i[x] > 0.0 => first.consider(Event::Stops(x)),
@@ -421,7 +423,7 @@ impl Stage {
         let Solved { segment, shape, h, middle, end, event } = solved;
         let start = self.electric;
         let (link, volt_seconds) = segment.integrals(&self.network, *h, &start, end);
-        self.shunt_charge += link + self.network.leak_g * volt_seconds;
+        self.shunt_charge += link + self.network.shunt_g * volt_seconds;
         self.impulse += impulse;
         self.book(segment, &Simpson { h: *h, points: [&start, middle, end] }, volt_seconds);
         self.ledger.shaft += impulse * turn.path / h;
@@ -480,60 +482,4 @@ struct Solved {
     end: Electric,
     /// What ended it early.
     event: Option<Event>,
-}
-
-/// The search for the first event of an interval.
-struct First<'a> {
-    stage: &'a Stage,
-    segment: &'a Segment,
-    h: f64,
-    middle: &'a Electric,
-    end: &'a Electric,
-    found: Option<(Event, f64)>,
-}
-
-impl First<'_> {
-    fn consider(&mut self, event: Event) {
-        let (network, h) = (&self.stage.network, self.h);
-        let edge = event.edge();
-        let at_middle = event.beyond(self.segment, network, 0.5 * h, self.middle);
-        let bracket = if at_middle > edge {
-            (0.0, event.beyond(self.segment, network, 0.0, &self.stage.electric), 0.5 * h, at_middle)
-        } else {
-            let at_end = event.beyond(self.segment, network, h, self.end);
-            if at_end <= edge {
-                return;
-            }
-            (0.5 * h, at_middle, h, at_end)
-        };
-        let t = event.locate(self.segment, network, bracket);
-        if self.found.is_none_or(|(_, earliest)| t < earliest) {
-            self.found = Some((event, t));
-        }
-    }
-}
-
-/// Simpson's rule over an interval.
-struct Simpson<'a> {
-    h: f64,
-    points: [&'a Electric; 3],
-}
-
-impl Simpson<'_> {
-    fn integral(&self, value: impl Fn(&Electric) -> f64) -> f64 {
-        let [start, middle, end] = self.points;
-        self.h * (1.0 / 6.0) * (value(start) + 4.0 * value(middle) + value(end))
-    }
-
-    /// Torque impulse, N m s: each phase's back-EMF per speed times its current.
-    fn impulse(&self, shape: &Linear3) -> f64 {
-        let [start, middle, end] = self.points;
-        let mut sum = 0.0;
-        for x in 0..3 {
-            let first = shape.start[x];
-            let rise = shape.slope[x] * self.h;
-            sum += first * start.i[x] + 4.0 * (first + 0.5 * rise) * middle.i[x] + (first + rise) * end.i[x];
-        }
-        self.h * (1.0 / 6.0) * sum
-    }
 }

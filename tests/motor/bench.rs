@@ -1,0 +1,149 @@
+//! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
+
+use narx_core::motor::event::SlowMeasurements;
+use narx_core::motor::{Board, Coefficients, Command, Drive, Event, Request, State, Status};
+use narx_core::units::{Celsius, ElectricalSpeed, Volts};
+use narx_sim::commissioning::{Mode, Nameplate};
+use narx_sim::plant::{BackEmf, MotorConfig, Phase, Plant, PlantConfig};
+
+/// Commanded speed, mechanical rpm.
+pub(crate) const RPM: f64 = 2000.0;
+
+/// The plant's plain 24 V motor with a little friction.
+pub(crate) const MOTOR: MotorConfig = MotorConfig {
+    pole_pairs: 4,
+    resistance: 0.36,
+    inductance: 2e-4,
+    torque_constant: 0.036,
+    inertia: 4.8e-6,
+    static_friction: 0.002,
+    viscous_friction: 0.0,
+    back_emf: BackEmf::Trapezoidal { flat_top_deg: 120.0 },
+    cogging_torque: 0.0,
+    cogging_periods: 24,
+    copper_drift: 0.003_93,
+    magnet_drift: -0.001,
+    thermal_resistance: 0.0,
+    thermal_time: 60.0,
+    phase_order: [Phase::A, Phase::B, Phase::C],
+};
+
+/// How a stretch ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Outcome {
+    /// In state 6 after so many ticks, with this extended code.
+    Fault { ticks: u64, code: u16 },
+    /// No fault.
+    Running,
+}
+
+#[derive(Clone)]
+pub(crate) struct Closed {
+    pub drive: Drive,
+    pub plant: Plant,
+    pub status: Status,
+    /// Largest phase current seen at a period's end, A.
+    pub peak: f64,
+    /// Largest |speed|, rpm.
+    pub fastest: f64,
+    pub bus_max: f64,
+    /// The master says nothing.
+    pub silent: bool,
+    request: Request,
+}
+
+impl Closed {
+    /// A commissioned hall drive; raw parameters in `changes` win.
+    pub(crate) fn new(config: &PlantConfig, changes: &[(u16, i32)]) -> Self {
+        let coefficients = commissioned(config, changes);
+        Self {
+            drive: Drive::new(coefficients),
+            plant: Plant::new(config),
+            status: Status::default(),
+            peak: 0.0,
+            fastest: 0.0,
+            bus_max: 0.0,
+            silent: false,
+            request: Request::Standby,
+        }
+    }
+
+    /// Other parameters from now on: the commissioned ones with these raw values changed.
+    pub(crate) fn configure(&mut self, changes: &[(u16, i32)]) {
+        let coefficients = commissioned(self.plant.config(), changes);
+        self.drive.handle_event(Event::Coefficients(coefficients));
+    }
+
+    pub(crate) fn ask(&mut self, request: Request) {
+        self.request = request;
+        self.drive.handle_event(self.command());
+    }
+
+    fn command(&self) -> Event {
+        let speed = RPM / 60.0 * 4.0;
+        Event::Command(Command {
+            request: self.request,
+            speed: ElectricalSpeed::from_bits((speed * 65_536.0) as i32),
+        })
+    }
+
+    /// One period.
+    pub(crate) fn tick(&mut self) {
+        let samples = self.plant.sample();
+        match samples.tick % 500 {
+            0 if !self.silent => self.drive.handle_event(self.command()),
+            k if k % 100 == 50 => self.drive.handle_event(Event::Slow(SlowMeasurements {
+                temperature: Celsius::from_milli((self.plant.ambient() * 1e3) as i32),
+                pressure: Volts::from_milli((self.plant.pressure() * 1e3) as i32),
+            })),
+            _ => {}
+        }
+        let output = self.drive.step(&samples);
+        if let Some(status) = self.drive.poll_status() {
+            self.status = status;
+        }
+        self.plant.finish_period(&output);
+        let now = self.plant.observe();
+        self.peak = now.current.iter().fold(self.peak, |peak, current| peak.max(current.abs()));
+        self.fastest = self.fastest.max(self.rpm().abs());
+        self.bus_max = self.bus_max.max(now.bus_voltage);
+    }
+
+    /// Into Standby.
+    pub(crate) fn boot(&mut self) {
+        for _ in 0..5_100 {
+            self.tick();
+        }
+        assert_eq!(self.drive.state(), State::Standby);
+    }
+
+    /// Up to `ticks` periods, or to a fault.
+    pub(crate) fn run(&mut self, ticks: u64) -> Outcome {
+        for tick in 1..=ticks {
+            self.tick();
+            if self.drive.state() == State::Fault {
+                return Outcome::Fault { ticks: tick, code: self.status.extended_code };
+            }
+        }
+        Outcome::Running
+    }
+
+    /// True mechanical speed.
+    pub(crate) fn rpm(&self) -> f64 {
+        self.plant.observe().speed * 60.0 / std::f64::consts::TAU
+    }
+}
+
+fn commissioned(config: &PlantConfig, changes: &[(u16, i32)]) -> Coefficients {
+    let plate = Nameplate {
+        motor: config.motor,
+        rated_current: Some(4.0),
+        supply: config.supply.voltage,
+        open_loop_speed: None,
+    };
+    let mut parameters = plate.commission(Mode::Hall).unwrap().parameters;
+    for (number, raw) in changes {
+        parameters.set(*number, *raw).unwrap();
+    }
+    Coefficients::build(&parameters, &Board::BENCH).unwrap()
+}

@@ -1,0 +1,253 @@
+//! The hall station by itself: sequences, accuracy, glitches, standstill.
+
+use crate::rotor::{ScriptedRotor, code_at, error_degrees, sector_at};
+use crate::support::coefficients_on;
+use narx_core::dictionary::number;
+use narx_core::motor::commutator::Commutator;
+use narx_core::motor::hall::{Hall, HallCoefficients};
+use narx_core::motor::{Board, Coefficients, Direction, Edge, EdgeSource, Samples, Step};
+
+/// Factory values, but a time-out of 1 s and interpolation from 10 rpm, so that 1 rev/s can be measured.
+fn coefficients(capture: bool) -> Coefficients {
+    let board = Board { hall_capture: capture, ..Board::BENCH };
+    coefficients_on(&board, &[(number::HALL_PERIOD_TIMEOUT, 1000), (number::HALL_INTERPOLATION_SPEED, 10)])
+}
+
+/// A station that has seen `turns` revolutions.
+fn running(c: &HallCoefficients, rotor: &mut ScriptedRotor, turns: f64) -> Hall {
+    let mut hall = Hall::default();
+    let mut samples = Samples::default();
+    for _ in 0..(turns / rotor.speed.abs()) as u64 {
+        rotor.advance(&mut samples);
+        hall.step(c, &samples);
+    }
+    hall
+}
+
+fn level(hall: u8) -> Samples {
+    Samples { hall, ..Samples::default() }
+}
+
+/// Every sequence of four codes from every sector and direction, with and without capture.
+#[test]
+fn all_sequences_of_four_codes() {
+    let mut checked = 0;
+    let mut most = 0;
+    for (capture, sector, back) in
+        [false, true].iter().flat_map(|c| (0..6).flat_map(move |s| [false, true].map(|b| (*c, s, b))))
+    {
+        let c = coefficients(capture).hall;
+        // 20 ticks a sector; ends in the middle of `sector`.
+        let frequency = 10_000.0 / 120.0 * if back { -1.0 } else { 1.0 };
+        let angle = (sector as f64 + 1.0) / 6.0;
+        let mut rotor = ScriptedRotor::new(angle, frequency, capture);
+        let start = running(&c, &mut rotor, 3.0);
+        assert_eq!(start.sector(), Some(sector), "prepared");
+        let here = code_at(angle);
+        for sequence in 0..8_u32.pow(4) {
+            let codes = [0, 3, 6, 9].map(|shift| (sequence >> shift & 7) as u8);
+            let mut hall = start;
+            let mut turned = 0;
+            for code in codes.into_iter().chain([here; 3]) {
+                let events = hall.step(&c, &level(code));
+                turned += events.sectors.unsigned_abs();
+                assert!(hall.sector().is_some_and(|sector| sector < 6));
+                assert_eq!(events.invalid, code == 0 || code == 7);
+            }
+            // However wild, three samples of the truth bring it back.
+            assert_eq!(hall.sector(), Some(sector), "{codes:?} from sector {sector}");
+            let glitches = codes.iter().filter(|code| **code != here).count();
+            if glitches == 1 {
+                // In and out again.
+                assert!(turned <= 2, "{codes:?} from sector {sector}: {turned} sectors");
+                most = most.max(turned);
+            }
+            checked += 1;
+        }
+    }
+    println!("{checked} sequences; a single-sample glitch moved at most {most} sectors in all (in and out)");
+    assert_eq!(checked, 2 * 12 * 4096);
+}
+
+struct Accuracy {
+    speed: f64,
+    angle_mean: f64,
+    angle_worst: f64,
+}
+
+fn accuracy(frequency: f64, capture: bool, start: f64) -> Accuracy {
+    let c = coefficients(capture);
+    let mut rotor = ScriptedRotor::new(start, frequency, capture);
+    let mut hall = running(&c.hall, &mut rotor, 3.0);
+    let mut samples = Samples::default();
+    let (mut speed, mut sum, mut worst, mut ticks) = (0.0_f64, 0.0, 0.0_f64, 0);
+    for _ in 0..(2.0 / rotor.speed.abs()) as u64 + 50 {
+        rotor.advance(&mut samples);
+        hall.step(&c.hall, &samples);
+        let found = c.speed_of_turns.apply32(hall.speed_bounded()) as f64 / 65_536.0;
+        speed = speed.max((found / frequency - 1.0).abs());
+        // Positive: ahead in the direction of motion.
+        let error = error_degrees(hall.angle(), rotor.angle) * frequency.signum();
+        sum += error;
+        worst = worst.max(error.abs());
+        ticks += 1;
+    }
+    Accuracy { speed, angle_mean: sum / ticks as f64, angle_worst: worst }
+}
+
+/// 1 to 833 rev/s, both ways. Captured edges: speed within 0.1 %, angle within 0.1 degrees. Levels sampled once a tick: half a
+/// tick of motion, and what the sampling does to a sector's length.
+#[test]
+fn steady_rotation() {
+    println!("rev/s capture: speed error, angle error mean / worst; sampled: the same");
+    for frequency in [1.0, 1.7, 5.0, 13.3, 33.3, 70.0, 133.0, 266.7, 400.0, 555.0, 700.0, 833.0] {
+        for sign in [1.0, -1.0] {
+            let captured = accuracy(frequency * sign, true, 0.9999);
+            let sampled = accuracy(frequency * sign, false, 0.0001);
+            println!(
+                "{:8.1}  {:.4} %  {:7.3} / {:6.3} deg   {:8.3} %  {:7.3} / {:6.3} deg",
+                frequency * sign,
+                captured.speed * 100.0,
+                captured.angle_mean,
+                captured.angle_worst,
+                sampled.speed * 100.0,
+                sampled.angle_mean,
+                sampled.angle_worst
+            );
+            assert!(captured.speed < 1e-3, "{} %", captured.speed * 100.0);
+            assert!(captured.angle_worst < 0.1, "{} degrees", captured.angle_worst);
+            // A tick of motion. The speed dips by half a tick in a sector while the edge that has come is not yet seen.
+            let tick = 360.0 * frequency / 10_000.0;
+            assert!(sampled.angle_mean.abs() < 0.6 * tick + 0.1, "{} degrees", sampled.angle_mean);
+            assert!(sampled.angle_worst < 0.8 * tick + 0.3, "{} degrees", sampled.angle_worst);
+            assert!(sampled.speed < 3.1 * frequency / 10_000.0 + 1e-3, "{} %", sampled.speed * 100.0);
+        }
+    }
+}
+
+/// How a glitch comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Glitch {
+    /// One sample of the level.
+    Level,
+    /// A pulse that the capture sees: there and back within the period.
+    Pulse,
+}
+
+/// Ticks in which the pattern differs from that of an undisturbed run, for one glitch.
+fn disturbed(c: &Coefficients, rotor: &ScriptedRotor, start: Hall, code: u8, kind: Glitch) -> (u32, u32) {
+    let torque = if rotor.speed > 0.0 { Direction::Forward } else { Direction::Reverse };
+    let mut rotor = rotor.clone();
+    let (mut clean, mut dirty) = (start, start);
+    let mut commutators = [Commutator::default(); 2];
+    let (mut wrong, mut longest, mut run) = (0, 0, 0);
+    for tick in 0..(2.0 / rotor.speed.abs()) as u32 {
+        let mut samples = Samples::default();
+        rotor.advance(&mut samples);
+        clean.step(&c.hall, &samples);
+        if tick == 3 {
+            let truth = code_at(rotor.angle);
+            match kind {
+                Glitch::Level => samples.hall = code,
+                Glitch::Pulse => {
+                    samples.edges.clear();
+                    for (instant, code) in [(30_000, code), (31_000, truth)] {
+                        samples.edges.push(Edge { instant, source: EdgeSource::Hall, code }).unwrap();
+                    }
+                }
+            }
+        }
+        dirty.step(&c.hall, &samples);
+        let mut step = |which: usize, hall: &Hall| -> Step {
+            commutators[which].step(&c.commutator, hall.angle(), hall.speed(), torque).0
+        };
+        if step(0, &clean) == step(1, &dirty) {
+            run = 0;
+        } else {
+            (wrong, run) = (wrong + 1, run + 1);
+        }
+        longest = longest.max(run);
+    }
+    (wrong, longest)
+}
+
+/// Single glitches of every code at every phase of a revolution: the pattern is wrong for 3 ticks at most with captured
+/// edges, 5 with sampled levels, after the glitch and at the boundaries of the two revolutions that follow.
+#[test]
+fn glitches_hardly_disturb_the_pattern() {
+    let mut results = Vec::new();
+    for (kind, capture) in [(Glitch::Level, true), (Glitch::Pulse, true), (Glitch::Level, false)] {
+        for ticks_a_sector in [6.25, 20.0, 50.0] {
+            let c = coefficients(capture);
+            let (mut wrong, mut longest) = (0, 0);
+            for back in [false, true] {
+                let frequency = 10_000.0 / (6.0 * ticks_a_sector) * if back { -1.0 } else { 1.0 };
+                let mut rotor = ScriptedRotor::new(0.123, frequency, capture);
+                let mut hall = running(&c.hall, &mut rotor, 3.0);
+                for _ in 0..(6.0 * ticks_a_sector) as u32 {
+                    for code in 0..8 {
+                        let found = disturbed(&c, &rotor, hall, code, kind);
+                        (wrong, longest) = (wrong.max(found.0), longest.max(found.1));
+                    }
+                    let mut samples = Samples::default();
+                    rotor.advance(&mut samples);
+                    hall.step(&c.hall, &samples);
+                }
+            }
+            println!(
+                "{kind:?}, capture {capture}, {ticks_a_sector} ticks a sector: pattern wrong for at most {wrong} ticks, \
+                 {longest} in a row"
+            );
+            results.push((wrong, if capture { 3 } else { 5 }));
+        }
+    }
+    assert!(results.iter().all(|(wrong, allowed)| wrong <= allowed), "{results:?}");
+}
+
+/// A motor that stands for longer than an interval can count (6.5 s) has speed 0, and its next edge is not taken for a fast one.
+#[test]
+fn standstill_does_not_alias() {
+    let c = coefficients(true);
+    for rest in [9_000_u32, 65_500, 65_535, 65_536, 65_537, 70_000, 131_072, 140_000] {
+        let mut rotor = ScriptedRotor::new(0.3, 50.0, true);
+        let mut hall = running(&c.hall, &mut rotor, 2.0);
+        rotor.speed = 0.0;
+        let mut samples = Samples::default();
+        for tick in 0..rest {
+            rotor.advance(&mut samples);
+            hall.step(&c.hall, &samples);
+            if tick > 10_000 {
+                assert!(hall.stopped(&c.hall) && hall.speed_bounded() == 0, "after {tick} ticks");
+            }
+        }
+        rotor.speed = 20.0 / 10_000.0;
+        for _ in 0..1200 {
+            rotor.advance(&mut samples);
+            hall.step(&c.hall, &samples);
+            let speed = c.speed_of_turns.apply32(hall.speed_bounded()) as f64 / 65_536.0;
+            assert!(speed < 20.1, "{speed} rev/s after a rest of {rest} ticks");
+        }
+        let speed = c.speed_of_turns.apply32(hall.speed_bounded()) as f64 / 65_536.0;
+        assert!((speed - 20.0).abs() < 0.05, "{speed}");
+        assert_eq!(hall.sector(), Some(sector_at(rotor.angle)));
+    }
+}
+
+/// A drive that powers up under a turning rotor does not take the first, cut-off sector for a short one.
+#[test]
+fn power_up_while_turning() {
+    for capture in [false, true] {
+        let c = coefficients(capture);
+        for phase in 0..60 {
+            let mut rotor = ScriptedRotor::new(phase as f64 / 60.0, 50.0, capture);
+            let mut hall = Hall::default();
+            let mut samples = Samples::default();
+            for _ in 0..400 {
+                rotor.advance(&mut samples);
+                hall.step(&c.hall, &samples);
+                let speed = c.speed_of_turns.apply32(hall.speed_bounded()) as f64 / 65_536.0;
+                assert!(speed < 52.0, "{speed} rev/s at phase {phase}, capture {capture}");
+            }
+        }
+    }
+}
