@@ -6,3 +6,4 @@ mod format;
 mod replay;
 mod round_trip;
 mod support;
+mod vectors;

@@ -107,7 +107,9 @@ impl Expect {
         self.fault_word()?;
         for code in &self.codes {
             if !Cause::TABLE.iter().any(|row| row.cause as u16 == *code) {
-                return Err(format!("expect.codes = {code:#06x}: no such extended fault code; PROTOCOL.md, section 4"));
+                return Err(format!(
+                    "expect.codes = {code:#06x}: no such extended fault code; PROTOCOL.md, section 4"
+                ));
             }
         }
         if let Some(speed) = &self.speed {
@@ -140,7 +142,9 @@ impl Expect {
                 misses.push(format!("{what} {found}, expected {expected}"));
             }
         };
-        let hex = |codes: &[u16]| format!("{:?}", codes.iter().map(|code| format!("{code:04X}h")).collect::<Vec<_>>());
+        let hex = |codes: &[u16]| {
+            format!("{:?}", codes.iter().map(|code| format!("{code:04X}h")).collect::<Vec<_>>())
+        };
         differs("states", format!("{:?}", seen.states), format!("{:?}", self.states));
         differs("codes", hex(&seen.codes), hex(&self.codes));
         differs("refusals", format!("{:?}", seen.refusals), format!("{:?}", self.refusals));
@@ -149,7 +153,10 @@ impl Expect {
         if let (Some(expected), Some(found)) = (self.speed, speed)
             && (found - expected.rpm).abs().is_nan_or_above(expected.within / 100.0 * expected.rpm.abs())
         {
-            misses.push(format!("speed {found:.1} rpm, expected {} within {} %", expected.rpm, expected.within));
+            misses.push(format!(
+                "speed {found:.1} rpm, expected {} within {} %",
+                expected.rpm, expected.within
+            ));
         }
         if let Some(expected) = self.wiring
             && !expected.is(seen.calibration)

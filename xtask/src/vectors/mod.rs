@@ -32,7 +32,9 @@ pub fn scenarios(root: &Path) -> Result<Vec<Scenario>, String> {
     let directory = directory(root);
     names(&directory, "toml")?
         .iter()
-        .map(|name| Scenario::read(&directory.join(format!("{name}.toml"))).map_err(|error| error.to_string()))
+        .map(|name| {
+            Scenario::read(&directory.join(format!("{name}.toml"))).map_err(|error| error.to_string())
+        })
         .collect()
 }
 
@@ -92,8 +94,10 @@ fn regenerate(root: &Path, check: bool) -> steps::Outcome {
 /// What stood on disk before.
 fn changed_from(old: Option<&[u8]>) -> String {
     let Some(old) = old else { return "  new".into() };
-    let digest = Recording::open(old).ok().and_then(|recording| recording.verify().ok()).map(|end| end.digest);
-    digest.map_or("  was unreadable".into(), |digest| format!("  was {digest:016x}"))
+    match Recording::open(old).and_then(|recording| recording.verify()) {
+        Ok(end) => format!("  was {:016x}", end.digest),
+        Err(error) => format!("  was: {error}"),
+    }
 }
 
 /// A replay of the fresh recording answers what was recorded.

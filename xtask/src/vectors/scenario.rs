@@ -129,7 +129,8 @@ impl Scenario {
     /// The first thing in it that cannot be.
     pub fn read(path: &Path) -> Result<Self, Invalid> {
         let name = path.file_stem().map_or("", |stem| stem.to_str().unwrap_or("")).to_owned();
-        let text = fs::read_to_string(path).map_err(|error| Invalid(format!("{}: {error}", path.display())))?;
+        let text =
+            fs::read_to_string(path).map_err(|error| Invalid(format!("{}: {error}", path.display())))?;
         Self::parse(&name, &text)
     }
 
@@ -159,7 +160,8 @@ impl Scenario {
             ModeKey::OpenLoop => Mode::OpenLoop,
             ModeKey::Sensorless => Mode::Sensorless,
         };
-        let commissioned = plate.commission(mode).map_err(|error| format!("motor {}: {error}", preset.name))?;
+        let commissioned =
+            plate.commission(mode).map_err(|error| format!("motor {}: {error}", preset.name))?;
         let mut parameters = commissioned.parameters;
         for (name, value) in &keys.parameters {
             let (number, raw) = parameter("parameters", name, *value)?;
@@ -167,7 +169,8 @@ impl Scenario {
         }
         let mut plant = keys.plant.config(PlantConfig::new(preset.motor, keys.supply))?;
         plant.load = LoadConfig { constant: within("load", keys.load, 0.0, 10.0, "N m")?, ..plant.load };
-        let steps: Vec<Step> = keys.at.into_iter().map(|step| step.checked(seconds)).collect::<Result<_, _>>()?;
+        let steps: Vec<Step> =
+            keys.at.into_iter().map(|step| step.checked(seconds)).collect::<Result<_, _>>()?;
         if !steps.is_sorted_by(|a, b| a.time <= b.time) {
             return Err("at: times must not fall".into());
         }
@@ -191,7 +194,8 @@ impl PlantKeys {
         plant.ambient = within("plant.ambient", self.ambient, -55.0, 250.0, "degrees C")?;
         plant.converter.noise = within("plant.noise", self.noise, 0.0, 100.0, "codes")?;
         plant.hall.order = within("plant.hall_order", f64::from(self.hall_order), 0.0, 5.0, "")? as u8;
-        plant.hall.polarity = within("plant.hall_polarity", f64::from(self.hall_polarity), 0.0, 7.0, "")? as u8;
+        plant.hall.polarity =
+            within("plant.hall_polarity", f64::from(self.hall_polarity), 0.0, 7.0, "")? as u8;
         plant.hall.offset_deg =
             within("plant.hall_offset_deg", self.hall_offset_deg, -180.0, 180.0, "degrees")?;
         plant.supply.resistance =
@@ -233,18 +237,34 @@ expect = { states = ["Initialization", "Standby"] }
     fn refusals() {
         for (from, to, said) in [
             ("supply = 24", "supply = 12", "bad.toml: supply = 12: must be from 18 to 60 V"),
-            ("supply = 24", "suply = 24", "bad.toml, line 5, suply = 24: unknown field `suply`, expected one of"),
+            (
+                "supply = 24",
+                "suply = 24",
+                "bad.toml, line 5, suply = 24: unknown field `suply`, expected one of",
+            ),
             ("supply = 24", "supply = \"x\"", "bad.toml, line 5, supply = \"x\": invalid type: string"),
             ("supply = 24", "supply = nan", "bad.toml: supply = NaN: must be from 18 to 60 V"),
             ("bly172s-24v", "mn7005", "bad.toml: motor = \"mn7005\": unknown motor; one of ec45"),
-            ("\"hall\"", "\"foc\"", "bad.toml, line 4, mode = \"foc\": unknown variant `foc`, expected one of"),
+            (
+                "\"hall\"",
+                "\"foc\"",
+                "bad.toml, line 4, mode = \"foc\": unknown variant `foc`, expected one of",
+            ),
             ("seconds = 1.0", "seconds = 99", "bad.toml: seconds = 99: must be from 0.6 to 10 s"),
             ("time = 0.6", "time = 1.6", "bad.toml: at.time = 1.6: must be from 0 to 1 s"),
             ("time = 0.7", "time = 0.2", "bad.toml: at: times must not fall"),
             ("start = 1000", "start = 70000", "bad.toml: at.start = 70000: must be from -65535 to 65535 rpm"),
             ("start = 1000", "strat = 1000", "bad.toml, line 7"),
-            ("start = 1000", "start = 1, stop = true", "bad.toml: at.time = 0.6: exactly one action, there are 2"),
-            ("start = 1000", "set = { parameter = \"x\", value = 1 }", "bad.toml: at.set = \"x\": no such parameter"),
+            (
+                "start = 1000",
+                "start = 1, stop = true",
+                "bad.toml: at.time = 0.6: exactly one action, there are 2",
+            ),
+            (
+                "start = 1000",
+                "set = { parameter = \"x\", value = 1 }",
+                "bad.toml: at.set = \"x\": no such parameter",
+            ),
             (
                 "start = 1000",
                 "set = { parameter = \"114\", value = 0 }",
