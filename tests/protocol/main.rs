@@ -5,6 +5,7 @@ mod broadcast;
 mod device;
 mod dictionary;
 mod document;
+mod inputs;
 mod node;
 mod parameters;
 mod wire;

@@ -1,6 +1,7 @@
 //! What the developer commands are made of.
 
 pub mod candump;
+pub mod coverage;
 pub mod csv;
 pub mod demo;
 pub mod interop;

@@ -2,21 +2,22 @@
 
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::Path;
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
+use xtask::coverage;
 use xtask::demo;
 use xtask::interop;
-use xtask::steps::{Step, run_all};
+use xtask::steps::{Step, run, run_all};
 use xtask::vectors;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
 struct Arguments {
     #[command(subcommand)]
-    command: Command,
+    job: Job,
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum Job {
     /// The main job: a motor starts, reaches its speed and holds it
     Demo(demo::Arguments),
     /// Test everything, or one target; installs what that needs
@@ -24,6 +25,14 @@ enum Command {
         /// What to test; without a name everything
         target: Option<Target>,
     },
+    /// Make tests/coverage.md anew: each row of the specification, its code and its tests
+    Coverage {
+        /// Write nothing; fail if the page is out of date or names what does not exist
+        #[arg(long)]
+        check: bool,
+    },
+    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots
+    Generate,
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
         /// Write nothing; fail if a recording differs from what its scenario gives
@@ -41,10 +50,12 @@ enum Target {
 
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
-    match Arguments::parse().command {
-        Command::Demo(arguments) => demo::run(&arguments),
-        Command::Test { target: None | Some(Target::Rust) } => test_rust(root),
-        Command::Vectors { check } => vectors::command(root, check),
+    match Arguments::parse().job {
+        Job::Demo(arguments) => demo::run(&arguments),
+        Job::Test { target: None | Some(Target::Rust) } => test_rust(root),
+        Job::Coverage { check } => coverage::command(root, check),
+        Job::Generate => generate(root),
+        Job::Vectors { check } => vectors::command(root, check),
     }
 }
 
@@ -66,8 +77,23 @@ fn test_rust(root: &Path) -> ExitCode {
             "cargo",
             &["build", "-p", "narx-core", "-p", "narx-sim", "--no-default-features", "--target", EMBEDDED],
         ),
-        Step::new("vectors", move || vectors::check(root)),
+        Step::new("vectors", move || vectors::regenerate(root, true)),
+        Step::new("coverage", move || coverage::regenerate(root, true)),
         Step::new("interoperability", move || interop::run(root)),
+    ])
+}
+
+/// What the tests would complain of, written anew. What changed shows in `git diff`, and belongs into a review.
+fn generate(root: &Path) -> ExitCode {
+    run_all(vec![
+        Step::new("vectors", move || vectors::regenerate(root, false)),
+        // The tests that compare documents and snapshots write them when told so.
+        Step::new("documents", move || {
+            let mut tests = Command::new("cargo");
+            tests.args(["test", "-p", "narx-tests", "--test", "protocol"]);
+            run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
+        }),
+        Step::new("coverage", move || coverage::regenerate(root, false)),
     ])
 }
 

@@ -53,13 +53,11 @@ pub fn command(root: &Path, check: bool) -> ExitCode {
     }
 }
 
-/// The check as a step of `cargo xtask test`.
-pub fn check(root: &Path) -> steps::Outcome {
-    regenerate(root, true)
-}
-
-/// The closing line, or every vector that is not as it should be.
-fn regenerate(root: &Path, check: bool) -> steps::Outcome {
+/// Makes all recordings anew, or with `check` compares them: the closing line.
+///
+/// # Errors
+/// Every vector that is not as it should be, a line each.
+pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
     let directory = directory(root);
     let scenarios = scenarios(root)?;
     let mut wrong = orphans(&directory, &scenarios, check)?;

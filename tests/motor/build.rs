@@ -1,0 +1,105 @@
+//! Parameters reach the tick in its units: each against its own conversion, written out again here.
+
+use narx_core::dictionary::{Dictionary, Parameters, number};
+use narx_core::motor::gain::Gain;
+use narx_core::motor::{Board, Coefficients};
+use std::f64::consts::TAU;
+
+/// What a parameter becomes, in volts, amperes, electrical revolutions, seconds or shares of one.
+struct Row {
+    number: u16,
+    /// In the parameter's unit.
+    value: f64,
+    found: fn(&Coefficients) -> f64,
+    expected: f64,
+}
+
+const fn row(number: u16, value: f64, found: fn(&Coefficients) -> f64, expected: f64) -> Row {
+    Row { number, value, found, expected }
+}
+
+fn fixed(raw: i32) -> f64 {
+    f64::from(raw) / 65_536.0
+}
+
+/// 16 extra fraction bits.
+fn extended(raw: i64) -> f64 {
+    raw as f64 / 4_294_967_296.0
+}
+
+fn share(raw: u16) -> f64 {
+    f64::from(raw) / 32_768.0
+}
+
+fn gain(gain: Gain) -> f64 {
+    gain.apply(1 << 30) as f64 / f64::from(1 << 30)
+}
+
+/// 5 pole pairs: 12 rpm are one electrical revolution a second. 40 V: one per cent of duty is 0.4 V. 10 kHz.
+const POLE_PAIRS: f64 = 5.0;
+const RPM: f64 = POLE_PAIRS / 60.0;
+
+const ROWS: [Row; 29] = [
+    row(number::INITIAL_DUTY, 5.0, |c| fixed(c.control.initial_voltage), 2.0),
+    row(number::OPEN_LOOP_DUTY, 10.0, |c| fixed(c.open_loop.voltage), 4.0),
+    row(number::OPEN_LOOP_SPEED, 600.0, |c| fixed(c.open_loop.speed), 50.0),
+    // 50 rev/s in 2500 ticks.
+    row(number::OPEN_LOOP_RAMP, 0.25, |c| extended(c.open_loop.rate), 50.0 / 2500.0),
+    row(number::LOCK_DUTY, 8.0, |c| fixed(c.machine.lock_voltage), 3.2),
+    row(number::LOCK_DURATION, 0.2, |c| f64::from(c.machine.lock), 2000.0),
+    row(number::OPEN_LOOP_DURATION, 0.7, |c| f64::from(c.machine.open_loop), 7000.0),
+    row(number::FAULT_WAIT, 300.0, |c| f64::from(c.machine.fault_wait), 3000.0),
+    row(number::CAN_TIMEOUT, 150.0, |c| f64::from(c.machine.command_timeout), 1500.0),
+    // Loops run every millisecond; a mechanical rad/s is 5 / 2 pi electrical rev/s.
+    row(number::SPEED_KP_SL, 0.02, |c| gain(c.sensorless_mode.speed.proportional), 0.02 * TAU / POLE_PAIRS),
+    row(number::SPEED_KI_SL, 2.0, |c| gain(c.sensorless_mode.speed.integral), 2.0e-3 * TAU / POLE_PAIRS),
+    row(number::SPEED_KP_HES, 0.002, |c| gain(c.hall_mode.speed.proportional), 0.002 / RPM),
+    row(number::SPEED_KI_HES, 0.1, |c| gain(c.hall_mode.speed.integral), 0.1e-3 / RPM),
+    // The current limiter runs every tick.
+    row(number::HV_CURRENT_KP, 0.25, |c| gain(c.control.current.proportional), 0.25),
+    row(number::HV_CURRENT_KI, 300.0, |c| gain(c.control.current.integral), 0.03),
+    row(number::HV_CURRENT_RATE, 80.0, |c| extended(c.control.limits.rate), 0.08),
+    row(number::HV_CURRENT_SOFT_START, 2.5, |c| fixed(c.control.limits.soft_start), 2.5),
+    row(number::HV_CURRENT_MAX, 5.5, |c| fixed(c.control.limits.maximum), 5.5),
+    row(number::SPEED_RATE, 3000.0, |c| extended(c.control.speed_rate), 3.0 * RPM),
+    row(number::DUTY_MAX, 85.0, |c| share(c.hall_mode.duty_max), 0.85),
+    row(number::DUTY_MAX_SL, 90.0, |c| share(c.sensorless_mode.duty_max), 0.9),
+    row(number::SPEED_MAX_HES, 3600.0, |c| fixed(c.hall_mode.speed_max), 300.0),
+    row(number::SPEED_MIN_HES, 480.0, |c| fixed(c.hall_mode.speed_min), 40.0),
+    row(number::SPEED_MAX_SL, 3000.0, |c| fixed(c.sensorless_mode.speed_max), 250.0),
+    row(number::SPEED_MIN_SL, 600.0, |c| fixed(c.sensorless_mode.speed_min), 50.0),
+    // In 1/65 536 tick.
+    row(number::HALL_PERIOD_TIMEOUT, 0.2, |c| f64::from(c.hall.timeout) / 65_536.0, 2000.0),
+    row(number::OVER_PRESSURE, 2.5, |c| fixed(c.protection.over_pressure.trip), 2.5),
+    row(number::OVER_TEMPERATURE, 170.0, |c| fixed(c.protection.over_temperature.trip), 170.0),
+    row(number::UNDER_VOLTAGE, 20.0, |c| fixed(c.protection.under_voltage.trip), 20.0),
+];
+
+#[test]
+fn every_parameter_reaches_the_tick_in_its_units() {
+    let mut parameters = Parameters::new();
+    let mut set = |number: u16, value: f64| {
+        let exponent = Dictionary::row(number).unwrap().exponent;
+        parameters.set(number, (value / 10_f64.powi(exponent.into())).round() as i32).unwrap();
+    };
+    set(number::MOTOR_POLE_PAIRS, POLE_PAIRS);
+    set(number::NOMINAL_SUPPLY, 40.0);
+    set(number::TEMPERATURE_WARNING, 160.0);
+    let factory = Coefficients::build(&Parameters::new(), &Board::BENCH).unwrap();
+    ROWS.iter().for_each(|row| set(row.number, row.value));
+    let built = Coefficients::build(&parameters, &Board::BENCH).unwrap();
+    for row in &ROWS {
+        let name = Dictionary::row(row.number).unwrap().name;
+        let found = (row.found)(&built);
+        assert!(
+            (found - row.expected).abs() <= 1e-4 * row.expected,
+            "{name}: {found}, expected {}",
+            row.expected
+        );
+        // The table would not notice a parameter whose value is the factory's.
+        assert!(
+            ((row.found)(&factory) - row.expected).abs() > 1e-3 * row.expected,
+            "{name} is the factory's"
+        );
+    }
+}

@@ -1,0 +1,160 @@
+//! Rows that the code lists: it says which there must be, and adds what it knows of them.
+
+use super::sources::Sources;
+use super::table::{Facts, Row, Section, Table};
+use narx_core::bus::Id;
+use narx_core::bus::narmotion::{Addresses, MessageId, MessageKind};
+use narx_core::dictionary::{Dictionary, PRINTED_COUNT, Parameter};
+use narx_core::motor::fault::{Cause, FaultWord};
+use narx_core::motor::state::{State, TRANSITIONS};
+
+/// First number of Table 11.
+const CONTROL_FIRST: u16 = 78;
+
+/// The sections with everything that the code adds; what does not fit the code is noted in `wrong`.
+pub(super) fn complete(table: Table, sources: &Sources, wrong: &mut Vec<String>) -> Vec<Section> {
+    let Table { later, mut section } = table;
+    for section in &mut section {
+        section.words.clone_from(&later);
+        let printed = PRINTED_COUNT as u16;
+        match section.facts {
+            Facts::None => {}
+            Facts::Transitions => transitions(section, sources, wrong),
+            Facts::Faults => faults(section, sources, wrong),
+            Facts::Messages => messages(section, wrong),
+            Facts::General => parameters(section, 0..CONTROL_FIRST, sources, wrong),
+            Facts::Control => parameters(section, CONTROL_FIRST..printed, sources, wrong),
+        }
+        for row in &mut section.rows {
+            // A row that is wholly open has no code yet, not even the section's.
+            if !row.later.is_empty() && row.code.is_empty() && row.tests.is_empty() && row.vectors.is_empty()
+            {
+                continue;
+            }
+            row.code.extend(section.code.iter().cloned());
+            row.tests.extend(section.tests.iter().cloned());
+            for list in [&mut row.code, &mut row.tests, &mut row.vectors] {
+                let mut seen = Vec::new();
+                list.retain(|entry| {
+                    !seen.contains(entry) && {
+                        seen.push(entry.clone());
+                        true
+                    }
+                });
+            }
+        }
+    }
+    section
+}
+
+/// Each name of the table, and nothing else; the vectors that take it.
+fn transitions(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
+    let mut names: Vec<&str> = TRANSITIONS.iter().map(|row| row.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    same_keys(section, names.into_iter().map(str::to_owned).collect(), wrong);
+    for row in &mut section.rows {
+        let Some(found) = TRANSITIONS.iter().find(|found| found.name == row.key) else { continue };
+        row.says = format!("{} to {}: {}", found.from as u8, found.to as u8, row.says);
+        let pair: [State; 2] = [found.from, found.to];
+        let takes = |states: &[State]| states.windows(2).any(|window| window == pair);
+        row.vectors
+            .extend(sources.vectors.iter().filter(|s| takes(&s.expect.states)).map(|s| s.name.clone()));
+    }
+}
+
+/// Each bit of the fault word; its causes, and the vectors that end in them.
+fn faults(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
+    let bits = FaultWord::all().bits();
+    let unused = section.rows.iter().filter(|row| row.key.contains('-')).map(|row| row.key.clone());
+    let mut keys: Vec<String> =
+        (0..32).filter(|bit| bits >> bit & 1 == 1).map(|bit| bit.to_string()).collect();
+    keys.extend(unused);
+    same_keys(section, keys, wrong);
+    for row in &mut section.rows {
+        let Ok(bit) = row.key.parse::<u16>() else { continue };
+        let causes = || Cause::TABLE.iter().filter(move |found| found.cause as u16 >> 8 == bit);
+        let codes: Vec<String> = causes().map(|found| format!("{:04X}h", found.cause as u16)).collect();
+        row.says = format!("{} ({})", row.says, codes.join(", "));
+        for scenario in &sources.vectors {
+            let ends = causes().any(|found| scenario.expect.codes.contains(&(found.cause as u16)));
+            let warns = bit == 0 && scenario.expect.faults.iter().any(|name| name == "TEMPERATURE_WARNING");
+            if ends || warns {
+                row.vectors.push(scenario.name.clone());
+            }
+        }
+    }
+}
+
+/// Keys are identifiers: they must be what the addresses of the figure, type and opcode make, and there are 32.
+fn messages(section: &Section, wrong: &mut Vec<String>) {
+    if section.rows.len() != 32 {
+        wrong.push(format!("coverage, {}: {} rows, Figure 14 has 32", section.title, section.rows.len()));
+    }
+    for row in &section.rows {
+        let id = u32::from_str_radix(&row.key, 16).ok().and_then(Id::extended);
+        let id = id.and_then(|id| MessageId::decode(id).ok());
+        let expected = id.map(|id| match id.kind {
+            MessageKind::SlaveTx => Addresses::FACTORY.from_drive(id.opcode),
+            kind => Addresses::FACTORY.to_drive(kind, id.opcode),
+        });
+        if id.is_none() || id != expected {
+            wrong.push(format!("coverage, {}: {} is no identifier of Figure 14", section.title, row.key));
+        }
+        let opcode = id.map_or(0, |id| id.opcode.raw());
+        if !row.says.contains(&format!(" {opcode},")) {
+            wrong.push(format!(
+                "coverage, {}: {} has opcode {opcode}, not in \"{}\"",
+                section.title, row.key, row.says
+            ));
+        }
+    }
+}
+
+/// A row for every parameter: who reads it, which tests and vectors name it; rows of the file add to that.
+fn parameters(
+    section: &mut Section,
+    numbers: std::ops::Range<u16>,
+    sources: &Sources,
+    wrong: &mut Vec<String>,
+) {
+    let mut added = std::mem::take(&mut section.rows);
+    for parameter in Dictionary::rows().filter(|row| numbers.contains(&row.number)) {
+        let place = added.iter().position(|row| covers(&row.key, parameter.number));
+        let own = place.map(|place| added[place].clone()).unwrap_or_default();
+        section.rows.push(parameter_row(parameter, own, sources));
+    }
+    added.retain(|row| !numbers.clone().any(|number| covers(&row.key, number)));
+    for row in added {
+        wrong.push(format!("coverage, {}: no parameter {}", section.title, row.key));
+    }
+}
+
+fn parameter_row(parameter: &Parameter, own: Row, sources: &Sources) -> Row {
+    let mut row = Row { key: parameter.number.to_string(), says: parameter.name.to_owned(), ..own };
+    if let Some(constant) = sources.constant(parameter.number) {
+        row.code.extend(sources.users(constant).into_iter().map(|path| format!("{path} number::{constant}")));
+        row.tests.extend(sources.tests_of(constant));
+        row.vectors.extend(sources.vectors_of(parameter.name));
+    }
+    row
+}
+
+/// Whether a key, a number or `first-last`, means this number.
+fn covers(key: &str, number: u16) -> bool {
+    let (first, last) = key.split_once('-').unwrap_or((key, key));
+    let range = first.parse::<u16>().ok().zip(last.parse::<u16>().ok());
+    range.is_some_and(|(first, last)| (first..=last).contains(&number))
+}
+
+fn same_keys(section: &Section, mut expected: Vec<String>, wrong: &mut Vec<String>) {
+    for row in &section.rows {
+        match expected.iter().position(|key| *key == row.key) {
+            Some(place) => drop(expected.remove(place)),
+            None => wrong.push(format!("coverage, {}: the code has no row {}", section.title, row.key)),
+        }
+    }
+    for key in expected {
+        wrong.push(format!("coverage, {}: row {key} of the code is missing", section.title));
+    }
+}

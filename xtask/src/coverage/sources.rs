@@ -1,0 +1,193 @@
+//! The repository's sources, searched for items and tests.
+
+use crate::vectors::{self, Scenario};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// Every Rust file by its path from the root, and the conformance vectors.
+#[derive(Debug)]
+pub(super) struct Sources {
+    files: BTreeMap<String, String>,
+    /// Text of each scenario beside it, for the parameters it names.
+    pub(super) vectors: Vec<Scenario>,
+    texts: BTreeMap<String, String>,
+}
+
+impl Sources {
+    pub(super) fn read(root: &Path) -> Result<Self, String> {
+        let mut files = BTreeMap::new();
+        for directory in ["core/src", "sim/src", "xtask/src", "tests"] {
+            collect(root, &root.join(directory), &mut files)?;
+        }
+        let vectors = vectors::scenarios(root)?;
+        let mut texts = BTreeMap::new();
+        for scenario in &vectors {
+            let path = vectors::directory(root).join(format!("{}.toml", scenario.name));
+            texts.insert(scenario.name.clone(), fs::read_to_string(path).unwrap_or_default());
+        }
+        Ok(Self { files, vectors, texts })
+    }
+
+    /// Whether `path Item` or `path Type::member` is defined there, or `path number::NAME` used.
+    pub(super) fn has_item(&self, reference: &str) -> bool {
+        let Some((path, item)) = reference.split_once(' ') else { return false };
+        let Some(text) = self.files.get(path) else { return false };
+        if item.starts_with("number::") {
+            return mentions(text, item);
+        }
+        item.split("::").all(|name| text.lines().any(|line| defines(line, name)))
+    }
+
+    /// Whether `suite::name` is a test: in the folder of that name under `tests`, or of a package.
+    pub(super) fn has_test(&self, reference: &str) -> bool {
+        self.test_file(reference).is_some()
+    }
+
+    /// The file of the test `suite::name`.
+    pub(super) fn test_file(&self, reference: &str) -> Option<&str> {
+        let (suite, name) = reference.split_once("::")?;
+        let folder = if suite == "xtask" { "xtask/src/".to_owned() } else { format!("tests/{suite}/") };
+        let mut files = self.files.iter().filter(|(path, _)| path.starts_with(&folder));
+        let found = files.find(|(_, text)| tests(text).iter().any(|(test, _)| test == name));
+        found.map(|(path, _)| path.as_str())
+    }
+
+    /// Name of the constant in `number.rs` for a parameter.
+    pub(super) fn constant(&self, number: u16) -> Option<&str> {
+        let text = self.files.get("core/src/dictionary/number.rs")?;
+        let end = format!(": u16 = {number};");
+        let line = text
+            .lines()
+            .find(|line| line.ends_with(&end) && !line.contains("_FIRST") && !line.contains("_LAST"))?;
+        line.strip_prefix("pub const ")?.strip_suffix(&end)
+    }
+
+    /// Files of the core, the dictionary's own aside, that read a parameter.
+    pub(super) fn users(&self, constant: &str) -> Vec<String> {
+        let reference = format!("number::{constant}");
+        let core = self
+            .files
+            .iter()
+            .filter(|(path, _)| path.starts_with("core/src/") && !path.starts_with("core/src/dictionary/"));
+        core.filter(|(_, text)| mentions(text, &reference)).map(|(path, _)| path.clone()).collect()
+    }
+
+    /// Tests that name a parameter.
+    pub(super) fn tests_of(&self, constant: &str) -> Vec<String> {
+        let reference = format!("number::{constant}");
+        let mut found = Vec::new();
+        for (path, text) in &self.files {
+            let Some(suite) = path.strip_prefix("tests/").and_then(|rest| rest.split('/').next()) else {
+                continue;
+            };
+            let named = tests(text).into_iter().filter(|(_, body)| mentions(body, &reference));
+            found.extend(named.map(|(name, _)| format!("{suite}::{name}")));
+        }
+        found
+    }
+
+    /// Vectors that name a parameter.
+    pub(super) fn vectors_of(&self, name: &str) -> Vec<String> {
+        let quoted = format!("\"{name}\"");
+        self.texts
+            .iter()
+            .filter(|(_, text)| text.contains(&quoted))
+            .map(|(vector, _)| vector.clone())
+            .collect()
+    }
+}
+
+fn collect(root: &Path, directory: &Path, files: &mut BTreeMap<String, String>) -> Result<(), String> {
+    let failed = |error| format!("{}: {error}", directory.display());
+    for entry in fs::read_dir(directory).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if path.is_dir() {
+            collect(root, &path, files)?;
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+            files.insert(name, fs::read_to_string(&path).map_err(failed)?);
+        }
+    }
+    Ok(())
+}
+
+/// Whether a line begins the definition of `name`: an item, a member, a variant or a field.
+fn defines(line: &str, name: &str) -> bool {
+    let code = line.trim_start();
+    if code.starts_with("//") {
+        return false;
+    }
+    let Some(at) = code.match_indices(name).map(|(at, _)| at).find(|at| is_word(code, *at, name.len()))
+    else {
+        return false;
+    };
+    let before = code[..at].trim_end();
+    let keyword = before.rsplit([' ', '>']).next().unwrap_or("");
+    let after = code[at + name.len()..].trim_start();
+    let item =
+        ["fn", "struct", "enum", "const", "static", "mod", "trait", "type", "impl", "for"].contains(&keyword);
+    let member = ["", "pub", "pub(super)", "pub(crate)"].contains(&before)
+        && ["", ",", "{", "(", ":", "="]
+            .iter()
+            .any(|sign| after.starts_with(sign) && !after.starts_with("::"))
+        && (after.is_empty() || ",{(:=".contains(&after[..1]));
+    item || member
+}
+
+/// Whether `reference` stands in the text as a whole word.
+fn mentions(text: &str, reference: &str) -> bool {
+    text.match_indices(reference).any(|(at, _)| is_word(text, at, reference.len()))
+}
+
+fn is_word(text: &str, at: usize, length: usize) -> bool {
+    let part = |c: char| c.is_alphanumeric() || c == '_';
+    !text[..at].chars().next_back().is_some_and(part) && !text[at + length..].chars().next().is_some_and(part)
+}
+
+/// The tests of a file: name and body.
+fn tests(text: &str) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for part in text.split("#[test]").skip(1) {
+        let Some((_, rest)) = part.split_once("fn ") else { continue };
+        let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        // The body ends at the first closing brace as far left as a function's own.
+        let end = ["\n}\n", "\n    }\n"].iter().filter(|_| true).filter_map(|end| rest.find(end)).max();
+        found.push((name, rest[..end.unwrap_or(rest.len())].to_owned()));
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests_of_the_search {
+    use super::*;
+
+    #[test]
+    fn definitions_are_told_from_mentions() {
+        for (line, name, defined) in [
+            ("pub const TRANSITIONS: [T; 3] = [", "TRANSITIONS", true),
+            ("    pub(super) fn obey(&mut self) {", "obey", true),
+            ("    self.obey(message);", "obey", false),
+            ("    TriggerScope,", "TriggerScope", true),
+            ("    Command(Command),", "Command", true),
+            ("        const OVER_VOLTAGE = 1 << 2;", "OVER_VOLTAGE", true),
+            ("    /// fn obey", "obey", false),
+            ("impl<S: Sink> Recorder<S> {", "Recorder", true),
+            ("    pub speed: u16,", "speed", true),
+            ("    let speed = 3;", "speed", false),
+            ("    Self::OVER_VOLTAGE", "OVER_VOLTAGE", false),
+            ("fn obeyed() {", "obey", false),
+        ] {
+            assert_eq!(defines(line, name), defined, "{line}");
+        }
+    }
+
+    #[test]
+    fn tests_have_names_and_bodies() {
+        let text = "#[test]\nfn one() {\n    number::A;\n}\n\nfn helper() {\n    number::B;\n}\n";
+        let found = tests(text);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].0, "one");
+        assert!(mentions(&found[0].1, "number::A") && !mentions(&found[0].1, "number::B"));
+    }
+}

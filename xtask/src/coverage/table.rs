@@ -1,0 +1,131 @@
+//! The rows, as `tests/coverage.toml` gives them and as the code completes them.
+
+use super::sources::Sources;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// The file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Table {
+    /// Words for what is still to come, each with its meaning.
+    pub(super) later: BTreeMap<String, String>,
+    /// In the order of the document.
+    pub(super) section: Vec<Section>,
+}
+
+/// A table of the specification.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Section {
+    pub(super) title: String,
+    /// A line or two under the title.
+    #[serde(default)]
+    pub(super) about: String,
+    /// Which rows the code lists.
+    #[serde(default)]
+    pub(super) facts: Facts,
+    /// Code and tests of every row.
+    #[serde(default)]
+    pub(super) code: Vec<String>,
+    #[serde(default)]
+    pub(super) tests: Vec<String>,
+    #[serde(default)]
+    pub(super) rows: Vec<Row>,
+    /// Words of `Table::later`.
+    #[serde(skip)]
+    pub(super) words: BTreeMap<String, String>,
+}
+
+/// Rows that the code lists itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Facts {
+    /// None: all rows stand in the file.
+    #[default]
+    None,
+    /// Table 7.
+    Transitions,
+    /// Table 9.
+    Faults,
+    /// Figure 14.
+    Messages,
+    /// Table 10: the rows of the file add to those of the dictionary.
+    General,
+    /// Table 11: likewise.
+    Control,
+}
+
+/// A row of it.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Row {
+    pub(super) key: String,
+    #[serde(default)]
+    pub(super) says: String,
+    #[serde(default)]
+    pub(super) code: Vec<String>,
+    #[serde(default)]
+    pub(super) tests: Vec<String>,
+    #[serde(default)]
+    pub(super) vectors: Vec<String>,
+    #[serde(default)]
+    pub(super) later: Vec<String>,
+}
+
+/// How far a row is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Progress {
+    /// Code and tests, nothing open.
+    Done,
+    /// Code and tests, something open.
+    Partly,
+    /// To come.
+    Open,
+}
+
+impl Row {
+    /// How far the row is; `None` if it has neither evidence nor a later part that closes it.
+    pub(super) fn progress(&self) -> Option<Progress> {
+        let shown = !self.code.is_empty() && !(self.tests.is_empty() && self.vectors.is_empty());
+        match (shown, self.later.is_empty()) {
+            (true, true) => Some(Progress::Done),
+            (true, false) => Some(Progress::Partly),
+            (false, false) => Some(Progress::Open),
+            (false, true) => None,
+        }
+    }
+}
+
+impl Section {
+    /// Everything that is named exists, and no row is without evidence or a later part.
+    pub(super) fn check(&self, sources: &Sources, wrong: &mut Vec<String>) {
+        for row in &self.rows {
+            let mut miss =
+                |what: String| wrong.push(format!("coverage, {}, row {}: {what}", self.title, row.key));
+            for item in &row.code {
+                if !sources.has_item(item) {
+                    miss(format!("no such code item: {item}"));
+                }
+            }
+            for test in &row.tests {
+                if !sources.has_test(test) {
+                    miss(format!("no such test: {test}"));
+                }
+            }
+            for vector in &row.vectors {
+                if !sources.vectors.iter().any(|scenario| scenario.name == *vector) {
+                    miss(format!("no such vector: {vector}"));
+                }
+            }
+            for word in &row.later {
+                if !self.words.contains_key(word) {
+                    miss(format!("\"{word}\" is not among the words of [later]"));
+                }
+            }
+            if row.progress().is_none() {
+                miss("has no code with a test, and nothing later that closes it".into());
+            }
+        }
+    }
+}
