@@ -87,8 +87,8 @@ pub struct Control {
     applied: i32,
     millisecond: u16,
     coasting: bool,
-    /// The last tick was synchronous.
-    synchronous: bool,
+    /// A rotor that turned at the start has not drawn current yet.
+    catching: bool,
     output: Output,
 }
 
@@ -112,8 +112,8 @@ impl Control {
         self.limit.start(&c.limits);
         self.setpoint.set(speed);
         self.take_over(c.initial_voltage);
-        if speed == 0 {
-            self.synchronous = true;
+        self.catching = speed != 0;
+        if !self.catching {
             self.output.rectification = Rectification::Synchronous;
         }
     }
@@ -147,8 +147,8 @@ impl Control {
             }
             Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
             Demand::Speed { gains, target, measured: speed, duty_max } => {
-                self.leave_diodes(c, speed);
-                if self.coast(c, measured, speed) {
+                self.finish_catching(c, measured, speed);
+                if self.coast(c, measured, measurement, speed) {
                     if due {
                         self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
                     }
@@ -178,36 +178,42 @@ impl Control {
         self.output
     }
 
-    /// Bridge off while the bus stands near its limit without the motor drawing from it, or is fed in earnest; until the
-    /// motor has fallen to its set-point and wants torque again. Diodes alone would not do: their discontinuous current
-    /// drives an unloaded motor beyond the speed that the same duty holds with switches.
-    fn coast(&mut self, c: &ControlCoefficients, measured: &Measured, speed: i32) -> bool {
+    /// Bridge off while the bus is full and the motor hardly draws from it, or is fed in earnest; until the
+    /// motor has fallen to its set-point. Diodes alone would not do: their discontinuous current drives an
+    /// unloaded motor beyond the speed that the same duty holds with switches.
+    fn coast(
+        &mut self,
+        c: &ControlCoefficients,
+        measured: &Measured,
+        measurement: &Measurement,
+        speed: i32,
+    ) -> bool {
         let current = measured.bus_current_filtered.to_bits();
-        let full = measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING;
-        if self.coasting {
-            self.coasting = self.speed_error < 0;
-            if !self.coasting {
-                let back_emf = c.back_emf.apply32(speed);
-                self.take_over(if back_emf > 0 { back_emf } else { self.speed_voltage });
-                self.output.rectification = Rectification::Synchronous;
-            }
-        } else {
-            self.coasting = self.speed_error < 0 && (full || current < REGENERATING);
+        let voltage = measured.bus_voltage.to_bits();
+        let full = voltage > c.bus_guard && self.speed_error < 0 && current < MOTORING;
+        if !self.coasting {
+            self.coasting = full || (current < REGENERATING && self.speed_error < 0);
+        } else if self.speed_error >= 0 {
+            self.coasting = false;
+            let back_emf = c.back_emf.apply32(speed);
+            self.take_over(if back_emf > 0 { back_emf } else { self.speed_voltage });
+            // No slew from 0: on the way up the switches would brake the motor.
+            self.output.duty = measurement.duty(self.speed_voltage);
         }
         self.coasting
     }
 
-    /// With diodes the light-load current is discontinuous, and a voltage below back-EMF holds the speed. Before the
-    /// switches take over, the controllers must stand at back-EMF, or the motor would brake.
-    fn leave_diodes(&mut self, c: &ControlCoefficients, speed: i32) {
-        let synchronous = self.output.rectification == Rectification::Synchronous;
-        if synchronous && !self.synchronous {
+    /// A rotor that turned already is caught with diodes, where no voltage is too small. Their light-load current is
+    /// discontinuous and a voltage below back-EMF holds the speed, so before the switches take over, the controllers are
+    /// put at back-EMF, or the motor would brake.
+    fn finish_catching(&mut self, c: &ControlCoefficients, measured: &Measured, speed: i32) {
+        if self.catching && measured.bus_current_filtered.to_bits() > MOTORING {
+            self.catching = false;
             let back_emf = c.back_emf.apply32(speed);
             if back_emf > self.speed_voltage {
                 self.take_over(back_emf);
             }
         }
-        self.synchronous = synchronous;
     }
 
     /// Set-point after its ramp, raw I16F16 electrical rev/s, a magnitude.
@@ -320,16 +326,15 @@ impl Control {
         self.output = Output { duty: Duty::from_bits(next), rectification, limiter };
     }
 
-    /// Diodes take over while the bus is fed in earnest or stands near its limit: current in a diode cannot reverse. The
-    /// switches come back when the motor draws current.
+    /// Diodes while a rotor is caught, while the bus is full and the motor hardly draws from it, and while it is fed in
+    /// earnest: current in a diode cannot reverse. Else the switches.
     fn rectification(&self, c: &ControlCoefficients, measured: &Measured) -> Rectification {
         let current = measured.bus_current_filtered.to_bits();
-        if current > MOTORING {
-            Rectification::Synchronous
-        } else if measured.bus_voltage.to_bits() > c.bus_guard || current < REGENERATING {
+        let full = measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING;
+        if self.catching || full || current < REGENERATING {
             Rectification::Diode
         } else {
-            self.output.rectification
+            Rectification::Synchronous
         }
     }
 }
