@@ -31,6 +31,8 @@ pub struct Nameplate {
     pub rated_current: Option<f64>,
     /// Supply voltage, V.
     pub supply: f64,
+    /// Mechanical speed of open loop, rpm; without it the slowest closed-loop speed.
+    pub open_loop_speed: Option<f64>,
 }
 
 /// A parameter set and what the drive's limits made of the motor.
@@ -44,6 +46,8 @@ pub struct Commissioning {
     pub speed_max: f64,
     /// Smallest set-point, mechanical rpm.
     pub speed_min: f64,
+    /// Mean phase current that the limits leave, A.
+    pub phase_current: f64,
 }
 
 /// A limit of the drive that holds the motor back.
@@ -62,6 +66,12 @@ pub enum Note {
         current: f64,
         /// Largest ripple, A peak to peak.
         ripple: f64,
+    },
+    /// At every commutation the winding returns its energy to the bus, and a source that takes nothing back leaves it to
+    /// the 100 uF: more phase current would lift the bus to its over-voltage threshold.
+    CurrentForBus {
+        /// Largest mean phase current, A.
+        current: f64,
     },
     /// Two control ticks no longer fit a sector above this speed.
     SpeedForTick {
@@ -82,8 +92,15 @@ impl fmt::Display for Note {
                 f,
                 "mean phase current is limited to {current:.1} A: the ripple of {ripple:.1} A must stay below the 12 A peak"
             ),
+            Self::CurrentForBus { current } => write!(
+                f,
+                "mean phase current is limited to {current:.1} A: the energy that commutation returns must not lift the bus to 61 V"
+            ),
             Self::SpeedForTick { speed } => {
-                write!(f, "speed is limited to {speed:.0} rpm: faster, a sector has less than two control ticks")
+                write!(
+                    f,
+                    "speed is limited to {speed:.0} rpm: faster, a sector has less than two control ticks"
+                )
             }
         }
     }
@@ -146,6 +163,10 @@ const ELECTRICAL_MIN: f64 = 500.0 * 4.0 / 60.0;
 const DUTY_MAX: f64 = 0.95;
 /// Bandwidth of the bus current limiter: 200 Hz, rad/s; its delay of 1.5 periods costs 11 degrees there.
 const CURRENT_BANDWIDTH: f64 = 1257.0;
+/// Bus capacitance (section "Features"), F.
+const CAPACITANCE: f64 = 100e-6;
+/// Over-voltage threshold of 61 V less a margin for its measurement, V.
+const BUS_MAX: f64 = 60.9;
 const TWO_PI: f64 = core::f64::consts::TAU;
 
 impl Nameplate {
@@ -169,7 +190,13 @@ impl Nameplate {
         self.write_limits(&design, &mut parameters)?;
         self.write_gains(&design, &mut parameters)?;
         self.write_start(&design, &mut parameters)?;
-        Ok(Commissioning { parameters, notes, speed_max: design.speed_max, speed_min: design.speed_min })
+        Ok(Commissioning {
+            parameters,
+            notes,
+            speed_max: design.speed_max,
+            speed_min: design.speed_min,
+            phase_current: design.phase_current,
+        })
     }
 
     fn check(&self) -> Result<(), CommissioningError> {
@@ -184,7 +211,7 @@ impl Nameplate {
             ("inertia", m.inertia),
             ("pole pairs", f64::from(m.pole_pairs)),
         ];
-        match figures.into_iter().find(|(_, value)| !(*value > 0.0)) {
+        match figures.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
             Some((name, value)) => Err(CommissioningError::Motor { name, value }),
             None => Ok(()),
         }
@@ -238,12 +265,17 @@ impl Nameplate {
         let m = &self.motor;
         // A lock leads through one phase and two in parallel: three quarters of the line-to-line resistance.
         let lock = 0.75 * m.resistance * d.start_current;
-        let speed = d.speed_min * TWO_PI / 60.0;
-        let level = m.resistance * d.start_current + m.torque_constant * speed;
+        let set = self.open_loop_speed.unwrap_or(d.speed_min);
+        let speed = set * TWO_PI / 60.0;
+        // With back-EMF in phase the open-loop level leaves the start current; without load the rotor runs ahead until
+        // back-EMF stands across, and then u^2 = (R I)^2 + e^2 must not ask for more than the phase may carry.
+        let emf = m.torque_constant * speed;
+        let across = m.resistance * 0.9 * d.phase_current;
+        let level = fmin(m.resistance * d.start_current + emf, sqrt(across * across + emf * emf));
         let per_cent = |voltage: f64| fmin(100.0 * voltage / self.supply, d.duty_max * 100.0);
         write(p, number::LOCK_DUTY, per_cent(lock))?;
         write(p, number::OPEN_LOOP_DUTY, per_cent(level))?;
-        write(p, number::OPEN_LOOP_SPEED, d.speed_min)?;
+        write(p, number::OPEN_LOOP_SPEED, set)?;
         // A held rotor swings with wn = sqrt(p k I / J); five periods let it settle.
         let torque = m.torque_constant * d.start_current;
         let swing = TWO_PI / sqrt(f64::from(m.pole_pairs) * torque / m.inertia);
@@ -281,6 +313,14 @@ impl Design {
         } else if phase_current < 0.8 * PEAK {
             push(notes, Note::CurrentForRipple { current: phase_current, ripple: widest });
         }
+        // L I^2 / 2 <= C (V_max^2 - V^2) / 2.
+        // Three quarters of it: at high duty part of the energy circulates in the bridge (measured on the bench).
+        let room = CAPACITANCE * (BUS_MAX * BUS_MAX - plate.supply * plate.supply);
+        let returned = sqrt(fmax(room, 0.0) / (0.75 * m.inductance));
+        if returned < fmin(phase_current, needed) {
+            push(notes, Note::CurrentForBus { current: returned });
+        }
+        let phase_current = fmin(phase_current, returned);
         let poles = f64::from(m.pole_pairs);
         let speed_min = ELECTRICAL_MIN * 60.0 / poles;
         let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);
@@ -291,10 +331,11 @@ impl Design {
         if tick_speed < supply_speed {
             push(notes, Note::SpeedForTick { speed: tick_speed });
         }
-        if !(speed_max > speed_min) {
+        if speed_max.is_nan() || speed_max <= speed_min {
             return Err(CommissioningError::TooSlow { speed_max, speed_min });
         }
-        let start_current = fmin(fmin(CONTINUOUS, phase_current), 0.8 * duty_max * plate.supply / m.resistance);
+        let start_current =
+            fmin(fmin(CONTINUOUS, phase_current), 0.8 * duty_max * plate.supply / m.resistance);
         // A third of the rated torque accelerates, and full speed takes 0.4 s at least.
         let acceleration = m.torque_constant * needed / m.inertia / 3.0 * 60.0 / TWO_PI;
         let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), 32_767.0);

@@ -7,8 +7,11 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+#[cfg(feature = "alloc")]
+pub mod bench;
 pub mod can;
 pub mod commissioning;
+pub mod operator;
 pub mod plant;
 pub mod presets;
 pub mod random;

@@ -4,6 +4,14 @@ use crate::driving::Ideal;
 use narx_core::motor::Rectification;
 use narx_sim::plant::{LoadConfig, Plant, PlantConfig};
 use narx_sim::presets::PRESETS;
+use std::f64::consts::PI;
+
+/// Printed speeds and currents of the maxon motors are typical values; the plant adds 0.04 ohm of switches and,
+/// for a sinusoidal motor, the ripple of block commutation.
+const NO_LOAD_SPEED: f64 = 0.01;
+const NO_LOAD_CURRENT: f64 = 0.05;
+const RATED_SPEED: f64 = 0.05;
+const RATED_CURRENT: f64 = 0.03;
 
 #[test]
 fn every_preset_reaches_its_no_load_point() {
@@ -14,6 +22,8 @@ fn every_preset_reaches_its_no_load_point() {
             "{:20} no load {speed:7.0} rpm {current:6.3} A, printed {:?} rpm {:?} A",
             preset.name, data.no_load_speed, data.no_load_current
         );
+        near(preset.name, speed, data.no_load_speed, NO_LOAD_SPEED);
+        near(preset.name, current, data.no_load_current, NO_LOAD_CURRENT);
     }
 }
 
@@ -21,11 +31,52 @@ fn every_preset_reaches_its_no_load_point() {
 fn every_preset_reaches_its_rated_point() {
     for preset in &PRESETS {
         let data = &preset.data;
-        let (speed, current) = run(preset, data.rated_torque.unwrap_or(0.1));
+        // Without a printed torque: what the rated current gives.
+        let friction = 2.0 * preset.motor.static_friction;
+        let by_current = preset.motor.torque_constant * data.rated_current.unwrap_or(0.0) - friction;
+        let torque = data.rated_torque.unwrap_or(by_current);
+        let (speed, current) = run(preset, torque);
         println!(
             "{:20} rated {speed:7.0} rpm {current:6.3} A, printed {:?} rpm {:?} A",
             preset.name, data.rated_speed, data.rated_current
         );
+        if data.rated_torque.is_some() {
+            near(preset.name, speed, data.rated_speed, RATED_SPEED);
+            near(preset.name, current, data.rated_current, RATED_CURRENT);
+        } else {
+            // A rating, not a point on the line at full voltage: it must be within reach.
+            assert!(speed > data.rated_speed.unwrap(), "{}: {speed} rpm", preset.name);
+        }
+    }
+}
+
+#[test]
+fn every_figure_of_a_preset_has_a_source_or_an_estimate() {
+    for preset in &PRESETS {
+        assert!(!preset.sources.is_empty() && !preset.estimates.is_empty(), "{}", preset.name);
+        assert_eq!(narx_sim::presets::preset(preset.name), Some(preset));
+        let motor = &preset.motor;
+        // The friction is what the no-load current says, printed or estimated.
+        let rpm = preset.data.no_load_speed.or(preset.data.rated_speed).unwrap();
+        let torque = motor.static_friction + motor.viscous_friction * rpm * PI / 30.0;
+        let current = torque / motor.torque_constant;
+        let printed = preset.data.no_load_current.unwrap_or(match preset.name {
+            "ec-max40-120w-48v" => 4.06 - 0.17 / 0.0448,
+            _ => 0.08 * 3.5,
+        });
+        assert!((current / printed - 1.0).abs() < 0.01, "{}: {current} A", preset.name);
+        // Mechanical time constant J R / k^2 within what such motors have.
+        let time = motor.inertia * motor.resistance / motor.torque_constant.powi(2);
+        assert!((0.001..0.05).contains(&time), "{}: {time} s", preset.name);
+    }
+    assert!(PRESETS.iter().any(|preset| preset.motor.pole_pairs == 1));
+    assert!(PRESETS.iter().any(|preset| preset.motor.pole_pairs == 12));
+}
+
+fn near(name: &str, found: f64, printed: Option<f64>, tolerance: f64) {
+    if let Some(printed) = printed {
+        let off = found / printed - 1.0;
+        assert!(off.abs() < tolerance, "{name}: {found}, printed {printed}: {:.1} % off", 100.0 * off);
     }
 }
 
@@ -36,7 +87,7 @@ fn run(preset: &narx_sim::presets::Preset, torque: f64) -> (f64, f64) {
     config.supply.resistance = 0.0;
     config.supply.may_sink = true;
     config.load = LoadConfig { constant: torque, ..LoadConfig::default() };
-    config.speed = preset.data.rated_speed.unwrap_or(3000.0) * std::f64::consts::PI / 30.0;
+    config.speed = preset.data.rated_speed.unwrap_or(3000.0) * PI / 30.0;
     let mut plant = Plant::new(&config);
     let ideal = Ideal { rectification: Rectification::Diode, ..Ideal::forward(1.0) };
     ideal.run(&mut plant, 1.0);
@@ -50,6 +101,6 @@ fn run(preset: &narx_sim::presets::Preset, torque: f64) -> (f64, f64) {
         charge += plant.observe().bus_current;
     }
     let end = plant.observe();
-    let speed = (end.angle - start.angle) / (end.time - start.time) * 30.0 / std::f64::consts::PI;
+    let speed = (end.angle - start.angle) / (end.time - start.time) * 30.0 / PI;
     (speed, charge / f64::from(ticks))
 }

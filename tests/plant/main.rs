@@ -1,6 +1,10 @@
 //! The plant against closed forms, an independent integrator, ngspice and data sheets.
 
+mod closed_forms;
 mod data_sheets;
 mod driving;
 mod ledger;
+mod reference;
+mod sensors;
+mod spice;
 mod steady;

@@ -1,11 +1,15 @@
 //! Replay against a stand-in for the drive that answers with what it has seen so far.
 
-use super::support::{Growing, Noise, turning};
+use super::support::{Noise, turning};
 use narx_core::motor::event::{Command, Event, Request, Status};
-use narx_core::motor::{Coefficients, Drive, PwmCommand, Samples};
+use narx_core::motor::{Board, Coefficients, Drive, PwmCommand, Samples};
 use narx_core::recording::{
     BEHAVIOUR_VERSION, Header, Outcome, Recorder, Recording, ReplayError, Replayable, replay, replay_with,
 };
+use narx_core::units::ElectricalSpeed;
+use narx_sim::commissioning::{Mode, Nameplate};
+use narx_sim::plant::{MotorConfig, Plant, PlantConfig};
+use narx_sim::recording::RecordingBuffer;
 use serde::{Deserialize, Serialize};
 
 /// Adds up its inputs; reports every tenth tick.
@@ -34,7 +38,7 @@ fn recorded(behaviour_version: u16) -> Vec<u8> {
     let mut state = [0; 32];
     let state = postcard::to_slice(&drive, &mut state).unwrap();
     let header = Header { behaviour_version, ..Header::drive(10_000, "accumulator") };
-    let mut recorder = Recorder::new(Growing::default(), &header, state).unwrap();
+    let mut recorder = Recorder::new(RecordingBuffer::default(), &header, state).unwrap();
     for tick in turning(500, &mut Noise(5)) {
         if let Some(event) = tick.event.clone() {
             drive.handle_event(event);
@@ -62,31 +66,52 @@ fn the_same_drive_answers_the_same() {
     assert_eq!((seen[0].0, seen[0].1), (6, 1_000));
 }
 
-#[test]
-fn the_real_drive() {
-    let mut drive = Drive::new(Coefficients::default());
+/// The real drive turns a simulated motor by its hall sensors, and is given a parameter set on the way.
+fn recorded_run(ticks: u64) -> (Vec<u8>, Drive) {
+    let motor = MotorConfig { static_friction: 0.002, ..MotorConfig::default() };
+    let plate = Nameplate { motor, rated_current: Some(4.0), supply: 24.0, open_loop_speed: None };
+    let commissioned = plate.commission(Mode::Hall).unwrap();
+    let Ok(coefficients) = Coefficients::build(&commissioned.parameters, &Board::BENCH) else {
+        panic!("commissioned parameters do not build")
+    };
+    let mut drive = Drive::new(coefficients.clone());
+    let mut plant = Plant::new(&PlantConfig::new(motor, 24.0));
     let mut state = [0; 4_096];
     let state = postcard::to_slice(&drive, &mut state).unwrap();
     println!("serialised drive: {} bytes", state.len());
-    let mut recorder = Recorder::new(Growing::default(), &Header::drive(10_000, ""), state).unwrap();
-    let mut ticks = turning(12_000, &mut Noise(6));
-    ticks[3].event = Some(Event::Coefficients(Coefficients::default()));
-    ticks[6_000].event = Some(Event::Command(Command { request: Request::Drive, ..Command::default() }));
-    for tick in &ticks {
-        if let Some(event) = tick.event.clone() {
+    let mut recorder = Recorder::new(RecordingBuffer::default(), &Header::drive(10_000, ""), state).unwrap();
+    let speed = ElectricalSpeed::from_ratio(2_000 * 4, 60);
+    for k in 0..ticks {
+        let samples = plant.sample();
+        let event = match k {
+            8_000 => Some(Event::Coefficients(coefficients.clone())),
+            _ if k % 500 != 0 => None,
+            5_500.. => Some(Event::Command(Command { request: Request::Drive, speed })),
+            _ => Some(Event::Command(Command::default())),
+        };
+        if let Some(event) = event.clone() {
             drive.handle_event(event);
         }
-        let command = drive.step(&tick.samples);
-        recorder.record(tick.event.as_ref(), &tick.samples, &command, drive.poll_status().as_ref()).unwrap();
+        let command = drive.step(&samples);
+        recorder.record(event.as_ref(), &samples, &command, drive.poll_status().as_ref()).unwrap();
+        plant.finish_period(&command);
     }
-    let file = recorder.finish().unwrap().0;
+    assert!(plant.observe().speed > 100.0, "the motor must turn: {} rad/s", plant.observe().speed);
+    (recorder.finish().unwrap().0, drive)
+}
+
+#[test]
+fn the_real_drive_on_a_simulated_motor() {
+    let (file, drive) = recorded_run(15_000);
+    println!("15000 ticks: {} bytes, {:.2} a tick", file.len(), file.len() as f64 / 15_000.0);
+    assert!(file.len() < 12 * 15_000);
     let mut last = None;
     let outcome = replay_with(&Recording::open(&file).unwrap(), |drive: &Drive, _, _| {
         last = Some(drive.clone());
     })
     .unwrap();
     assert!(outcome.is_identical());
-    assert_eq!(outcome.ticks, 12_000);
+    assert_eq!(outcome.ticks, 15_000);
     assert!(last.unwrap() == drive);
 }
 

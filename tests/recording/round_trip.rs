@@ -1,8 +1,9 @@
 //! What is written is read back.
 
-use super::support::{Growing, Noise, record, tick, turning};
+use super::support::{Noise, record, tick, turning};
 use narx_core::motor::{PwmCommand, Samples};
 use narx_core::recording::{Full, Header, LABEL_MAX, RecordError, Recorder, Recording, Tick};
+use narx_sim::recording::RecordingBuffer;
 use proptest::prelude::*;
 
 proptest! {
@@ -40,17 +41,17 @@ fn noisy_codes_stay_under_twelve_bytes_a_tick() {
 fn what_does_not_fit_is_refused() {
     let header = Header::drive(10_000, "");
     let long = "x".repeat(LABEL_MAX + 1);
-    let refused = Recorder::new(Growing::default(), &Header { label: &long, ..header }, &[]);
+    let refused = Recorder::new(RecordingBuffer::default(), &Header { label: &long, ..header }, &[]);
     assert!(matches!(refused, Err(RecordError::LabelTooLong)));
     // A length of 256 + 10 must not pass as one of 10.
     let longer = "x".repeat(266);
-    let refused = Recorder::new(Growing::default(), &Header { label: &longer, ..header }, &[]);
+    let refused = Recorder::new(RecordingBuffer::default(), &Header { label: &longer, ..header }, &[]);
     assert!(matches!(refused, Err(RecordError::LabelTooLong)));
-    let refused = Recorder::new(Growing::default(), &header, &[0; 65_536]);
+    let refused = Recorder::new(RecordingBuffer::default(), &header, &[0; 65_536]);
     assert!(matches!(refused, Err(RecordError::StateTooLong)));
-    assert!(Recorder::new(Growing::default(), &header, &[0; 65_535]).is_ok());
+    assert!(Recorder::new(RecordingBuffer::default(), &header, &[0; 65_535]).is_ok());
     let fits = Header { label: &"x".repeat(LABEL_MAX), ..header };
-    assert!(Recorder::new(Growing::default(), &fits, &[]).is_ok());
+    assert!(Recorder::new(RecordingBuffer::default(), &fits, &[]).is_ok());
 }
 
 #[test]

@@ -1,29 +1,17 @@
-//! A sink without bound, arbitrary ticks, and files made without the recorder.
+//! Arbitrary ticks, ticks like a turning drive's, and files made without the recorder.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use narx_core::motor::event::{Command, Event, Health, Request, SlowMeasurements};
 use narx_core::motor::fault::FaultWord;
 use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, PwmCommand, SampleMode, Samples};
-use narx_core::recording::{Header, Recorder, Sink, Tick};
+use narx_core::recording::{Header, Recorder, Tick};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
+use narx_sim::recording::RecordingBuffer;
 use proptest::prelude::*;
-use std::convert::Infallible;
-
-/// A recording in a growing buffer.
-#[derive(Debug, Default)]
-pub(crate) struct Growing(pub Vec<u8>);
-
-impl Sink for Growing {
-    type Error = Infallible;
-    fn write(&mut self, bytes: &[u8]) -> Result<(), Infallible> {
-        self.0.extend_from_slice(bytes);
-        Ok(())
-    }
-}
 
 /// A finished recording of these ticks, every output the default command.
 pub(crate) fn record(header: &Header<'_>, state: &[u8], ticks: &[Tick]) -> Vec<u8> {
-    let mut recorder = Recorder::new(Growing::default(), header, state).unwrap();
+    let mut recorder = Recorder::new(RecordingBuffer::default(), header, state).unwrap();
     for tick in ticks {
         recorder.record(tick.event.as_ref(), &tick.samples, &PwmCommand::default(), None).unwrap();
     }

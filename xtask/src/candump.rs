@@ -26,11 +26,11 @@ mod tests {
 
     #[test]
     fn lines_as_candump_writes_them() {
-        let request = Frame::new(Id::extended(0x0AAD_5202).unwrap(), &[0, 0, 0, 1, 0, 0, 0, 0]).unwrap();
+        let request = Frame::data(Id::extended(0x0AAD_5202).unwrap(), &[0, 0, 0, 1, 0, 0, 0, 0]).unwrap();
         assert_eq!(line(1_234_567_890, "can0", &request), "(1.234567) can0 0AAD5202#0000000100000000");
-        let short = Frame::new(Id::standard(0x7f).unwrap(), &[0xab]).unwrap();
+        let short = Frame::data(Id::standard(0x7f).unwrap(), &[0xab]).unwrap();
         assert_eq!(line(999, "can0", &short), "(0.000000) can0 07F#AB");
-        let empty = Frame::new(Id::extended(1).unwrap(), &[]).unwrap();
+        let empty = Frame::data(Id::extended(1).unwrap(), &[]).unwrap();
         assert_eq!(line(12_000_000_001_000, "can0", &empty), "(12000.000001) can0 00000001#");
         let remote = Frame::remote(Id::standard(0x382).unwrap(), 8).unwrap();
         assert_eq!(line(50_000, "vcan1", &remote), "(0.000050) vcan1 382#R8");

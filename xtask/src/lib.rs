@@ -2,6 +2,7 @@
 
 pub mod candump;
 pub mod csv;
+pub mod demo;
 pub mod interop;
 pub mod plot;
 pub mod steps;

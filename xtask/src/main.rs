@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand, ValueEnum};
 use std::path::Path;
 use std::process::ExitCode;
+use xtask::demo;
 use xtask::interop;
 use xtask::steps::{Step, run_all};
 
@@ -15,6 +16,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// The main job: a motor starts, reaches its speed and holds it
+    Demo(demo::Arguments),
     /// Test everything, or one target; installs what that needs
     Test {
         /// What to test; without a name everything
@@ -31,6 +34,7 @@ enum Target {
 
 fn main() -> ExitCode {
     match Arguments::parse().command {
+        Command::Demo(arguments) => demo::run(&arguments),
         Command::Test { target: None | Some(Target::Rust) } => test_rust(),
     }
 }

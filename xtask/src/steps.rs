@@ -1,8 +1,8 @@
 //! Steps of a command: each named and timed, with the closing lines of what it ran.
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader, PipeReader};
 use std::path::Path;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Child, Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
 /// The closing lines of a step that went well, or why it did not.
@@ -52,26 +52,31 @@ pub fn run_all(steps: Vec<Step<'_>>) -> ExitCode {
 
 /// Runs a program, shows what it prints, and keeps the lines in which test runners sum up.
 pub fn run(command: &mut Command) -> Outcome {
-    let shown = format!("{command:?}").replace('"', "");
-    let mut child = command
-        .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|error| format!("{} did not start: {error}", command.get_program().display()))?;
+    let program = command.get_program().display().to_string();
+    let (mut child, output) = start(command).map_err(|error| format!("{program} did not start: {error}"))?;
     let mut closing = Vec::new();
-    if let Some(output) = child.stdout.take() {
-        let mut suite = String::new();
-        for line in BufReader::new(output).lines().map_while(Result::ok) {
-            println!("{line}");
-            let _ = std::io::stdout().flush();
-            if line.starts_with("running ") {
-                suite.clone_from(&line);
-            } else if line.starts_with("test result:") && suite != "running 0 tests" {
-                closing.push(line);
-            } else if line.starts_with("==") && line.contains(" in ") {
-                closing.push(line.trim_matches(['=', ' ']).to_owned());
-            }
+    let mut suite = String::new();
+    for line in BufReader::new(output).lines().map_while(Result::ok) {
+        println!("{line}");
+        let trimmed = line.trim_start();
+        if let Some(name) = trimmed.strip_prefix("Running ").or(trimmed.strip_prefix("Doc-tests ")) {
+            name.split(" (").next().unwrap_or(name).clone_into(&mut suite);
+        } else if line.starts_with("test result:") && !line.contains(" 0 passed; 0 failed; 0 ignored") {
+            closing.push(format!("{suite}: {line}"));
+        } else if line.starts_with("==") && line.contains(" in ") {
+            closing.push(line.trim_matches(['=', ' ']).to_owned());
         }
     }
-    let status = child.wait().map_err(|error| format!("{shown}: {error}"))?;
-    if status.success() { Ok(closing) } else { Err(format!("{status}: {shown}")) }
+    let status = child.wait().map_err(|error| format!("{program}: {error}"))?;
+    let arguments: Vec<_> = command.get_args().map(|argument| argument.to_string_lossy()).collect();
+    if status.success() { Ok(closing) } else { Err(format!("{status}: {program} {}", arguments.join(" "))) }
+}
+
+/// Starts a program with both of its outputs in one pipe, so that lines stay in order.
+fn start(command: &mut Command) -> io::Result<(Child, PipeReader)> {
+    let (reader, writer) = io::pipe()?;
+    let child = command.stdout(writer.try_clone()?).stderr(writer).spawn();
+    // The command would hold its ends open, and reading would never end.
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    Ok((child?, reader))
 }

@@ -209,8 +209,8 @@ pub(super) const CONTROL: [Parameter; 44] = [
         .range(0, u32::MAX as i64)
         .factory(0xFC00_00FE)
         .about(
-            "Bit set: that bit of the fault word (Table 9) is critical. Bit 0 never is; bits 2 to 5, 27 and \
-             29 to 31 always are while driving.",
+            "Bit set: that bit of the fault word (Table 9) is critical. Bit 0 never is; bits 2 to 5, 27 and 29 \
+             to 31 always are while driving.",
         ),
     Parameter::new(number::OVER_CURRENT, "Over-current HV threshold", Limitation, U16)
         .unit("A", -3)

@@ -36,7 +36,12 @@ pub enum ParameterError {
 impl Parameters {
     /// Factory values.
     pub fn new() -> Self {
-        Self(Dictionary::rows().map(Parameter::factory_raw).collect())
+        let mut values = Raw::new();
+        for row in Dictionary::rows() {
+            // There is room for every row; `collect` would carry a panic for the case that there is none.
+            let _ = values.push(row.factory_raw());
+        }
+        Self(values)
     }
 
     /// The raw value of a parameter (unit and scale: its row), or `None` if there is no such number.

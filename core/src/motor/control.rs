@@ -86,6 +86,7 @@ pub struct Control {
     /// Voltage that the last duty gives, raw I16F16.
     applied: i32,
     millisecond: u16,
+    coasting: bool,
     /// The last tick was synchronous.
     synchronous: bool,
     output: Output,
@@ -97,8 +98,6 @@ const RETURN: i32 = -(1 << 16) / 100;
 const CEILING: i64 = 128 << 32;
 /// Mean bus current beyond which diodes take over: -0.3 A.
 const REGENERATING: i32 = -(1 << 16) * 3 / 10;
-/// 0.25 V.
-const GUARD_HYSTERESIS: i32 = 1 << 14;
 /// Mean bus current that is clearly forward: 50 mA.
 const MOTORING: i32 = (1 << 16) / 20;
 
@@ -149,6 +148,14 @@ impl Control {
             Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
             Demand::Speed { gains, target, measured: speed, duty_max } => {
                 self.leave_diodes(c, speed);
+                if self.coast(c, measured, speed) {
+                    if due {
+                        self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
+                    }
+                    self.output = Output { limiter: Limiter::Return, ..Output::default() };
+                    self.applied = 0;
+                    return self.output;
+                }
                 if due {
                     let ceiling = share(measured.bus_voltage.to_bits(), duty_max);
                     let setpoint = self.advance_setpoint(c, target, speed);
@@ -169,6 +176,25 @@ impl Control {
             self.speed.track(&gains, self.applied, self.speed_error);
         }
         self.output
+    }
+
+    /// Bridge off while the bus stands near its limit without the motor drawing from it, or is fed in earnest; until the
+    /// motor has fallen to its set-point and wants torque again. Diodes alone would not do: their discontinuous current
+    /// drives an unloaded motor beyond the speed that the same duty holds with switches.
+    fn coast(&mut self, c: &ControlCoefficients, measured: &Measured, speed: i32) -> bool {
+        let current = measured.bus_current_filtered.to_bits();
+        let full = measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING;
+        if self.coasting {
+            self.coasting = self.speed_error < 0;
+            if !self.coasting {
+                let back_emf = c.back_emf.apply32(speed);
+                self.take_over(if back_emf > 0 { back_emf } else { self.speed_voltage });
+                self.output.rectification = Rectification::Synchronous;
+            }
+        } else {
+            self.coasting = self.speed_error < 0 && (full || current < REGENERATING);
+        }
+        self.coasting
     }
 
     /// With diodes the light-load current is discontinuous, and a voltage below back-EMF holds the speed. Before the
@@ -295,15 +321,13 @@ impl Control {
     }
 
     /// Diodes take over while the bus is fed in earnest or stands near its limit: current in a diode cannot reverse. The
-    /// switches come back when the motor draws current, and is not too fast: with diodes it can only coast to its set-point,
-    /// and must be left to.
+    /// switches come back when the motor draws current.
     fn rectification(&self, c: &ControlCoefficients, measured: &Measured) -> Rectification {
         let current = measured.bus_current_filtered.to_bits();
-        let voltage = measured.bus_voltage.to_bits();
-        if voltage > c.bus_guard || current < REGENERATING {
-            Rectification::Diode
-        } else if current > MOTORING && self.speed_error >= 0 && voltage < c.bus_guard - GUARD_HYSTERESIS {
+        if current > MOTORING {
             Rectification::Synchronous
+        } else if measured.bus_voltage.to_bits() > c.bus_guard || current < REGENERATING {
+            Rectification::Diode
         } else {
             self.output.rectification
         }

@@ -61,16 +61,17 @@ impl OpenPhase {
         *self = Self::default();
     }
 
-    /// At the end of a step: a phase is suspect while every step with it was dead and every step without it alive.
+    /// At the end of a step: a phase is suspect while every step with it was dead and every step without it alive. The
+    /// freewheeling rest of the step before may still show in a dead one; what is neither proves nothing.
     fn judge(&mut self) {
         if self.step.sector().is_none() || self.ticks < 2 {
             return;
         }
-        // The freewheeling rest of the step before may still show: most of the dwell decides.
-        let dead = self.carrying < self.ticks / 4;
+        let dead = self.carrying <= self.ticks / 4;
+        let alive = self.carrying >= self.ticks - self.ticks / 4;
         for (count, leg) in self.evidence.iter_mut().zip(self.step.legs()) {
-            let involved = leg != Leg::Floating;
-            *count = if involved == dead { count.saturating_add(1) } else { 0 };
+            let fits = if leg == Leg::Floating { alive } else { dead };
+            *count = if fits { count.saturating_add(1) } else { 0 };
         }
     }
 }

@@ -33,7 +33,7 @@ impl<const N: usize> Sink for Vec<u8, N> {
 }
 
 /// Records one drive: [`new`](Self::new), [`record`](Self::record) once a tick, [`finish`](Self::finish).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Recorder<S> {
     output: Output<S>,
     payload: Payload,
@@ -125,6 +125,7 @@ impl<S: Sink> Recorder<S> {
 }
 
 /// The sink with the running check.
+#[derive(Clone)]
 struct Output<S> {
     sink: S,
     crc: crc::Digest<'static, u32>,

@@ -116,6 +116,12 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         Some(index)
     }
 
+    /// Fills every place that is left with nodes at the bus's own bitrate, and names all of them in order.
+    pub fn attach_all(&mut self) -> [NodeIndex; NODES] {
+        while self.attach().is_some() {}
+        core::array::from_fn(NodeIndex)
+    }
+
     /// Sets how a node takes part.
     pub fn set_attachment(&mut self, node: NodeIndex, attachment: Attachment) {
         if let Some(node) = self.nodes.get_mut(node.0) {

@@ -117,7 +117,7 @@ fn mean_over_conduction(flank_deg: f64) -> f64 {
 /// The three sines at `middle - aside` and at `middle + aside` (turns).
 fn sine_pair(middle: f64, aside: f64) -> ([f64; 3], [f64; 3]) {
     let (sin_m, cos_m) = sin_cos(middle);
-    let (sin_a, cos_a) = if aside.abs() < 0.05 { small_sin_cos(aside) } else { sin_cos(aside) };
+    let (sin_a, cos_a) = if aside.abs() < 0.016 { tiny_sin_cos(aside) } else { sin_cos(aside) };
     let (ss, cs, sc, cc) = (sin_m * sin_a, cos_m * sin_a, sin_m * cos_a, cos_m * cos_a);
     (three_sines(sc - cs, cc + ss), three_sines(sc + cs, cc - ss))
 }
@@ -145,6 +145,15 @@ pub(crate) fn sin_cos(turns: f64) -> (f64, f64) {
         2 => (-s, -c),
         _ => (-c, s),
     }
+}
+
+/// The same, for angles up to 0.1 rad, to 1e-11.
+fn tiny_sin_cos(turns: f64) -> (f64, f64) {
+    let x = turns * (2.0 * PI);
+    let y = x * x;
+    let s = 1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0) * (1.0 - y * (1.0 / 42.0)));
+    let c = 1.0 - y * 0.5 * (1.0 - y * (1.0 / 12.0) * (1.0 - y * (1.0 / 30.0) * (1.0 - y * (1.0 / 56.0))));
+    (x * s, c)
 }
 
 /// Taylor series about 0, for angles up to an eighth of a turn.

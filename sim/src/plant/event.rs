@@ -84,3 +84,35 @@ impl Event {
         upper
     }
 }
+
+/// The search for the first event of an interval.
+pub(crate) struct First<'a> {
+    pub(crate) network: &'a Network,
+    pub(crate) segment: &'a Segment,
+    pub(crate) h: f64,
+    pub(crate) start: &'a Electric,
+    pub(crate) middle: &'a Electric,
+    pub(crate) end: &'a Electric,
+    pub(crate) found: Option<(Event, f64)>,
+}
+
+impl First<'_> {
+    pub(crate) fn consider(&mut self, event: Event) {
+        let (network, h) = (self.network, self.h);
+        let edge = event.edge();
+        let at_middle = event.beyond(self.segment, network, 0.5 * h, self.middle);
+        let bracket = if at_middle > edge {
+            (0.0, event.beyond(self.segment, network, 0.0, self.start), 0.5 * h, at_middle)
+        } else {
+            let at_end = event.beyond(self.segment, network, h, self.end);
+            if at_end <= edge {
+                return;
+            }
+            (0.5 * h, at_middle, h, at_end)
+        };
+        let t = event.locate(self.segment, network, bracket);
+        if self.found.is_none_or(|(_, earliest)| t < earliest) {
+            self.found = Some((event, t));
+        }
+    }
+}

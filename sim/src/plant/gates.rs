@@ -77,6 +77,11 @@ impl Gates {
         self.switched = self.legs.contains(&Role::Switched);
     }
 
+    /// Legs that the step leaves floating.
+    pub(crate) fn floating(&self) -> [bool; 3] {
+        self.legs.map(|role| role == Role::Floating)
+    }
+
     pub(crate) fn step(&self) -> Step {
         self.step
     }

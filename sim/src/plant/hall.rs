@@ -131,6 +131,7 @@ impl Halls {
 
     /// Follows the rotor from `angle_from` to `angle_to` (turns) in the part `from..to` (1/65 536) of the
     /// period, at constant speed, and captures the edges.
+    #[inline]
     pub(crate) fn follow(
         &mut self,
         angle: (f64, f64),
@@ -139,6 +140,12 @@ impl Halls {
         random: &mut Random,
         capture: &mut Capture,
     ) {
+        // A broken line shows even without a crossing; nothing else can change it.
+        let lines = self.lines(injected);
+        if lines != self.steady {
+            self.steady = lines;
+            self.show(part.0, capture);
+        }
         // An edge a sensor; two sensors that switch at once are two edges.
         while let Some((place, index, step)) = self.next_crossing(angle.0, angle.1) {
             let reached = (place - angle.0) / (angle.1 - angle.0);
@@ -162,11 +169,6 @@ impl Halls {
             self.show(at, capture);
         }
         self.play_glitch(part.1, capture);
-        let steady = self.lines(injected);
-        if steady != self.steady {
-            self.steady = steady;
-            self.show(part.0, capture);
-        }
     }
 
     /// The first place between two angles where a sensor switches: place, sensor, +1 or -1 half turns.

@@ -7,13 +7,16 @@ use super::segment::Motion;
 /// The shaft's state and constants.
 #[derive(Clone, Debug)]
 pub(crate) struct Shaft {
-    pole_pairs: f64,
     inertia: f64,
     /// Motor's share of the Coulomb torque and of the viscous drag.
     static_friction: f64,
     viscous_friction: f64,
     cogging_torque: f64,
     cogging_periods: f64,
+    /// Electrical turns per mechanical radian.
+    turns_per_radian: f64,
+    /// Cogging periods per electrical turn.
+    cogging_ratio: f64,
     load: LoadConfig,
     /// Electrical angle, turns, unwrapped.
     pub(crate) angle: f64,
@@ -44,12 +47,13 @@ const TAU: f64 = 2.0 * core::f64::consts::PI;
 impl Shaft {
     pub(crate) fn new(motor: &MotorConfig, load: LoadConfig, angle: f64, speed: f64) -> Self {
         Self {
-            pole_pairs: f64::from(motor.pole_pairs.max(1)),
             inertia: motor.inertia,
             static_friction: motor.static_friction,
             viscous_friction: motor.viscous_friction,
             cogging_torque: motor.cogging_torque,
             cogging_periods: f64::from(motor.cogging_periods),
+            turns_per_radian: f64::from(motor.pole_pairs.max(1)) / TAU,
+            cogging_ratio: f64::from(motor.cogging_periods) / f64::from(motor.pole_pairs.max(1)),
             load,
             angle,
             speed,
@@ -68,7 +72,7 @@ impl Shaft {
 
     /// Electrical turns per mechanical radian.
     pub(crate) fn turns_per_radian(&self) -> f64 {
-        self.pole_pairs * (1.0 / TAU)
+        self.turns_per_radian
     }
 
     /// Mechanical angle, rad.
@@ -96,7 +100,7 @@ impl Shaft {
             return kinetic;
         }
         // T = -dU/dangle with T = amplitude sin(n angle)
-        let (_, cos) = sin_cos(self.cogging_periods * self.mechanical_angle() * (1.0 / TAU));
+        let (_, cos) = sin_cos(self.cogging_ratio * self.angle);
         kinetic + self.cogging_torque / self.cogging_periods * cos
     }
 
@@ -109,8 +113,8 @@ impl Shaft {
         if self.cogging_torque == 0.0 {
             return 0.0;
         }
-        let middle = self.mechanical_angle() + 0.5 * span;
-        let (sin, _) = sin_cos(self.cogging_periods * middle * (1.0 / TAU));
+        let middle = self.angle + 0.5 * span * self.turns_per_radian;
+        let (sin, _) = sin_cos(self.cogging_ratio * middle);
         // Mean of a sine over x = n span: its value in the middle times sin(x/2) / (x/2).
         let y = 0.25 * self.cogging_periods * self.cogging_periods * span * span;
         self.cogging_torque * sin * (1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0)))

@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 
+mod comparator;
 mod config;
 mod converter;
 mod emf;
@@ -23,6 +24,7 @@ mod ledger;
 mod mechanics;
 mod network;
 mod segment;
+mod simpson;
 mod stage;
 
 pub use config::{
@@ -33,6 +35,7 @@ pub use injection::{Injection, Phase};
 pub use ledger::Ledger;
 
 use crate::random::Random;
+use comparator::Comparators;
 use converter::Converter;
 use gates::Gates;
 use hall::{Capture, Halls};
@@ -42,6 +45,8 @@ use stage::Stage;
 
 /// Temperature of the motor's data, degrees Celsius.
 const REFERENCE_TEMPERATURE: f64 = 25.0;
+/// Less than this is no time, s.
+const INSTANT: f64 = 1e-12;
 /// Periods between two updates of what drifts with temperature.
 const DRIFT_PERIODS: u64 = 128;
 
@@ -59,6 +64,7 @@ pub struct Plant {
     halls: Halls,
     capture: Capture,
     captured: Capture,
+    comparators: Option<Comparators>,
     converter: Converter,
     random: Random,
     injected: Injected,
@@ -125,6 +131,7 @@ impl Plant {
             halls: Halls::new(&config.hall, config.angle_deg / 360.0),
             capture: Capture::default(),
             captured: Capture::default(),
+            comparators: config.comparator.map(Comparators::new),
             converter: Converter::new(config.converter, &config.board.front_end),
             random: Random::new(config.seed),
             injected: Injected::default(),
@@ -208,6 +215,12 @@ impl Plant {
         self.t = 0.0;
         self.gates.latch(command);
         self.command = *command;
+        if !self.config.board.hall_capture {
+            self.capture = Capture::default();
+        }
+        if let Some(comparators) = &mut self.comparators {
+            comparators.end_period(self.period, &mut self.capture);
+        }
         core::mem::swap(&mut self.capture, &mut self.captured);
         self.capture = Capture::default();
         self.halls.start_period(&self.injected, self.period, &mut self.random);
@@ -335,7 +348,8 @@ impl Plant {
         f64::from(part) * (1.0 / 65_536.0) * self.period
     }
 
-    fn lines(&self) -> Lines {
+    /// Digital inputs as they stand.
+    pub fn lines(&self) -> Lines {
         let mut lines = Lines::empty();
         lines.set(Lines::DRIVER_FAULT, self.injected.driver.contains(&true));
         lines.set(Lines::EMERGENCY, self.injected.emergency);
@@ -346,15 +360,26 @@ impl Plant {
 
     /// Runs to `target`, s from the start of the period; nothing if that has passed.
     fn advance(&mut self, target: f64) {
-        while target - self.t > 1e-12 {
+        while target - self.t > INSTANT {
             let gates = self.gates.at(self.t, &self.injected.driver);
             self.stage.set_gates(&gates);
             let until = self.gates.next_change(self.t, target);
+            if until - self.t <= INSTANT {
+                // A dead time that ends with the period is a rounding error away from its end.
+                self.t = until;
+                continue;
+            }
             let before = self.stage.shaft.angle;
             let h = self.stage.interval(until - self.t);
             let from = self.t;
             self.t = if h >= until - from { until } else { from + h };
             self.follow_halls(before, from);
+            if let Some(comparators) = &mut self.comparators
+                && self.t > from
+            {
+                let [start, end] = &self.stage.against_mean;
+                comparators.follow(&self.gates.floating(), start, end, from, self.t);
+            }
         }
     }
 

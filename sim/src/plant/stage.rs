@@ -2,25 +2,26 @@
 
 use super::config::{PlantConfig, SupplyConfig};
 use super::emf::{EmfShape, Linear3};
-use super::event::Event;
+use super::event::{Event, First};
 use super::gates::Gate;
 use super::ledger::Ledger;
 use super::mechanics::{Shaft, Turn};
 use super::network::Network;
 use super::segment::{Electric, Leg, Motion, Segment};
+use super::simpson::Simpson;
 
 /// Longest interval, s: a period at 10 kHz.
 const INTERVAL_MAX: f64 = 100e-6;
 /// Longest interval in time constants L / R: Simpson's rule gives losses to 1e-4 then.
 const TIME_CONSTANTS_MAX: f64 = 0.35;
 /// Largest electrical angle of an interval, rad: the back-EMF is linear in it to 1e-3.
-const ANGLE_MAX: f64 = 0.15;
+const ANGLE_MAX: f64 = 0.25;
 /// A current below this is none, A.
 const CURRENT_ZERO: f64 = 1e-9;
 /// A diode or the source turns on or off when its voltage is this far beyond, V. Keeps rounding from toggling it.
 pub(crate) const VOLTAGE_EDGE: f64 = 1e-7;
 /// Largest error of a phase's back-EMF because the speed was predicted wrongly, V.
-const EMF_ERROR: f64 = 1e-4;
+const EMF_ERROR: f64 = 1e-3;
 /// Attempts to get below it.
 const CORRECTIONS_MAX: u32 = 3;
 /// Shorter intervals are none, s.
@@ -52,6 +53,9 @@ pub(crate) struct Stage {
     /// Star point and back-EMF at the end of the last interval, V.
     pub(crate) neutral: f64,
     emf: [f64; 3],
+    /// Terminals less their mean at start and end of the last interval, V; kept up only while `watched`.
+    pub(crate) against_mean: [[f64; 3]; 2],
+    pub(crate) watched: bool,
 }
 
 impl Stage {
@@ -85,6 +89,8 @@ impl Stage {
             intervals: 0,
             neutral: 0.0,
             emf: [0.0; 3],
+            against_mean: [[0.0; 3]; 2],
+            watched: config.comparator.is_some(),
         };
         stage.stored_at_start = stage.stored();
         stage
@@ -254,17 +260,17 @@ impl Stage {
     /// Turns diodes and source on or off until they agree with the voltages, and returns the circuit.
     fn settle(&mut self, shape: &Linear3, motion: &Motion) -> Segment {
         self.settle_source();
-        let mut segment =
-            Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
         // Each pass changes one diode; six are more than three legs can need.
-        for _ in 0..6 {
-            if !self.settle_diode(&segment) {
-                break;
+        let mut passes = 6;
+        loop {
+            let segment =
+                Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
+            if passes == 0 || !self.settle_diode(&segment) {
+                return segment;
             }
             self.diode_events += 1;
-            segment = Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
+            passes -= 1;
         }
-        segment
     }
 
     fn settle_source(&mut self) {
@@ -353,7 +359,8 @@ impl Stage {
         middle: &Electric,
         end: &Electric,
     ) -> Option<(Event, f64)> {
-        let mut first = First { stage: self, segment, h, middle, end, found: None };
+        let mut first =
+            First { network: &self.network, segment, h, start: &self.electric, middle, end, found: None };
         for x in 0..3 {
             match self.legs[x] {
                 Leg::HighDiode if middle.i[x] > 0.0 || end.i[x] > 0.0 => first.consider(Event::Stops(x)),
@@ -367,8 +374,12 @@ impl Stage {
                 first.consider(event);
             }
         }
-        if !self.may_sink {
-            first.consider(if self.source_on { Event::SourceStops } else { Event::SourceStarts });
+        let source_v = self.network.source_v;
+        if self.source_on && !self.may_sink && middle.v.max(end.v) > source_v + VOLTAGE_EDGE {
+            first.consider(Event::SourceStops);
+        }
+        if !self.source_on && middle.v.min(end.v) < source_v - VOLTAGE_EDGE {
+            first.consider(Event::SourceStarts);
         }
         first.found
     }
@@ -424,6 +435,14 @@ impl Stage {
         self.held = [false; 3];
         self.neutral = segment.neutral(*h, end.v, self.network.drop);
         self.emf = [0, 1, 2].map(|x| segment.emf_at(x, *h));
+        if self.watched {
+            let less_mean = |t: f64, at: &Electric| {
+                let terminals = [0, 1, 2].map(|x| segment.terminal(&self.network, x, t, at));
+                let mean = (terminals[0] + terminals[1] + terminals[2]) * (1.0 / 3.0);
+                terminals.map(|terminal| terminal - mean)
+            };
+            self.against_mean = [less_mean(0.0, &start), less_mean(*h, end)];
+        }
         if let Some(event) = *event {
             self.apply(event, false);
         }
@@ -463,60 +482,4 @@ struct Solved {
     end: Electric,
     /// What ended it early.
     event: Option<Event>,
-}
-
-/// The search for the first event of an interval.
-struct First<'a> {
-    stage: &'a Stage,
-    segment: &'a Segment,
-    h: f64,
-    middle: &'a Electric,
-    end: &'a Electric,
-    found: Option<(Event, f64)>,
-}
-
-impl First<'_> {
-    fn consider(&mut self, event: Event) {
-        let (network, h) = (&self.stage.network, self.h);
-        let edge = event.edge();
-        let at_middle = event.beyond(self.segment, network, 0.5 * h, self.middle);
-        let bracket = if at_middle > edge {
-            (0.0, event.beyond(self.segment, network, 0.0, &self.stage.electric), 0.5 * h, at_middle)
-        } else {
-            let at_end = event.beyond(self.segment, network, h, self.end);
-            if at_end <= edge {
-                return;
-            }
-            (0.5 * h, at_middle, h, at_end)
-        };
-        let t = event.locate(self.segment, network, bracket);
-        if self.found.is_none_or(|(_, earliest)| t < earliest) {
-            self.found = Some((event, t));
-        }
-    }
-}
-
-/// Simpson's rule over an interval.
-struct Simpson<'a> {
-    h: f64,
-    points: [&'a Electric; 3],
-}
-
-impl Simpson<'_> {
-    fn integral(&self, value: impl Fn(&Electric) -> f64) -> f64 {
-        let [start, middle, end] = self.points;
-        self.h * (1.0 / 6.0) * (value(start) + 4.0 * value(middle) + value(end))
-    }
-
-    /// Torque impulse, N m s: each phase's back-EMF per speed times its current.
-    fn impulse(&self, shape: &Linear3) -> f64 {
-        let [start, middle, end] = self.points;
-        let mut sum = 0.0;
-        for x in 0..3 {
-            let first = shape.start[x];
-            let rise = shape.slope[x] * self.h;
-            sum += first * start.i[x] + 4.0 * (first + 0.5 * rise) * middle.i[x] + (first + rise) * end.i[x];
-        }
-        self.h * (1.0 / 6.0) * sum
-    }
 }

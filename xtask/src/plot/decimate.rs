@@ -29,6 +29,17 @@ pub(super) fn line(points: &[(f64, f64)], count: usize) -> Vec<(f64, f64)> {
     )
 }
 
+/// The mean of each of `count` stretches.
+pub(super) fn means(points: &[(f64, f64)], count: usize) -> Vec<(f64, f64)> {
+    let per_stretch = points.len().div_ceil(count.max(1)).max(1);
+    let mean = |points: &[(f64, f64)]| {
+        let count = points.len() as f64;
+        let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0, y + point.1));
+        (x / count, y / count)
+    };
+    without_repeats(points.chunks(per_stretch).map(mean).filter(|(_, y)| !y.is_nan()))
+}
+
 fn extent(points: &[(f64, f64)]) -> Option<Extent> {
     let mut numbers = points.iter().copied().filter(|(_, y)| !y.is_nan());
     let first = numbers.next()?;
@@ -78,5 +89,6 @@ mod tests {
         assert_eq!(line(&points, 100), points);
         assert!(line(&[], 100).is_empty());
         assert!(extents(&[(0.0, f64::NAN)], 100).is_empty());
+        assert_eq!(means(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0), (3.0, 7.0)], 2), [(0.5, 2.0), (2.5, 6.0)]);
     }
 }

@@ -5,7 +5,7 @@ mod decimate;
 mod panel;
 mod states;
 
-use decimate::{extents, line};
+use decimate::{extents, line, means};
 use narx_sim::trace::Trace;
 use panel::{Area, Axis, Curve, Panel, Shape, px};
 use plotters::prelude::*;
@@ -141,7 +141,8 @@ impl<'a> Run<'a> {
     fn time_range(&self) -> (f64, f64) {
         // To the end of the last row's period.
         match self.time.as_slice() {
-            [first, .., before, last] => (*first, last + (last - before)),
+            // A hair more, so that a round end has its number on the axis.
+            [first, .., before, last] => (*first, last + (last - before) * 1.000_1),
             [first, last] => (*first, *last),
             _ => (0.0, 1.0),
         }
@@ -166,14 +167,21 @@ impl<'a> Run<'a> {
             let points: Vec<(f64, f64)> = self.time.iter().copied().zip(values).collect();
             extents(&points, STRETCHES)
         });
-        let band = low.iter().zip(&high).map(|(low, high)| (low.min.0, low.min.1, high.max.1)).collect();
-        let phases = Curve {
-            legend: "phases A, B, C (envelope)",
-            colour: colour::SKY,
-            width: 0.0,
-            shape: Shape::Band(band),
-        };
-        let curves = vec![phases, self.curve("bus_current", "bus", colour::VERMILION)];
+        let phases = low.iter().zip(&high).map(|(low, high)| (low.min.0, low.min.1, high.max.1)).collect();
+        // The bus current falls with every commutation: its range, and the mean that counts.
+        let bus = self.points("bus_current");
+        let bus_range = extents(&bus, STRETCHES).iter().map(|e| (e.min.0, e.min.1, e.max.1)).collect();
+        let band = |legend, colour, band| Curve { legend, colour, width: 0.0, shape: Shape::Band(band) };
+        let curves = vec![
+            band("phases A, B, C (range)", colour::SKY, phases),
+            band("bus (range)", colour::ORANGE, bus_range),
+            Curve {
+                legend: "bus (mean)",
+                colour: colour::VERMILION,
+                width: 1.5,
+                shape: Shape::Line(means(&bus, STRETCHES)),
+            },
+        ];
         Panel::new("Currents, A", self.time_range(), Axis::around(&curves), curves)
     }
 

@@ -1,7 +1,9 @@
 //! One panel: axes, curves and their legend.
 
 use super::colour;
+use plotters::chart::DualCoordChartContext;
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -9,6 +11,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// Why the library refused.
 pub(super) type DrawError = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>;
+
+type Coordinates = Cartesian2d<RangedCoordf64, RangedCoordf64>;
+type Chart<'a> = DualCoordChartContext<'a, SVGBackend<'a>, Coordinates, Coordinates>;
 
 /// Margins left and right of every panel, so that all share one time axis.
 pub(super) const LEFT: u32 = 64;
@@ -94,34 +99,49 @@ impl Panel {
     ) -> Result<(), DrawError> {
         let (head, body) = area.split_vertically(px(HEAD));
         self.draw_head(&head)?;
-        let (second, second_curves) = match &self.secondary {
-            Some((axis, curves)) => (axis, curves.as_slice()),
-            None => (&self.axis, [].as_slice()),
-        };
-        let right = if self.secondary.is_some() { LabelAreaPosition::Right } else { LabelAreaPosition::Top };
+        let second = self.secondary.as_ref().map_or(&self.axis, |(axis, _)| axis);
+        // The right margin is the same with an axis in it and without.
+        let (margin, labels) = if self.secondary.is_some() { (0, px(RIGHT)) } else { (px(RIGHT), 0) };
         let mut chart = ChartBuilder::on(&body)
             .margin_top(px(3))
             .margin_bottom(px(5))
-            .margin_right(if self.secondary.is_some() { 0 } else { px(RIGHT) })
+            .margin_right(margin)
             .set_label_area_size(LabelAreaPosition::Left, px(LEFT))
-            .set_label_area_size(right, if self.secondary.is_some() { px(RIGHT) } else { 0 })
-            .set_label_area_size(
-                LabelAreaPosition::Bottom,
-                if time_axis.is_some() { px(TIME_AXIS) } else { 0 },
-            )
+            .set_label_area_size(LabelAreaPosition::Right, labels)
+            .set_label_area_size(LabelAreaPosition::Bottom, time_axis.map_or(0, |_| px(TIME_AXIS)))
             .build_cartesian_2d(self.time.0..self.time.1, self.axis.low..self.axis.high)?
             .set_secondary_coord(self.time.0..self.time.1, second.low..second.high);
+        self.draw_axes(&mut chart, time_axis.unwrap_or(""))?;
+        for mark in marks {
+            let line = [(*mark, self.axis.low), (*mark, self.axis.high)];
+            chart.draw_series([PathElement::new(line, colour::GREY.mix(0.7).stroke_width(SCALE))])?;
+        }
+        for curve in &self.curves {
+            match &curve.shape {
+                Shape::Line(points) => chart.draw_series([curve.path(points)])?,
+                Shape::Band(band) => chart.draw_series([curve.polygon(band)])?,
+            };
+        }
+        for curve in self.secondary.iter().flat_map(|(_, curves)| curves) {
+            if let Shape::Line(points) = &curve.shape {
+                chart.draw_secondary_series([curve.path(points)])?;
+            }
+        }
+        Ok(())
+    }
 
-        let text = ("sans-serif", px(14), &colour::BLACK).into_text_style(area);
+    fn draw_axes<'a>(&self, chart: &mut Chart<'a>, time_axis: &str) -> Result<(), DrawError> {
+        let text = ("sans-serif", px(14), &colour::BLACK).into_text_style(chart.plotting_area());
+        let axis = BLACK.mix(0.55).stroke_width(SCALE);
         let number = |value: &f64| number(*value);
         chart
             .configure_mesh()
             .light_line_style(TRANSPARENT)
             .bold_line_style(BLACK.mix(0.13).stroke_width(SCALE))
-            .axis_style(BLACK.mix(0.55).stroke_width(SCALE))
+            .axis_style(axis)
             .x_labels(11)
             .y_labels(6)
-            .x_desc(time_axis.unwrap_or(""))
+            .x_desc(time_axis)
             .x_label_formatter(&number)
             .y_label_formatter(&number)
             .label_style(text.clone())
@@ -133,25 +153,10 @@ impl Panel {
                 .configure_secondary_axes()
                 .y_labels(6)
                 .y_label_formatter(&number)
-                .axis_style(BLACK.mix(0.55).stroke_width(SCALE))
+                .axis_style(axis)
                 .label_style(text)
                 .set_all_tick_mark_size(px(4))
                 .draw()?;
-        }
-        for mark in marks {
-            let line = [(*mark, self.axis.low), (*mark, self.axis.high)];
-            chart.draw_series([PathElement::new(line, colour::GREY.mix(0.7).stroke_width(SCALE))])?;
-        }
-        for curve in &self.curves {
-            match &curve.shape {
-                Shape::Line(points) => chart.draw_series([curve.path(points)])?,
-                Shape::Band(band) => chart.draw_series([curve.polygon(band)])?,
-            };
-        }
-        for curve in second_curves {
-            if let Shape::Line(points) = &curve.shape {
-                chart.draw_secondary_series([curve.path(points)])?;
-            }
         }
         Ok(())
     }

@@ -1,0 +1,351 @@
+//! The bench: the real drive and node around the plant, on a CAN bus, with a master's place on it.
+//!
+//! ```text
+//!  host frames <--> bus <--> Node --Event--> Drive --PwmCommand--> Plant
+//!                             ^                |  ^                   |
+//!                             +----Status------+  +------Samples------+
+//! ```
+//!
+//! One call of [`Bench::step`] is one control tick. Same configuration, same frames, same bits.
+
+use crate::can::{Attachment, Bus, BusStatistics, NodeIndex, NotQueued, Received};
+use crate::plant::{Observation, Plant, PlantConfig};
+use crate::recording::RecordingBuffer;
+use crate::trace::{Signal, Trace};
+use alloc::string::String;
+use alloc::vec::Vec;
+use narx_core::bus::Frame;
+use narx_core::dictionary::{Parameters, number};
+use narx_core::motor::commutation::sector_of;
+use narx_core::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
+use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
+use narx_core::node::{Action, Identity, Node, SlowInputs};
+use narx_core::recording::{Header, Kind, Recorder};
+use narx_core::units::{Celsius, ElectricalAngle, ElectricalSpeed, Volts};
+
+/// Bit rate of the drive's bus (Table 2).
+pub const BITRATE: u32 = 500_000;
+/// The board reads its slow inputs this often, ms.
+const INPUTS_MS: u64 = 10;
+
+/// Drive, host and a listener.
+const PLACES: usize = 3;
+/// Frames that wait at each place on the bus.
+const QUEUE: usize = 64;
+
+/// What a bench is made of.
+#[derive(Clone, Debug)]
+pub struct BenchConfig {
+    /// The physical side.
+    pub plant: PlantConfig,
+    /// Stored parameters of the drive.
+    pub parameters: Parameters,
+    /// Goes into recordings; cut at 255 bytes.
+    pub label: String,
+    /// Keep a row per tick for [`Bench::trace`].
+    pub trace: bool,
+}
+
+/// A drive on a bench.
+#[derive(Debug)]
+pub struct Bench {
+    plant: Plant,
+    drive: Drive,
+    node: Node,
+    bus: Bus<PLACES, QUEUE>,
+    device: NodeIndex,
+    host: NodeIndex,
+    monitor: NodeIndex,
+    event: Option<Event>,
+    status: Status,
+    ticks_per_ms: u64,
+    period_ns: u64,
+    pole_pairs: f64,
+    trace: Option<Trace>,
+    recorder: Option<Recorder<RecordingBuffer>>,
+    label: String,
+}
+
+/// Signals of a bench's trace: the fixed columns of `run.csv` first.
+pub const SIGNALS: [Signal; 25] = [
+    Signal::double("time", "s"),
+    Signal::single("setpoint", "rpm"),
+    Signal::single("speed", "rpm"),
+    Signal::single("speed_estimated", "rpm"),
+    Signal::single("state", ""),
+    Signal::single("sector", ""),
+    Signal::single("duty", ""),
+    Signal::single("current_a", "A"),
+    Signal::single("current_b", "A"),
+    Signal::single("current_c", "A"),
+    Signal::single("bus_current", "A"),
+    Signal::single("bus_voltage", "V"),
+    Signal::single("torque", "N m"),
+    Signal::single("voltage_a", "V"),
+    Signal::single("voltage_b", "V"),
+    Signal::single("voltage_c", "V"),
+    Signal::single("angle", "deg"),
+    Signal::single("hall", ""),
+    Signal::single("step", ""),
+    Signal::single("limiter", ""),
+    Signal::double("faults", ""),
+    Signal::double("position", "rad"),
+    Signal::double("energy_in", "J"),
+    Signal::double("energy_shaft", "J"),
+    Signal::single("winding_temperature", "degC"),
+];
+
+impl Bench {
+    /// Powers up a drive with its stored parameters on the plant.
+    pub fn new(config: &BenchConfig) -> Self {
+        let board = config.plant.board;
+        let mut bus = Bus::new(BITRATE);
+        let [device, host, monitor] = bus.attach_all();
+        bus.set_attachment(monitor, Attachment::ListenOnly);
+        let node = Node::with_parameters(identity(), board, config.parameters.clone());
+        let mut bench = Self {
+            plant: Plant::new(&config.plant),
+            drive: Drive::new(Coefficients::default()),
+            node,
+            bus,
+            device,
+            host,
+            monitor,
+            event: None,
+            status: Status::default(),
+            ticks_per_ms: u64::from(board.tick_rate / 1000).max(1),
+            period_ns: 1_000_000_000 / u64::from(board.tick_rate.max(1)),
+            pole_pairs: f64::from(config.plant.motor.pole_pairs),
+            trace: config.trace.then(|| Trace::new(&SIGNALS)),
+            recorder: None,
+            label: config.label.chars().take(60).collect(),
+        };
+        bench.boot();
+        bench
+    }
+
+    /// Power-up or reboot of the drive: state is lost, parameters stay.
+    fn boot(&mut self) {
+        let parameters = self.node.parameters().clone();
+        let board = *self.node.board();
+        // A set that does not build leaves the drive with none: the node says so, and it refuses to start.
+        self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
+        self.node = Node::with_parameters(identity(), board, parameters);
+        self.event = self.node.poll_event();
+        self.status = Status::default();
+        let header = Header {
+            kind: Kind::Drive,
+            behaviour_version: BEHAVIOUR_VERSION,
+            layout_version: LAYOUT_VERSION,
+            tick_rate: board.tick_rate,
+            label: &self.label,
+        };
+        let state = postcard::to_allocvec(&self.drive).unwrap_or_default();
+        self.recorder = Recorder::new(RecordingBuffer::default(), &header, &state).ok();
+    }
+
+    /// One control tick.
+    pub fn step(&mut self) {
+        let samples = self.plant.sample();
+        let event = self.event.take();
+        if let Some(event) = &event {
+            self.drive.handle_event(event.clone());
+        }
+        let command = self.drive.step(&samples);
+        let status = self.drive.poll_status();
+        self.plant.finish_period(&command);
+        if let Some(recorder) = &mut self.recorder
+            && recorder.record(event.as_ref(), &samples, &command, status.as_ref()).is_err()
+        {
+            self.recorder = None;
+        }
+        if let Some(status) = status {
+            self.status = status;
+            self.node.handle_status(status);
+        }
+        self.background();
+        self.keep(&command, samples.hall);
+    }
+
+    /// What the firmware's background loop does once a tick.
+    fn background(&mut self) {
+        let now = self.plant.tick();
+        let now_ns = self.now_ns();
+        self.bus.advance(now_ns);
+        while let Some(received) = self.bus.receive(self.device) {
+            self.node.handle_frame(&received.frame);
+        }
+        if now.is_multiple_of(INPUTS_MS * self.ticks_per_ms) {
+            let inputs = self.slow_inputs();
+            self.node.handle_inputs(inputs);
+        }
+        self.node.poll(now);
+        // The controller takes what fits; the rest waits in the node.
+        while self.bus.queued(self.device) < QUEUE / 2
+            && let Some(frame) = self.node.poll_frame()
+        {
+            // Room was just seen.
+            let _ = self.bus.send(self.device, frame, now_ns);
+        }
+        self.event = self.node.poll_event();
+        if let Some(Action::Reboot) = self.node.poll_action() {
+            self.boot();
+        }
+    }
+
+    /// Queues a frame of the host; it takes part in the arbitration from now on.
+    ///
+    /// # Errors
+    /// The host's queue of 64 is full.
+    pub fn send(&mut self, frame: Frame) -> Result<(), NotQueued> {
+        self.bus.send(self.host, frame, self.now_ns())
+    }
+
+    /// The next frame that arrived at the host.
+    pub fn receive(&mut self) -> Option<Received> {
+        self.bus.receive(self.host)
+    }
+
+    /// The next frame that passed on the bus, whoever sent it.
+    pub fn overhear(&mut self) -> Option<Received> {
+        self.bus.receive(self.monitor)
+    }
+
+    /// Cuts the host off the bus, or connects it again.
+    pub fn set_host(&mut self, attachment: Attachment) {
+        self.bus.set_attachment(self.host, attachment);
+    }
+
+    /// Time since power-up, s.
+    pub fn time(&self) -> f64 {
+        self.plant.observe().time
+    }
+
+    /// Time since power-up, ns.
+    pub fn now_ns(&self) -> u64 {
+        self.plant.tick() * self.period_ns
+    }
+
+    /// The physical side, to look at.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// The physical side, to change: load, supply, faults.
+    pub fn plant_mut(&mut self) -> &mut Plant {
+        &mut self.plant
+    }
+
+    /// The device.
+    pub fn node(&self) -> &Node {
+        &self.node
+    }
+
+    /// The last report of the control tick.
+    pub fn status(&self) -> &Status {
+        &self.status
+    }
+
+    /// What has happened on the bus.
+    pub fn bus_statistics(&self) -> BusStatistics {
+        self.bus.statistics()
+    }
+
+    /// One row per tick so far; empty if the bench keeps none.
+    pub fn trace(&self) -> Trace {
+        self.trace.clone().unwrap_or_else(|| Trace::new(&SIGNALS))
+    }
+
+    /// Recording of the drive since it last booted.
+    pub fn recording(&self) -> Vec<u8> {
+        let finished = self.recorder.clone().and_then(|recorder| recorder.finish().ok());
+        finished.unwrap_or_default().0
+    }
+
+    /// Digest of the drive's outputs since it last booted.
+    pub fn digest(&self) -> u64 {
+        self.recorder.as_ref().map_or(0, Recorder::digest)
+    }
+
+    fn slow_inputs(&self) -> SlowInputs {
+        let milli = |value: f64| libm::round(value * 1000.0) as i32;
+        let lines = self.plant.lines();
+        SlowInputs {
+            ambient_temperature: Celsius::from_milli(milli(self.plant.ambient())),
+            external_temperature: Celsius::from_milli(milli(self.plant.ambient())),
+            pressure: Volts::from_milli(milli(self.plant.pressure())),
+            accel: [0, 0, 1000],
+            accel_reference: Volts::from_milli(1_800),
+            reference: Volts::from_milli(383),
+            rail_6v: Volts::from_milli(6_000),
+            rail_14v: Volts::from_milli(14_000),
+            asi: Volts::ZERO,
+            dsi1: lines.contains(narx_core::motor::Lines::DSI1),
+            dsi2: lines.contains(narx_core::motor::Lines::DSI2),
+        }
+    }
+
+    fn rpm(&self, speed: ElectricalSpeed) -> f64 {
+        f64::from(speed.to_bits()) / 65_536.0 * 60.0 / self.pole_pairs
+    }
+
+    fn keep(&mut self, command: &PwmCommand, hall: u8) {
+        if self.trace.is_none() {
+            return;
+        }
+        let seen = self.plant.observe();
+        let row = self.row(&seen, command, hall);
+        if let Some(trace) = &mut self.trace {
+            // As many values as signals: both stand in this file.
+            let _ = trace.push(&row);
+        }
+    }
+
+    fn row(&self, seen: &Observation, command: &PwmCommand, hall: u8) -> [f64; SIGNALS.len()] {
+        let status = &self.status;
+        let turns = seen.electrical_turns - libm::floor(seen.electrical_turns);
+        let estimated = if self.node.parameters().raw(number::HALL_ENABLE) == 1 {
+            status.speed_hall
+        } else {
+            status.speed_sensorless
+        };
+        [
+            seen.time,
+            self.rpm(status.setpoint),
+            seen.speed * 60.0 / core::f64::consts::TAU,
+            self.rpm(estimated),
+            f64::from(self.drive.state() as u8),
+            f64::from(sector_of(ElectricalAngle((turns * 65_536.0) as u16))),
+            f64::from(command.duty.to_bits()) / 32_768.0,
+            seen.current[0],
+            seen.current[1],
+            seen.current[2],
+            seen.bus_current,
+            seen.bus_voltage,
+            seen.torque,
+            seen.terminal[0],
+            seen.terminal[1],
+            seen.terminal[2],
+            turns * 360.0,
+            f64::from(hall),
+            f64::from(command.step as u8),
+            f64::from(self.drive.limiter() as u8),
+            f64::from(status.faults.bits()),
+            seen.angle,
+            seen.ledger.source,
+            seen.ledger.shaft,
+            seen.winding_temperature,
+        ]
+    }
+}
+
+/// What the simulated board says of itself.
+fn identity() -> Identity {
+    Identity {
+        build_number: 1,
+        source_modified: false,
+        build_date: 20_261_120,
+        hardware_release: 1,
+        software_release: 0x0001,
+    }
+}

@@ -1,0 +1,178 @@
+//! The main job: a real data-sheet motor on the virtual drive, commanded over CAN from power-up to its speed.
+
+mod figures;
+mod request;
+
+pub use request::Arguments;
+
+use crate::plot::{self, Caption};
+use crate::{candump, csv};
+use figures::Figures;
+use narx_core::motor::{Drive, State};
+use narx_core::recording::{Recording, replay};
+use narx_sim::bench::{Bench, BenchConfig};
+use narx_sim::operator::Operator;
+use narx_sim::plant::{LoadConfig, PlantConfig};
+use request::Request;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Runs the demonstration; exit code 2 and one line for arguments that cannot be.
+pub fn run(arguments: &Arguments) -> ExitCode {
+    let request = match Request::new(arguments) {
+        Ok(request) => request,
+        Err(refused) => {
+            eprintln!("{refused}");
+            return ExitCode::from(2);
+        }
+    };
+    match demonstrate(&request) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("{}: {error}", request.out.display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// When the master asks for Drive, s: after boot (0.5 s) and two of its periods of Standby.
+const START: f64 = 0.6;
+
+/// True when the motor ran as asked.
+fn demonstrate(request: &Request) -> io::Result<bool> {
+    println!("{}", request.headline());
+    for note in &request.commissioning.notes {
+        println!("  note: {note}");
+    }
+    let mut run = Run::new(request);
+    println!("\n{:>9}  state", "time");
+    while run.bench.time() < request.seconds {
+        run.step();
+    }
+    let figures = Figures::new(request, &run.bench, run.steady_from.take());
+    println!("\n{figures}");
+    write_files(request, &run)?;
+    let identical = replays(&run.bench.recording());
+    println!("\nwritten to {}: run.svg run.csv run.log run.narxrec", request.out.display());
+    println!("replayed {} ticks from run.narxrec: {}", run.bench.now_ns() / 100_000, identical.1);
+    Ok(figures.reached() && identical.0)
+}
+
+/// A bench with its operator.
+struct Run<'a> {
+    request: &'a Request,
+    bench: Bench,
+    operator: Operator,
+    state: Option<State>,
+    faults: u32,
+    log: String,
+    /// Energies when the last quarter began.
+    steady_from: Option<figures::Mark>,
+}
+
+impl<'a> Run<'a> {
+    fn new(request: &'a Request) -> Self {
+        let mut plant = PlantConfig::new(request.preset.motor, request.supply);
+        plant.load = LoadConfig { constant: request.load, ..LoadConfig::default() };
+        // No position is special; this one is not on a sector's edge.
+        plant.angle_deg = 77.0;
+        let bench = Bench::new(&BenchConfig {
+            plant,
+            parameters: request.commissioning.parameters.clone(),
+            label: request.headline(),
+            trace: true,
+        });
+        let operator = Operator::new(bench.node().addresses());
+        Self { request, bench, operator, state: None, faults: 0, log: String::new(), steady_from: None }
+    }
+
+    fn step(&mut self) {
+        let now = self.bench.now_ns();
+        if self.bench.time() >= START && self.operator.speed == 0 {
+            self.operator.start(self.request.rpm);
+        }
+        while let Some(frame) = self.operator.poll(now) {
+            // Two frames every 50 ms do not fill a queue of 64.
+            let _ = self.bench.send(frame);
+        }
+        self.bench.step();
+        while self.bench.receive().is_some() {}
+        while let Some(heard) = self.bench.overhear() {
+            let _ = writeln!(self.log, "{}", candump::line(heard.time_ns, "can0", &heard.frame));
+        }
+        if self.steady_from.is_none() && self.bench.time() >= self.request.steady_start() {
+            self.steady_from = Some(figures::Mark::new(&self.bench));
+        }
+        self.tell();
+    }
+
+    /// A line for every change of state and every new fault.
+    fn tell(&mut self) {
+        let status = self.bench.status();
+        let (state, faults) = (status.state, status.faults.bits());
+        if self.state != Some(state) || faults & !self.faults != 0 {
+            let speed = self.bench.plant().observe().speed * 60.0 / std::f64::consts::TAU;
+            print!("{:>7.3} s  {} {:<24} {speed:>8.0} rpm", self.bench.time(), state as u8, name(state));
+            println!(
+                "{}",
+                if faults == 0 {
+                    String::new()
+                } else {
+                    format!("  faults {faults:#010x}, code {:#06x}", status.extended_code)
+                }
+            );
+            self.state = Some(state);
+        }
+        self.faults = faults;
+    }
+}
+
+/// The state's name in the specification.
+const fn name(state: State) -> &'static str {
+    match state {
+        State::Initialization => "Initialization",
+        State::Standby => "Standby",
+        State::RotorLock => "Rotor lock",
+        State::OpenLoop => "Open-loop",
+        State::SensorlessClosedLoop => "Sensorless Closed-loop",
+        State::HallClosedLoop => "Closed-loop Hall Effect",
+        State::Fault => "Fault",
+        State::SensorlessAutoRestart => "Sensorless Auto-Restart",
+    }
+}
+
+fn write_files(request: &Request, run: &Run<'_>) -> io::Result<()> {
+    fs::create_dir_all(&request.out)?;
+    let file = |name: &str| request.out.join(name);
+    let trace = run.bench.trace();
+    let caption = Caption { title: &request.title(), subtitle: &request.subtitle() };
+    let picture = plot::svg(&trace, &caption).map_err(io::Error::other)?;
+    fs::write(file("run.svg"), picture)?;
+    fs::write(file("run.log"), &run.log)?;
+    fs::write(file("run.narxrec"), run.bench.recording())?;
+    write_csv(&file("run.csv"), &trace)
+}
+
+fn write_csv(path: &Path, trace: &narx_sim::trace::Trace) -> io::Result<()> {
+    let mut out = BufWriter::new(File::create(path)?);
+    csv::write(trace, &mut out)?;
+    out.flush()
+}
+
+/// Whether the recording replays to the digest it carries, and a line that says so.
+fn replays(bytes: &[u8]) -> (bool, String) {
+    let outcome = Recording::open(bytes)
+        .map_err(|error| error.to_string())
+        .and_then(|recording| replay::<Drive>(&recording).map_err(|error| error.to_string()));
+    match outcome {
+        Ok(outcome) if outcome.is_identical() => (true, format!("identical, digest {:016x}", outcome.digest)),
+        Ok(outcome) => {
+            (false, format!("digest {:016x}, recorded {:016x}", outcome.digest, outcome.recorded_digest))
+        }
+        Err(error) => (false, error),
+    }
+}
