@@ -135,7 +135,12 @@ impl Closed {
 }
 
 fn commissioned(config: &PlantConfig, changes: &[(u16, i32)]) -> Coefficients {
-    let plate = Nameplate { motor: config.motor, rated_current: Some(4.0), supply: config.supply.voltage };
+    let plate = Nameplate {
+        motor: config.motor,
+        rated_current: Some(4.0),
+        supply: config.supply.voltage,
+        open_loop_speed: None,
+    };
     let mut parameters = plate.commission(Mode::Hall).unwrap().parameters;
     for (number, raw) in changes {
         parameters.set(*number, *raw).unwrap();

@@ -7,6 +7,7 @@ use narx_core::motor::event::{Command, Event, Status};
 use narx_core::motor::front_end::Board;
 use narx_core::motor::state::State;
 use narx_core::node::{Identity, Node};
+use narx_core::units::ElectricalSpeed;
 
 pub(crate) const IDENTITY: Identity = Identity {
     build_number: 42,
@@ -94,4 +95,9 @@ impl Bench {
 
 pub(crate) fn frame(id: u32, bytes: u64) -> Frame {
     Frame::full(Id::extended(id).unwrap(), bytes.to_be_bytes())
+}
+
+/// Electrical speed of a mechanical one in rpm.
+pub(crate) fn speed(rpm: i64, pole_pairs: i64) -> ElectricalSpeed {
+    ElectricalSpeed::from_ratio(rpm * pole_pairs, 60)
 }

@@ -1,6 +1,8 @@
 //! The NarMotion-X protocol: dictionary, wire formats and node, through their public interfaces.
 
 mod bench;
+mod broadcast;
+mod device;
 mod dictionary;
 mod document;
 mod node;

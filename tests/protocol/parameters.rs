@@ -277,15 +277,17 @@ fn restore_wants_the_serial_number_and_a_stopped_drive() {
     parameters.set(number::SPEED_RATE, 4321).unwrap();
     let mut bench = Bench::with_parameters(parameters);
     let before = bench.node.parameters().clone();
-    bench.send(ToDrive::RestoreFactory { serial: 76 });
+    for serial in [0, 1, 76, 78, u16::MAX] {
+        bench.send(ToDrive::RestoreFactory { serial });
+    }
     bench.enter(State::HallClosedLoop);
     bench.send(ToDrive::RestoreFactory { serial: 77 });
-    assert_eq!(bench.refused(), 2);
+    assert_eq!(bench.refused(), 6);
     assert_eq!(bench.node.parameters(), &before);
     assert_eq!(bench.events(), []);
     bench.enter(State::Standby);
     bench.send(ToDrive::RestoreFactory { serial: 77 });
-    assert_eq!(bench.refused(), 2);
+    assert_eq!(bench.refused(), 6);
     assert_eq!(bench.messages(), [], "Figure 14 prints no answer");
     assert!(matches!(bench.events()[..], [Event::Coefficients(_)]));
     assert_eq!(bench.read(number::SPEED_RATE), (2000, Done));

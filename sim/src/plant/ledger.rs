@@ -7,7 +7,7 @@ pub struct Ledger {
     pub source: f64,
     /// Lost in the source resistance.
     pub source_loss: f64,
-    /// Lost in an injected leak.
+    /// Taken by the drive's own electronics and an injected leak.
     pub leak: f64,
     /// Lost in the windings.
     pub copper: f64,

@@ -145,6 +145,7 @@ impl Plant {
             config: config.clone(),
         };
         plant.apply_drift();
+        plant.apply_injections();
         plant
     }
 
@@ -332,7 +333,9 @@ impl Plant {
     fn apply_injections(&mut self) {
         self.stage.set_open(self.injected.open);
         self.stage.shaft.blocked = self.injected.blocked;
-        self.stage.network.leak_g = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
+        let leak = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
+        self.stage.network.shunt_g = leak;
+        self.stage.network.leak_g = leak + self.config.inverter.own_conductance;
         self.apply_supply();
     }
 

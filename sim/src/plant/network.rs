@@ -32,8 +32,10 @@ pub(crate) struct Network {
     pub(crate) source_v: f64,
     /// Source conductance, S.
     pub(crate) source_g: f64,
-    /// Leak across the bus, S.
+    /// All that hangs across the bus, S: the drive's own electronics and an injected leak.
     pub(crate) leak_g: f64,
+    /// The part of it behind the current shunt: the injected leak, S.
+    pub(crate) shunt_g: f64,
     /// By source off or on, then by k = 1/2 or 2/3.
     modes: [[Modes; 2]; 2],
 }
@@ -94,6 +96,7 @@ impl Network {
             source_v: supply.voltage,
             source_g: 1.0 / supply.resistance.max(SupplyConfig::RESISTANCE_MIN),
             leak_g: 0.0,
+            shunt_g: 0.0,
             modes: Default::default(),
         };
         network.update();

@@ -423,7 +423,7 @@ impl Stage {
         let Solved { segment, shape, h, middle, end, event } = solved;
         let start = self.electric;
         let (link, volt_seconds) = segment.integrals(&self.network, *h, &start, end);
-        self.shunt_charge += link + self.network.leak_g * volt_seconds;
+        self.shunt_charge += link + self.network.shunt_g * volt_seconds;
         self.impulse += impulse;
         self.book(segment, &Simpson { h: *h, points: [&start, middle, end] }, volt_seconds);
         self.ledger.shaft += impulse * turn.path / h;
