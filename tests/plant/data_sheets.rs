@@ -7,7 +7,9 @@ use narx_sim::presets::PRESETS;
 use std::f64::consts::PI;
 
 /// Printed speeds and currents of the maxon motors are typical values; the plant adds 0.04 ohm of switches and,
-/// for a sinusoidal motor, the ripple of block commutation.
+/// for a sinusoidal motor, the ripple of block commutation. The rated points of the flat motors are thermal limits
+/// that lie beside the straight line through the no-load point, hence their wider tolerance. Windings are at 25
+/// degrees Celsius.
 const NO_LOAD_SPEED: f64 = 0.01;
 const NO_LOAD_CURRENT: f64 = 0.05;
 const RATED_SPEED: f64 = 0.05;

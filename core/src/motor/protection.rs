@@ -23,6 +23,8 @@ pub struct Limit {
 pub struct ProtectionCoefficients {
     /// Bus over-voltage.
     pub over_voltage: Limit,
+    /// Bus voltage above which that qualifies at once.
+    pub over_voltage_at_once: i32,
     /// Bus under-voltage.
     pub under_voltage: Limit,
     /// Mean DC-link current, magnitude.
@@ -229,9 +231,13 @@ impl Protection {
         let temperature = evidence.slow.temperature.to_bits();
         let overspeed = if evidence.hall_driving { &c.overspeed_hall } else { &c.overspeed_sensorless };
         let speed = if evidence.driving { evidence.speed } else { 0 };
+        let over_voltage = Limit {
+            ticks: if voltage > c.over_voltage_at_once { 1 } else { c.over_voltage.ticks },
+            ..c.over_voltage
+        };
         let found = [
             (self.over_current.above(&c.over_current, current), Cause::OverCurrent),
-            (self.over_voltage.above(&c.over_voltage, voltage), Cause::OverVoltage),
+            (self.over_voltage.above(&over_voltage, voltage), Cause::OverVoltage),
             (self.under_voltage.below(&c.under_voltage, voltage), Cause::UnderVoltage),
             (self.over_temperature.above(&c.over_temperature, temperature), Cause::OverTemperature),
             (self.warning.above(&c.warning, temperature), Cause::TemperatureWarning),

@@ -140,12 +140,6 @@ impl Halls {
         random: &mut Random,
         capture: &mut Capture,
     ) {
-        // A broken line shows even without a crossing; nothing else can change it.
-        let lines = self.lines(injected);
-        if lines != self.steady {
-            self.steady = lines;
-            self.show(part.0, capture);
-        }
         // An edge a sensor; two sensors that switch at once are two edges.
         while let Some((place, index, step)) = self.next_crossing(angle.0, angle.1) {
             let reached = (place - angle.0) / (angle.1 - angle.0);
@@ -169,6 +163,12 @@ impl Halls {
             self.show(at, capture);
         }
         self.play_glitch(part.1, capture);
+    }
+
+    /// Lets the lines show what has just been broken or mended, at `at` (1/65 536 of the period).
+    pub(crate) fn rewire(&mut self, at: f64, injected: &Injected, capture: &mut Capture) {
+        self.steady = self.lines(injected);
+        self.show(at, capture);
     }
 
     /// The first place between two angles where a sensor switches: place, sensor, +1 or -1 half turns.

@@ -336,6 +336,7 @@ impl Plant {
         let leak = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
         self.stage.network.shunt_g = leak;
         self.stage.network.leak_g = leak + self.config.inverter.own_conductance;
+        self.halls.rewire(self.t / self.period * 65_536.0, &self.injected, &mut self.capture);
         self.apply_supply();
     }
 
