@@ -2,6 +2,7 @@
 
 mod arithmetic;
 mod bench;
+mod boot;
 mod closed_loop;
 mod commutation;
 mod hall;
