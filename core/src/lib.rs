@@ -1,4 +1,25 @@
-//! The narx control core.
+//! The narx control core: a NarMotion-X drive for three-phase BLDC motors in fixed point, without heap, float in the
+//! control path, clock or panic. The same bits on every target.
+//!
+//! ```text
+//!                          units  quantities over fixed point
+//!                     dictionary  one table of parameters, and their values
+//!                            |
+//!             Parameters -> build() -> Coefficients
+//!                                          |
+//!   Samples ------------------------->  motor::Drive  -----> PwmCommand        the control tick
+//!                                        ^      |
+//!                                  Event |      | Status
+//!                                        |      v
+//!   CAN frames <---- bus ---->         node::Node             the background
+//!
+//!   recording   initial state + samples + events of a Drive, and a digest of what it answered
+//! ```
+//!
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `recording`.
+//!
+//! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
+//! take everything as arguments, time included, and return what they answer.
 #![no_std]
 #![forbid(unsafe_code)]
 

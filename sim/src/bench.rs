@@ -67,7 +67,7 @@ pub struct Bench {
 }
 
 /// Signals of a bench's trace: the fixed columns of `run.csv` first.
-pub const SIGNALS: [Signal; 25] = [
+pub const SIGNALS: [Signal; 26] = [
     Signal::double("time", "s"),
     Signal::single("setpoint", "rpm"),
     Signal::single("speed", "rpm"),
@@ -93,6 +93,7 @@ pub const SIGNALS: [Signal; 25] = [
     Signal::double("energy_in", "J"),
     Signal::double("energy_shaft", "J"),
     Signal::single("winding_temperature", "degC"),
+    Signal::single("peak_current", "A"),
 ];
 
 impl Bench {
@@ -335,6 +336,7 @@ impl Bench {
             seen.ledger.source,
             seen.ledger.shaft,
             seen.winding_temperature,
+            seen.peak_current,
         ]
     }
 }

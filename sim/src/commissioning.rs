@@ -324,9 +324,11 @@ impl Design {
         let poles = f64::from(m.pole_pairs);
         let speed_min = ELECTRICAL_MIN * 60.0 / poles;
         let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);
-        // 5 % of the voltage is left to the speed loop.
-        let emf = 0.95 * duty_max * plate.supply - m.resistance * needed;
-        let supply_speed = emf / m.torque_constant * 60.0 / TWO_PI;
+        // 5 % of the voltage is left to the speed loop. Every commutation costs the volt-seconds that turn the current
+        // over, L I / 2 in each of six a revolution: as if the back-EMF constant were larger.
+        let left = 0.95 * duty_max * plate.supply - m.resistance * needed;
+        let turning_over = 3.0 * m.inductance * needed * poles / TWO_PI;
+        let supply_speed = left / (m.torque_constant + turning_over) * 60.0 / TWO_PI;
         let speed_max = fmin(fmin(supply_speed, tick_speed), 32_767.0);
         if tick_speed < supply_speed {
             push(notes, Note::SpeedForTick { speed: tick_speed });

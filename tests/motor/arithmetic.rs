@@ -154,7 +154,7 @@ proptest! {
             let travelled = (rate as i128 * n as i128).min((to - from).abs() as i128) as i64;
             prop_assert_eq!(ramp.step(target, rate) as i64, (from + sign * travelled) >> 16);
         }
-        let needed = ((to - from).abs() as u64).div_ceil(rate as u64);
+        let needed = (to - from).unsigned_abs().div_ceil(rate as u64);
         if needed <= 40 {
             prop_assert_eq!(ramp.value(), target);
         }

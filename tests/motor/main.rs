@@ -2,6 +2,7 @@
 
 mod arithmetic;
 mod bench;
+mod boot;
 mod build;
 mod closed_loop;
 mod commutation;

@@ -11,6 +11,7 @@ const DROP: f64 = 0.8;
 /// Motor of the tests, on an ideal source of 24 V.
 fn config(motor: MotorConfig) -> PlantConfig {
     let mut config = PlantConfig::new(motor, 24.0);
+    config.inverter.own_conductance = 0.0;
     config.supply.resistance = 0.0;
     config.inverter.on_resistance = RON;
     config.inverter.diode_drop = DROP;

@@ -280,6 +280,7 @@ fn agrees_with_the_reference_over_100_ms() {
             motor.back_emf = BackEmf::Trapezoidal { flat_top_deg: 120.0 };
         }
         let mut config = PlantConfig::new(motor, preset.data.nominal_voltage);
+        config.inverter.own_conductance = 0.0;
         config.load.constant = 0.03;
         config.speed = 50.0;
         let ideal = Ideal { rectification, ..Ideal::forward(duty) };
@@ -293,6 +294,7 @@ fn the_comparison_notices_a_small_error() {
     let preset = preset("ec45-flat-50w-18v").unwrap();
     let motor = MotorConfig { thermal_resistance: 0.0, cogging_torque: 0.0, ..preset.motor };
     let mut config = PlantConfig::new(motor, preset.data.nominal_voltage);
+    config.inverter.own_conductance = 0.0;
     config.speed = 50.0;
     let ideal = Ideal::forward(0.6);
     let alter: [fn(&mut PlantConfig); 3] = [

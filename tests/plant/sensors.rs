@@ -3,7 +3,9 @@
 use crate::driving::sector_at;
 use narx_core::motor::{Board, Edge, EdgeSource, FrontEnd, Lines, PwmCommand, Samples, Step};
 use narx_core::units::Duty;
-use narx_sim::plant::{ComparatorConfig, HallConfig, Injection, MotorConfig, Phase, Plant, PlantConfig};
+use narx_sim::plant::{
+    ComparatorConfig, HallConfig, Injection, InverterConfig, MotorConfig, Phase, Plant, PlantConfig,
+};
 use std::f64::consts::TAU;
 
 /// Code of each sector: A; A and B; B; B and C; C; C and A.
@@ -12,7 +14,8 @@ const CODES: [u8; 6] = [1, 3, 2, 6, 4, 5];
 /// Coasts at constant speed (rad/s).
 fn coasting(speed: f64, hall: HallConfig) -> PlantConfig {
     let motor = MotorConfig { inertia: 1e3, ..MotorConfig::default() };
-    PlantConfig { hall, speed, angle_deg: 40.0, ..PlantConfig::new(motor, 24.0) }
+    let inverter = InverterConfig { own_conductance: 0.0, ..InverterConfig::default() };
+    PlantConfig { hall, speed, angle_deg: 40.0, inverter, ..PlantConfig::new(motor, 24.0) }
 }
 
 fn coast(plant: &mut Plant) -> Samples {

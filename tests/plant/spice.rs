@@ -23,6 +23,7 @@ const ANGLE_DEG: f64 = 50.0;
 fn config() -> PlantConfig {
     let motor = MotorConfig { back_emf: BackEmf::Sinusoidal, inertia: 1e6, ..MotorConfig::default() };
     let mut config = PlantConfig::new(motor, 24.0);
+    config.inverter.own_conductance = 0.0;
     // Ticks of 1 us: the PWM is played by the commands, and every microsecond can be looked at.
     let dead_time_ns = 1000 * DEAD_TIME as u16;
     config.board = Board { tick_rate: 1_000_000, earliest: 0, dead_time_ns, ..Board::BENCH };

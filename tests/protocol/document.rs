@@ -1,4 +1,4 @@
-//! PROTOCOL.md: its tables are made from the code, and stay so. `UPDATE=1` rewrites them.
+//! PROTOCOL.md: its tables are made from the code, and stay so. `UPDATE=1`, set by `cargo xtask generate`, rewrites them.
 
 use narx_core::bus::Id;
 use narx_core::bus::narmotion::{Addresses, MessageId, SIGNALS};
@@ -127,7 +127,7 @@ fn generated_tables_are_up_to_date() {
         std::fs::write(path, &fresh).unwrap();
         return;
     }
-    assert!(text == fresh, "PROTOCOL.md is out of date: UPDATE=1 cargo test -p narx-tests --test protocol");
+    assert!(text == fresh, "PROTOCOL.md is out of date: cargo xtask generate");
 }
 
 /// The message table is written by hand: each identifier must be what its opcode and type say.

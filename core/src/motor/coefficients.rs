@@ -354,7 +354,7 @@ impl Builder<'_> {
             self.limit(trip, self.speed(number), 10_000)
         };
         ProtectionCoefficients {
-            over_voltage: self.limit(over, over - VOLTAGE_HYSTERESIS, 500),
+            over_voltage: self.limit(over, over - VOLTAGE_HYSTERESIS, 10_000),
             over_voltage_at_once: over.saturating_add(1 << 16),
             under_voltage: self.limit(under, under + VOLTAGE_HYSTERESIS, 1_000),
             over_current: self.limit(current, current - current / 16, 300),

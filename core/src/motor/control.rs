@@ -7,7 +7,7 @@ use super::measurement::{Measured, Measurement};
 use super::pi::{Pi, PiGains};
 use super::pwm::Rectification;
 use super::ramp::Ramp;
-use crate::units::{Celsius, Duty};
+use crate::units::{Celsius, Duty, saturate64};
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of the control station. Volts, amperes and rev/s are raw I16F16, duties raw U1F15.
@@ -76,8 +76,6 @@ pub struct Output {
 pub struct Control {
     speed: Pi,
     current: Pi,
-    /// Least voltage while the motor would feed the bus, raw I16F16 with 16 extra bits.
-    floor: Option<i64>,
     setpoint: Ramp,
     limit: CurrentLimit,
     /// Output and error of the speed loop, held between milliseconds.
@@ -86,16 +84,21 @@ pub struct Control {
     /// Voltage that the last duty gives, raw I16F16.
     applied: i32,
     millisecond: u16,
-    coasting: bool,
-    /// The last tick was synchronous.
-    synchronous: bool,
+    coasting: Option<Coasting>,
+    /// A rotor that turned at the start has not drawn current yet.
+    catching: bool,
     output: Output,
 }
 
-/// Mean bus current that may flow back: 10 mA, what the drive itself consumes (Table 1).
-const RETURN: i32 = -(1 << 16) / 100;
-/// No floor is above 128 V.
-const CEILING: i64 = 128 << 32;
+/// Where a motor began to coast.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Coasting {
+    speed: i32,
+    voltage: i32,
+}
+
+/// Mean bus current that may flow back: 20 mA, what the drive itself consumes (Table 1).
+const RETURN: i32 = -(1 << 16) / 50;
 /// Mean bus current beyond which diodes take over: -0.3 A.
 const REGENERATING: i32 = -(1 << 16) * 3 / 10;
 /// Mean bus current that is clearly forward: 50 mA.
@@ -112,8 +115,8 @@ impl Control {
         self.limit.start(&c.limits);
         self.setpoint.set(speed);
         self.take_over(c.initial_voltage);
-        if speed == 0 {
-            self.synchronous = true;
+        self.catching = speed != 0;
+        if !self.catching {
             self.output.rectification = Rectification::Synchronous;
         }
     }
@@ -122,7 +125,6 @@ impl Control {
     fn take_over(&mut self, voltage: i32) {
         self.speed.wait(voltage);
         self.current.wait(voltage);
-        self.floor = None;
         self.speed_voltage = voltage;
     }
 
@@ -147,8 +149,8 @@ impl Control {
             }
             Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
             Demand::Speed { gains, target, measured: speed, duty_max } => {
-                self.leave_diodes(c, speed);
-                if self.coast(c, measured, speed) {
+                self.finish_catching(c, measured, speed);
+                if self.coast(c, measured, measurement, speed) {
                     if due {
                         self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
                     }
@@ -178,36 +180,46 @@ impl Control {
         self.output
     }
 
-    /// Bridge off while the bus stands near its limit without the motor drawing from it, or is fed in earnest; until the
-    /// motor has fallen to its set-point and wants torque again. Diodes alone would not do: their discontinuous current
-    /// drives an unloaded motor beyond the speed that the same duty holds with switches.
-    fn coast(&mut self, c: &ControlCoefficients, measured: &Measured, speed: i32) -> bool {
-        let current = measured.bus_current_filtered.to_bits();
-        let full = measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING;
-        if self.coasting {
-            self.coasting = self.speed_error < 0;
-            if !self.coasting {
-                let back_emf = c.back_emf.apply32(speed);
-                self.take_over(if back_emf > 0 { back_emf } else { self.speed_voltage });
-                self.output.rectification = Rectification::Synchronous;
+    /// A motor that is faster than its set-point and would feed the bus coasts, bridge off, until it has fallen to it. Then
+    /// the loops go on from the voltage they had, less what back-EMF has lost since: proportional to the speed.
+    ///
+    /// It looks at the filtered current, because at every commutation the winding's energy comes back in a pulse, and
+    /// that is no braking. Freewheeling through diodes instead would not do: discontinuous current drives an
+    /// unloaded motor beyond the speed that the same duty holds with switches.
+    fn coast(
+        &mut self,
+        c: &ControlCoefficients,
+        measured: &Measured,
+        measurement: &Measurement,
+        speed: i32,
+    ) -> bool {
+        match self.coasting {
+            None if self.speed_error < 0 && feeds(c, measured) => {
+                self.coasting = Some(Coasting { speed, voltage: self.speed_voltage });
             }
-        } else {
-            self.coasting = self.speed_error < 0 && (full || current < REGENERATING);
+            Some(from) if self.speed_error >= 0 => {
+                self.coasting = None;
+                let left = i64::from(from.voltage) * i64::from(speed) / i64::from(from.speed.max(1));
+                self.take_over(saturate64(left.min(from.voltage.into())));
+                // No slew from 0: on the way up the switches would brake the motor.
+                self.output.duty = measurement.duty(self.speed_voltage);
+            }
+            _ => {}
         }
-        self.coasting
+        self.coasting.is_some()
     }
 
-    /// With diodes the light-load current is discontinuous, and a voltage below back-EMF holds the speed. Before the
-    /// switches take over, the controllers must stand at back-EMF, or the motor would brake.
-    fn leave_diodes(&mut self, c: &ControlCoefficients, speed: i32) {
-        let synchronous = self.output.rectification == Rectification::Synchronous;
-        if synchronous && !self.synchronous {
+    /// A rotor that turned already is caught with diodes, where no voltage is too small. Their light-load current is
+    /// discontinuous and a voltage below back-EMF holds the speed, so before the switches take over, the controllers are
+    /// put at back-EMF, or the motor would brake.
+    fn finish_catching(&mut self, c: &ControlCoefficients, measured: &Measured, speed: i32) {
+        if self.catching && measured.bus_current_filtered.to_bits() > MOTORING {
+            self.catching = false;
             let back_emf = c.back_emf.apply32(speed);
             if back_emf > self.speed_voltage {
                 self.take_over(back_emf);
             }
         }
-        self.synchronous = synchronous;
     }
 
     /// Set-point after its ramp, raw I16F16 electrical rev/s, a magnitude.
@@ -240,8 +252,8 @@ impl Control {
         self.setpoint.step(target, c.speed_rate)
     }
 
-    /// The wanted voltage, but no more than the current limiter allows and no less than keeps the motor from feeding the
-    /// bus. Both look at phase amperes, bus current over duty, so that their loop does not change with the duty.
+    /// The wanted voltage, but no more than the current limiter allows. It looks at phase amperes, bus current over duty,
+    /// so that its loop does not change with the duty.
     fn limit_current(
         &mut self,
         c: &ControlCoefficients,
@@ -254,37 +266,12 @@ impl Control {
         let (bound, limiter) = self.limit.bound(duty.max(c.duty_min));
         let room = per_duty(bound.saturating_sub(measured.bus_current.to_bits()), duty);
         let most = self.current.step(&c.current, room, 0, ceiling);
-        let least = self.keep_from_feeding(c, wanted, measured);
-        let (voltage, limiter) = if most < wanted {
-            (most, limiter)
-        } else if least > wanted {
-            (least, Limiter::Return)
-        } else {
-            (wanted, own)
-        };
+        let (voltage, limiter) = if most < wanted { (most, limiter) } else { (wanted, own) };
         if most >= wanted {
             // Beside what the slew limit lets through: waiting further up it would come too late.
             self.current.wait(voltage.min(share(ceiling, duty.saturating_add(c.slew))));
         }
         (voltage, limiter)
-    }
-
-    /// The voltage below which the motor would feed the bus: it stands at back-EMF and follows it down. It looks at the
-    /// filtered current, because at every commutation the winding's energy comes back in a pulse, and that is no
-    /// braking. Integral action alone, 32 times slower than the limiter, slow against that filter.
-    fn keep_from_feeding(&mut self, c: &ControlCoefficients, wanted: i32, measured: &Measured) -> i32 {
-        let current = measured.bus_current_filtered.to_bits();
-        let synchronous = self.output.rectification == Rectification::Synchronous;
-        let floor = match self.floor {
-            Some(floor) => floor,
-            None if synchronous && current < RETURN => i64::from(self.applied) << 16,
-            None => return 0,
-        };
-        let error = per_duty(RETURN.saturating_sub(current), self.output.duty.to_bits());
-        let floor = (floor + (c.current.integral.apply_extended(error) >> 5)).clamp(0, CEILING);
-        let least = (floor >> 16) as i32;
-        self.floor = (synchronous && least > wanted).then_some(floor);
-        if self.floor.is_some() { least } else { 0 }
     }
 
     /// What dead time takes off the duty in the present mode.
@@ -320,18 +307,23 @@ impl Control {
         self.output = Output { duty: Duty::from_bits(next), rectification, limiter };
     }
 
-    /// Diodes take over while the bus is fed in earnest or stands near its limit: current in a diode cannot reverse. The
-    /// switches come back when the motor draws current.
+    /// Diodes while a rotor is caught, while the bus is full and the motor hardly draws from it, and while it is fed in
+    /// earnest: current in a diode cannot reverse. Else the switches.
     fn rectification(&self, c: &ControlCoefficients, measured: &Measured) -> Rectification {
         let current = measured.bus_current_filtered.to_bits();
-        if current > MOTORING {
-            Rectification::Synchronous
-        } else if measured.bus_voltage.to_bits() > c.bus_guard || current < REGENERATING {
+        let full = measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING;
+        if self.catching || full || current < REGENERATING {
             Rectification::Diode
         } else {
-            self.output.rectification
+            Rectification::Synchronous
         }
     }
+}
+
+/// The motor returns energy, or the bus is full and the motor hardly draws from it.
+fn feeds(c: &ControlCoefficients, measured: &Measured) -> bool {
+    let current = measured.bus_current_filtered.to_bits();
+    current < RETURN || (measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING)
 }
 
 /// `voltage x duty`.

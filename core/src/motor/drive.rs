@@ -202,6 +202,9 @@ impl Drive {
         match change.row.to {
             // What was seen while supplies came up and has gone is nobody's fault; what has not is latched again.
             State::Standby if !change.row.from.is_driving() => self.protection.acknowledge(),
+            State::Fault if change.row.from == State::Initialization => {
+                self.protection.raise_boot_failure(self.health);
+            }
             State::RotorLock => {
                 self.lock = Ramp::default();
                 self.control.start(&c.control, 0);

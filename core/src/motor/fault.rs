@@ -108,7 +108,7 @@ impl Cause {
     pub const TABLE: [CauseRow; 21] = [
         row(Self::TemperatureWarning, 100_000, "temperature above the warning threshold"),
         row(Self::OverTemperature, 100_000, "temperature above the shutdown threshold"),
-        row(Self::OverVoltage, 500, "bus voltage above its threshold; at once when 1 V above"),
+        row(Self::OverVoltage, 10_000, "bus voltage above its threshold; at once when 1 V above"),
         row(Self::UnderVoltage, 1_000, "bus voltage below its threshold"),
         row(Self::OverCurrent, 300, "mean DC-link current above its threshold"),
         row(Self::DriverLine, 0, "the gate driver reports a fault"),

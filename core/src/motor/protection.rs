@@ -164,6 +164,21 @@ impl Protection {
         self.latch(Cause::CommandTimeout);
     }
 
+    /// T06: what keeps the drive from booting is latched whatever the mask says; a Fault state has a code.
+    pub fn raise_boot_failure(&mut self, health: Health) {
+        let store = health.store_faults;
+        for (failed, cause) in [
+            (health.self_test_failed, Cause::SelfTest),
+            (store.contains(FaultWord::STORE_MISMATCH), Cause::StoreMismatch),
+            (store.contains(FaultWord::STORE_ABSENT), Cause::StoreAbsent),
+            (store.contains(FaultWord::STORE_VERSION), Cause::StoreVersion),
+        ] {
+            if failed {
+                self.latch(cause);
+            }
+        }
+    }
+
     /// The acknowledged faults are gone; whatever is still live will be seen again in the next tick.
     pub fn acknowledge(&mut self) {
         self.latched = FaultWord::empty();

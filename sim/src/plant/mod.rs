@@ -74,6 +74,7 @@ pub struct Plant {
     last_charge: f64,
     period_start: Marks,
     bus_current: f64,
+    peak_current: f64,
     torque: f64,
 }
 
@@ -103,6 +104,8 @@ pub struct Observation {
     pub neutral: f64,
     /// Bus voltage, V.
     pub bus_voltage: f64,
+    /// Largest magnitude of a phase current during the last full period, ripple included, A.
+    pub peak_current: f64,
     /// Current through the DC-link shunt, mean of the last full period, A.
     pub bus_current: f64,
     /// Electromagnetic torque without cogging, mean of the last full period, N m.
@@ -141,6 +144,7 @@ impl Plant {
             last_charge: 0.0,
             period_start: Marks::default(),
             bus_current: 0.0,
+            peak_current: 0.0,
             torque: 0.0,
             config: config.clone(),
         };
@@ -209,6 +213,7 @@ impl Plant {
     fn start_next_period(&mut self, command: &PwmCommand) {
         let charge = self.stage.shunt_charge;
         let impulse = self.stage.impulse;
+        self.peak_current = core::mem::replace(&mut self.stage.peak, 0.0);
         self.bus_current = (charge - self.period_start.charge) / self.period;
         self.torque = (impulse - self.period_start.impulse) / self.period;
         self.period_start = Marks { charge, impulse };
@@ -243,6 +248,7 @@ impl Plant {
             neutral: stage.neutral,
             bus_voltage: stage.electric.v,
             bus_current: self.bus_current,
+            peak_current: self.peak_current,
             torque: self.torque,
             winding_temperature: self.winding_temperature,
             ledger: Ledger { stored: stage.stored(), ..stage.ledger },

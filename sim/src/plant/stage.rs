@@ -41,6 +41,8 @@ pub(crate) struct Stage {
     source_on: bool,
     may_sink: bool,
     pub(crate) ledger: Ledger,
+    /// Largest magnitude of a phase current since it was last set to 0, A.
+    pub(crate) peak: f64,
     stored_at_start: f64,
     /// Charge through the current shunt since it was last read, A s.
     pub(crate) shunt_charge: f64,
@@ -82,6 +84,7 @@ impl Stage {
             source_on: true,
             may_sink: config.supply.may_sink,
             ledger: Ledger::default(),
+            peak: 0.0,
             stored_at_start: 0.0,
             shunt_charge: 0.0,
             impulse: 0.0,
@@ -426,6 +429,8 @@ impl Stage {
         self.shunt_charge += link + self.network.shunt_g * volt_seconds;
         self.impulse += impulse;
         self.book(segment, &Simpson { h: *h, points: [&start, middle, end] }, volt_seconds);
+        // Between two switching events currents hardly bend: their extremes are at the events.
+        self.peak = end.i.iter().fold(self.peak, |peak, i| peak.max(i.abs()));
         self.ledger.shaft += impulse * turn.path / h;
         self.ledger.friction += turn.friction;
         self.ledger.load += turn.load;

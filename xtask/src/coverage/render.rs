@@ -56,28 +56,44 @@ fn table(out: &mut String, section: &Section, sources: &Sources) {
     if !section.about.is_empty() {
         line(out, &format!("{}\n", section.about.trim()));
     }
+    let shared = evidence(&section.code, &section.tests, &[], sources);
+    if shared.iter().any(|cell| !cell.is_empty()) {
+        let named: Vec<String> = shared.into_iter().filter(|cell| !cell.is_empty()).collect();
+        line(out, &format!("Every row: {}.\n", named.join("; ")));
+    }
     line(out, "| row | what | code | tests and vectors | later |\n|---|---|---|---|---|");
     for row in &section.rows {
-        line(out, &cells(row, sources));
+        line(out, &cells(section, row, sources));
     }
 }
 
-fn cells(row: &Row, sources: &Sources) -> String {
-    let code = listed(row.code.iter().map(|item| linked(item)));
+/// A row, without what the section says of every one.
+fn cells(section: &Section, row: &Row, sources: &Sources) -> String {
+    let own = |names: &[String], shared: &[String]| -> Vec<String> {
+        names.iter().filter(|name| !shared.contains(name)).cloned().collect()
+    };
+    let (code, tests) = (own(&row.code, &section.code), own(&row.tests, &section.tests));
+    let [code, tests] = evidence(&code, &tests, &row.vectors, sources);
+    format!("| {} | {} | {code} | {tests} | {} |", row.key, row.says, row.later.join(", "))
+}
+
+/// Code, and tests with vectors, as links.
+fn evidence(code: &[String], tests: &[String], vectors: &[String], sources: &Sources) -> [String; 2] {
     let test = |name: &String| match sources.test_file(name) {
         Some(path) => {
             format!("[{name}]({})", path.strip_prefix("tests/").map_or(format!("../{path}"), str::to_owned))
         }
         None => name.clone(),
     };
-    let tests = listed(row.tests.iter().map(test));
-    let vectors = listed(row.vectors.iter().map(|name| format!("[{name}](vectors/{name}.toml)")));
-    let evidence = match (tests.is_empty(), vectors.is_empty()) {
+    let code = listed(code.iter().map(|item| linked(item)));
+    let tests = listed(tests.iter().map(test));
+    let vectors = listed(vectors.iter().map(|name| format!("[{name}](vectors/{name}.toml)")));
+    let shown = match (tests.is_empty(), vectors.is_empty()) {
         (false, false) => format!("{tests}; vectors {vectors}"),
         (true, false) => format!("vectors {vectors}"),
         _ => tests,
     };
-    format!("| {} | {} | {code} | {evidence} | {} |", row.key, row.says, row.later.join(", "))
+    [code, shown]
 }
 
 /// `path Item` as a link that shows the item.

@@ -81,7 +81,12 @@ impl Sources {
             let Some(suite) = path.strip_prefix("tests/").and_then(|rest| rest.split('/').next()) else {
                 continue;
             };
-            let named = tests(text).into_iter().filter(|(_, body)| mentions(body, &reference));
+            // A test that walks a table of the file names what the table names.
+            let tables: Vec<&str> =
+                tables(text).filter(|(_, body)| mentions(body, &reference)).map(|t| t.0).collect();
+            let named = tests(text).into_iter().filter(|(_, body)| {
+                mentions(body, &reference) || tables.iter().any(|table| mentions(body, table))
+            });
             found.extend(named.map(|(name, _)| format!("{suite}::{name}")));
         }
         found
@@ -158,6 +163,15 @@ fn tests(text: &str) -> Vec<(String, String)> {
     found
 }
 
+/// The constants of a file that are tables: name and body.
+fn tables(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    text.split("\nconst ").skip(1).filter_map(|part| {
+        let (name, rest) = part.split_once(": [")?;
+        let body = rest.split("\n];").next()?;
+        name.chars().all(|c| c.is_uppercase() || c == '_').then_some((name, body))
+    })
+}
+
 #[cfg(test)]
 mod tests_of_the_search {
     use super::*;
@@ -184,7 +198,13 @@ mod tests_of_the_search {
 
     #[test]
     fn tests_have_names_and_bodies() {
-        let text = "#[test]\nfn one() {\n    number::A;\n}\n\nfn helper() {\n    number::B;\n}\n";
+        let text = "\nconst ROWS: [u16; 1] = [\n    number::C,\n];\n\n#[test]\nfn one() {\n    number::A;\n}\n\nfn helper() {\n    \
+                    number::B;\n}\n";
+        assert!(
+            tables(text).any(|(name, body)| name == "ROWS"
+                && body.contains("number::C")
+                && !body.contains("number::A"))
+        );
         let found = tests(text);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].0, "one");
