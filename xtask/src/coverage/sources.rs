@@ -150,15 +150,15 @@ fn is_word(text: &str, at: usize, length: usize) -> bool {
     !text[..at].chars().next_back().is_some_and(part) && !text[at + length..].chars().next().is_some_and(part)
 }
 
-/// The tests of a file: name and body.
+/// The tests of a file: name and body, which ends at the closing brace as far left as the function's own line.
 fn tests(text: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
     for part in text.split("#[test]").skip(1) {
-        let Some((_, rest)) = part.split_once("fn ") else { continue };
+        let Some((before, rest)) = part.split_once("fn ") else { continue };
         let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-        // The body ends at the first closing brace as far left as a function's own.
-        let end = ["\n}\n", "\n    }\n"].iter().filter(|_| true).filter_map(|end| rest.find(end)).max();
-        found.push((name, rest[..end.unwrap_or(rest.len())].to_owned()));
+        let indent = before.rsplit('\n').next().unwrap_or("");
+        let end = rest.find(&format!("\n{indent}}}")).unwrap_or(rest.len());
+        found.push((name, rest[..end].to_owned()));
     }
     found
 }

@@ -87,7 +87,7 @@ pub(super) enum Progress {
 impl Row {
     /// How far the row is; `None` if it has neither evidence nor a later part that closes it.
     pub(super) fn progress(&self) -> Option<Progress> {
-        let shown = !self.code.is_empty() && !(self.tests.is_empty() && self.vectors.is_empty());
+        let shown = !(self.code.is_empty() || self.tests.is_empty() && self.vectors.is_empty());
         match (shown, self.later.is_empty()) {
             (true, true) => Some(Progress::Done),
             (true, false) => Some(Progress::Partly),

@@ -151,7 +151,7 @@ impl Expect {
         let faults = self.fault_word().unwrap_or(FaultWord::all());
         differs("faults", format!("{:?}", seen.faults), format!("{faults:?}"));
         if let (Some(expected), Some(found)) = (self.speed, speed)
-            && (found - expected.rpm).abs().is_nan_or_above(expected.within / 100.0 * expected.rpm.abs())
+            && exceeds((found - expected.rpm).abs(), expected.within / 100.0 * expected.rpm.abs())
         {
             misses.push(format!(
                 "speed {found:.1} rpm, expected {} within {} %",
@@ -176,15 +176,9 @@ impl Wiring {
     }
 }
 
-/// A difference that is not a number is too large.
-trait NanOrAbove {
-    fn is_nan_or_above(self, limit: f64) -> bool;
-}
-
-impl NanOrAbove for f64 {
-    fn is_nan_or_above(self, limit: f64) -> bool {
-        self.is_nan() || self > limit
-    }
+/// What is not a number exceeds every limit.
+fn exceeds(value: f64, limit: f64) -> bool {
+    value.is_nan() || value > limit
 }
 
 #[cfg(test)]
