@@ -1,4 +1,4 @@
-//! What other people's tools make of our files: python-can reads a log that we wrote.
+//! What other people's tools make of our files: python-can reads the logs that we write.
 
 use crate::candump;
 use crate::steps::{self, Outcome};
@@ -14,6 +14,9 @@ pub fn run(root: &Path) -> Outcome {
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     let samples = target.join("interop");
     write_samples(&samples).map_err(|error| format!("{}: {error}", samples.display()))?;
+    let xtask = env::current_exe().map_err(|error| error.to_string())?;
+    let demo = samples.join("demo");
+    steps::run(Command::new(xtask).args(["demo", "--seconds", "1.5", "--rpm", "2000", "--out"]).arg(&demo))?;
     let tests = root.join("tests/interop");
     let python = environment(&target.join("interop-python"), &tests.join("requirements.txt"))?;
     steps::run(
