@@ -157,8 +157,10 @@ pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
 const PEAK: f64 = 11.4;
 /// Continuous phase current (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
-/// Electrical revolutions a second of 500 rpm with 4 pole pairs (Table 2).
-const ELECTRICAL_MIN: f64 = 500.0 * 4.0 / 60.0;
+/// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).
+const ELECTRICAL_RPM_MIN: f64 = 500.0 * 4.0;
+/// The same a second.
+const ELECTRICAL_MIN: f64 = ELECTRICAL_RPM_MIN / 60.0;
 /// Largest duty where ripple allows it.
 const DUTY_MAX: f64 = 0.95;
 /// Bandwidth of the bus current limiter: 200 Hz, rad/s; its delay of 1.5 periods costs 11 degrees there.
@@ -322,7 +324,7 @@ impl Design {
         }
         let phase_current = fmin(phase_current, returned);
         let poles = f64::from(m.pole_pairs);
-        let speed_min = ELECTRICAL_MIN * 60.0 / poles;
+        let speed_min = ELECTRICAL_RPM_MIN / poles;
         let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);
         // 5 % of the voltage is left to the speed loop. Every commutation costs the volt-seconds that turn the current
         // over, L I / 2 in each of six a revolution: as if the back-EMF constant were larger.
