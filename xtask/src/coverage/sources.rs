@@ -128,16 +128,15 @@ fn defines(line: &str, name: &str) -> bool {
         return false;
     };
     let before = code[..at].trim_end();
-    let keyword = before.rsplit([' ', '>']).next().unwrap_or("");
+    let keyword = before.rsplit(' ').next().unwrap_or("");
     let after = code[at + name.len()..].trim_start();
-    let item =
-        ["fn", "struct", "enum", "const", "static", "mod", "trait", "type", "impl", "for"].contains(&keyword);
+    let item = ["fn", "struct", "enum", "const", "static", "mod", "trait", "type"].contains(&keyword);
     let member = ["", "pub", "pub(super)", "pub(crate)"].contains(&before)
         && ["", ",", "{", "(", ":", "="]
             .iter()
             .any(|sign| after.starts_with(sign) && !after.starts_with("::"))
         && (after.is_empty() || ",{(:=".contains(&after[..1]));
-    item || member
+    item || member || code.starts_with("impl")
 }
 
 /// Whether `reference` stands in the text as a whole word.
