@@ -39,7 +39,7 @@ fn gain(gain: Gain) -> f64 {
 const POLE_PAIRS: f64 = 5.0;
 const RPM: f64 = POLE_PAIRS / 60.0;
 
-const ROWS: [Row; 29] = [
+const ROWS: [Row; 31] = [
     row(number::INITIAL_DUTY, 5.0, |c| fixed(c.control.initial_voltage), 2.0),
     row(number::OPEN_LOOP_DUTY, 10.0, |c| fixed(c.open_loop.voltage), 4.0),
     row(number::OPEN_LOOP_SPEED, 600.0, |c| fixed(c.open_loop.speed), 50.0),
@@ -72,6 +72,8 @@ const ROWS: [Row; 29] = [
     row(number::HALL_PERIOD_TIMEOUT, 0.2, |c| f64::from(c.hall.timeout) / 65_536.0, 2000.0),
     row(number::OVER_PRESSURE, 2.5, |c| fixed(c.protection.over_pressure.trip), 2.5),
     row(number::OVER_TEMPERATURE, 170.0, |c| fixed(c.protection.over_temperature.trip), 170.0),
+    row(number::OVER_CURRENT, 6.5, |c| fixed(c.protection.over_current.trip), 6.5),
+    row(number::OVER_VOLTAGE, 55.0, |c| fixed(c.protection.over_voltage.trip), 55.0),
     row(number::UNDER_VOLTAGE, 20.0, |c| fixed(c.protection.under_voltage.trip), 20.0),
 ];
 
