@@ -10,6 +10,7 @@ mod hall;
 mod hall_drive;
 mod limits;
 mod machine_search;
+mod presets;
 mod protection;
 mod rotor;
 mod safety;

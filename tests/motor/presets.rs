@@ -1,0 +1,87 @@
+//! Every motor that comes with narx runs as commissioned, at any supply, with and without load.
+
+use narx_core::bus::narmotion::MotorMode;
+use narx_core::motor::State;
+use narx_sim::bench::{Bench, BenchConfig};
+use narx_sim::commissioning::{Mode, Nameplate};
+use narx_sim::operator::Operator;
+use narx_sim::plant::{LoadConfig, PlantConfig};
+use narx_sim::presets::{PRESETS, Preset};
+
+const RPM: f64 = 60.0 / std::f64::consts::TAU;
+
+/// What a run of two seconds from the Drive request came to.
+struct Reached {
+    state: State,
+    /// Mean over the last half second, of the set-point.
+    speed: f64,
+    peak_current: f64,
+    bus_highest: f64,
+}
+
+fn spin(preset: &Preset, supply: f64, share_of_range: f64, share_of_torque: f64) -> Reached {
+    let plate = Nameplate {
+        motor: preset.motor,
+        rated_current: preset.data.rated_current,
+        supply,
+        open_loop_speed: None,
+    };
+    let commissioning = plate.commission(Mode::Hall).unwrap();
+    let range = commissioning.speed_max - commissioning.speed_min;
+    let rpm = (commissioning.speed_min + share_of_range * range).ceil() as i32;
+    let carried = commissioning.phase_current * preset.motor.torque_constant;
+    let torque = preset.data.rated_torque.unwrap_or(carried).min(0.7 * carried);
+    let mut plant = PlantConfig::new(preset.motor, supply);
+    plant.load = LoadConfig { constant: share_of_torque * torque, ..LoadConfig::default() };
+    plant.angle_deg = 77.0;
+    let mut bench = Bench::new(&BenchConfig {
+        plant,
+        parameters: commissioning.parameters,
+        label: preset.name.into(),
+        trace: false,
+    });
+    let mut operator = Operator::new(bench.node().addresses());
+    let (mut peak_current, mut bus_highest, mut from) = (0.0_f64, 0.0_f64, 0.0);
+    for tick in 0..26_000 {
+        if tick == 6_000 {
+            operator.start(rpm);
+        }
+        while let Some(frame) = operator.poll(bench.now_ns()) {
+            bench.send(frame).unwrap();
+        }
+        bench.step();
+        while bench.receive().is_some() || bench.overhear().is_some() {}
+        let seen = bench.plant().observe();
+        peak_current = peak_current.max(seen.peak_current);
+        bus_highest = bus_highest.max(seen.bus_voltage);
+        if tick == 20_999 {
+            from = seen.angle;
+        }
+    }
+    assert_eq!(operator.mode, MotorMode::Drive);
+    let mean = (bench.plant().observe().angle - from) / 0.5 * RPM;
+    Reached { state: bench.status().state, speed: mean / f64::from(rpm), peak_current, bus_highest }
+}
+
+/// Set-point within 0.5 %, at most 12 A and 5 % in the windings (Table 1), and never an over-voltage.
+#[test]
+fn every_preset_runs_at_every_supply() {
+    let mut worst = (0.0_f64, 0.0_f64);
+    for preset in &PRESETS {
+        for supply in [18.0, 24.0, 36.0, 48.0, 60.0] {
+            for (speed, torque) in [(0.0, 0.0), (0.1, 0.7), (0.5, 0.0), (0.5, 0.7), (0.85, 0.0), (0.85, 0.5)]
+            {
+                let reached = spin(preset, supply, speed, torque);
+                let name =
+                    format!("{} at {supply} V, {speed} of its range, {torque} of its torque", preset.name);
+                assert_eq!(reached.state, State::HallClosedLoop, "{name}");
+                let error = (reached.speed - 1.0).abs();
+                assert!(error <= 0.005, "{name}: {:.2} % off", 100.0 * error);
+                assert!(reached.peak_current <= 12.6, "{name}: {:.1} A", reached.peak_current);
+                assert!(reached.bus_highest < 62.0, "{name}: {:.2} V", reached.bus_highest);
+                worst = (worst.0.max(error), worst.1.max(reached.peak_current));
+            }
+        }
+    }
+    println!("120 runs: speed within {:.2} %, phase current up to {:.1} A", 100.0 * worst.0, worst.1);
+}
