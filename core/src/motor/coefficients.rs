@@ -213,7 +213,8 @@ impl Builder<'_> {
     fn quantity(&self, number: u16) -> i32 {
         let exponent = Dictionary::row(number).map_or(0, |row| row.exponent);
         let denominator = 10_i128.pow(exponent.min(0).unsigned_abs() as u32);
-        saturate(((self.raw(number) << 16) + denominator / 2).div_euclid(denominator))
+        let rounded = (self.raw(number) << 16) + denominator / 2;
+        saturate(rounded.checked_div_euclid(denominator).unwrap_or(0))
     }
 
     /// Raw U1F15 of a percentage in 0.01 %.
@@ -313,7 +314,7 @@ impl Builder<'_> {
         let rise = (voltage as i128 - voltage_start as i128).max(0);
         Ok(OpenLoopCoefficients {
             speed,
-            rate: ((speed as i64) << 16) / self.ticks(self.raw(number::OPEN_LOOP_RAMP)) as i64,
+            rate: ((speed as i64) << 16) / self.ticks(self.raw(number::OPEN_LOOP_RAMP)).max(1) as i64,
             voltage_start,
             voltage,
             slope: self.gain(number::OPEN_LOOP_DUTY, rise, (speed as i128).max(1))?,
