@@ -165,7 +165,7 @@ impl Drive {
             hall_stopped: self.rotor.hall_stopped(&self.coefficients),
             speed: self.rotor.hall_speed(&self.coefficients).abs().to_bits(),
             hall_driving: state == State::HallClosedLoop,
-            driving,
+            driving: driving || self.machine.starting(),
             torque: self.applied.step != Step::Coast,
             torque_sign: self.machine.direction().sign() as i8,
             open_phase,

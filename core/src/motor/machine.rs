@@ -235,6 +235,12 @@ impl Machine {
         self.state.is_driving() && wanted && self.requested_direction() != self.direction
     }
 
+    /// Drive is requested by a fresh edge in Standby: unless something refuses it, this tick turns the bridge on.
+    pub fn starting(&self) -> bool {
+        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        self.state == State::Standby && wanted && self.armed
+    }
+
     /// This start is a hall calibration.
     pub const fn calibrating(&self) -> bool {
         self.mode.contains(Conditions::CALIBRATION)

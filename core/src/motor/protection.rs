@@ -105,7 +105,7 @@ pub struct Evidence {
     pub speed: i32,
     /// The hall closed loop is running: its sensors are judged.
     pub hall_driving: bool,
-    /// The bridge is on (states 2, 3, 4, 5, 7).
+    /// The bridge is on (states 2, 3, 4, 5, 7), or a start is about to turn it on.
     pub driving: bool,
     /// Torque was applied in the last tick.
     pub torque: bool,
