@@ -142,6 +142,8 @@ pub struct Protection {
     over_pressure: Qualifier,
     overspeed: Qualifier,
     shutdown_line: Qualifier,
+    /// Largest overspeed threshold of this driven episode: a limit that is lowered live is for the set-point to follow first.
+    overspeed_trip: i32,
     hall: HallCounts,
     live: FaultWord,
     latched: FaultWord,
@@ -209,6 +211,7 @@ impl Protection {
     /// A driven episode has ended or begun: plausibility counts start anew.
     pub fn forget_episode(&mut self) {
         self.hall = HallCounts::default();
+        self.overspeed_trip = 0;
     }
 
     fn present(&mut self, cause: Cause, mask: FaultWord) {
@@ -229,7 +232,9 @@ impl Protection {
         let voltage = evidence.measured.bus_voltage.to_bits();
         let current = evidence.measured.bus_current.abs().to_bits();
         let temperature = evidence.slow.temperature.to_bits();
-        let overspeed = if evidence.hall_driving { &c.overspeed_hall } else { &c.overspeed_sensorless };
+        let overspeed = if evidence.hall_driving { c.overspeed_hall } else { c.overspeed_sensorless };
+        self.overspeed_trip = self.overspeed_trip.max(overspeed.trip);
+        let overspeed = Limit { trip: self.overspeed_trip, ..overspeed };
         let speed = if evidence.driving { evidence.speed } else { 0 };
         let over_voltage = Limit {
             ticks: if voltage > c.over_voltage_at_once { 1 } else { c.over_voltage.ticks },
@@ -245,7 +250,7 @@ impl Protection {
                 self.over_pressure.above(&c.over_pressure, evidence.slow.pressure.to_bits()),
                 Cause::OverPressure,
             ),
-            (self.overspeed.above(overspeed, speed), Cause::Overspeed),
+            (self.overspeed.above(&overspeed, speed), Cause::Overspeed),
         ];
         for (active, cause) in found {
             if active {
