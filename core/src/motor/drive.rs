@@ -384,7 +384,11 @@ impl Drive {
             power: Watts::from_bits(crate::units::saturate64(power)),
             phase_voltage: measured.phase_voltage,
             duty: self.applied.duty,
-            limiter: if self.applied.step == Step::Coast { Limiter::Off } else { output.limiter },
+            limiter: match output.limiter {
+                Limiter::Return => Limiter::Return,
+                _ if self.applied.step == Step::Coast => Limiter::Off,
+                limiter => limiter,
+            },
             hall_invalid: hall.invalid,
             hall_jumps: hall.jumps,
             hall_calibration: self.calibration,
