@@ -176,7 +176,8 @@ impl Drive {
     fn advance_state(&mut self, critical: bool, samples: &Samples) {
         let stopped = match self.machine.state() {
             State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
-            State::OpenLoop => self.rotor.field_stopped(),
+            // A calibration's field is slow enough to count as standing.
+            State::OpenLoop => self.machine.calibrating() || self.rotor.field_stopped(),
             _ => true,
         };
         let inputs = Inputs {
