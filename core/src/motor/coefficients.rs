@@ -311,10 +311,14 @@ impl Builder<'_> {
     fn open_loop(&self, voltage_start: i32) -> Result<OpenLoopCoefficients, BuildError> {
         let speed = self.speed(number::OPEN_LOOP_SPEED);
         let voltage = self.nominal_share(number::OPEN_LOOP_DUTY);
-        let rise = (voltage as i128 - voltage_start as i128).max(0);
+        // The lock level holds from standstill only where open loop has a higher one.
+        let voltage_start = voltage_start.min(voltage);
+        let rise = voltage as i128 - voltage_start as i128;
+        // At least 1 rev/s in the ramp's time: a set-point of 0 written live stops the field.
+        let climb = speed.max(1 << 16);
         Ok(OpenLoopCoefficients {
             speed,
-            rate: ((speed as i64) << 16) / self.ticks(self.raw(number::OPEN_LOOP_RAMP)).max(1) as i64,
+            rate: ((climb as i64) << 16) / self.ticks(self.raw(number::OPEN_LOOP_RAMP)).max(1) as i64,
             voltage_start,
             voltage,
             slope: self.gain(number::OPEN_LOOP_DUTY, rise, (speed as i128).max(1))?,
