@@ -8,6 +8,7 @@ mod commutation;
 mod hall;
 mod hall_drive;
 mod limits;
+mod live;
 mod machine_search;
 mod protection;
 mod rotor;
