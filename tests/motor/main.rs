@@ -5,6 +5,7 @@ mod bench;
 mod boot;
 mod closed_loop;
 mod commutation;
+mod extremes;
 mod hall;
 mod hall_drive;
 mod limits;
