@@ -134,7 +134,11 @@ impl Drive {
 
     /// What bounds the duty in the last tick.
     pub fn limiter(&self) -> Limiter {
-        self.control.output().limiter
+        match self.control.output().limiter {
+            Limiter::Return => Limiter::Return,
+            _ if self.applied.step == Step::Coast => Limiter::Off,
+            limiter => limiter,
+        }
     }
 
     /// Exact state.
@@ -360,7 +364,6 @@ impl Drive {
         let c = &self.coefficients;
         let direction = self.machine.direction();
         let state = self.machine.state();
-        let output = self.control.output();
         let hall = self.rotor.hall_diagnostics();
         let power =
             (measured.bus_voltage.to_bits() as i64 * measured.bus_current_filtered.to_bits() as i64) >> 16;
@@ -385,11 +388,7 @@ impl Drive {
             power: Watts::from_bits(crate::units::saturate64(power)),
             phase_voltage: measured.phase_voltage,
             duty: self.applied.duty,
-            limiter: match output.limiter {
-                Limiter::Return => Limiter::Return,
-                _ if self.applied.step == Step::Coast => Limiter::Off,
-                limiter => limiter,
-            },
+            limiter: self.limiter(),
             hall_invalid: hall.invalid,
             hall_jumps: hall.jumps,
             hall_calibration: self.calibration,

@@ -307,7 +307,7 @@ impl Hall {
         self.doubt || self.invalid_run >= INVALID_RUN_MAX
     }
 
-    /// Whether any valid code was seen.
+    /// Present sector, 0..=5; `None` until the first valid code.
     pub const fn sector(&self) -> Option<u8> {
         self.sector
     }

@@ -52,9 +52,4 @@ impl Pi {
     pub fn wait(&mut self, applied: i32) {
         self.integrator = i64::from(applied) << 16;
     }
-
-    /// The integral part, raw I16F16.
-    pub const fn integral(&self) -> i32 {
-        saturate64(self.integrator >> 16)
-    }
 }

@@ -45,7 +45,7 @@ pub struct ProtectionCoefficients {
     pub shutdown_ticks: u16,
     /// Bits that are critical (parameter 115).
     pub critical_mask: u32,
-    /// Ticks without a hall edge under torque (parameter 265).
+    /// Ticks under torque at speed 0, which is itself parameter 113 without a hall edge (parameter 265).
     pub hall_stall_ticks: u32,
     /// Below this bus voltage a diagnostic is shown, raw I16F16.
     pub supply_low: i32,
