@@ -153,7 +153,7 @@ fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Cha
                     if let Some(change) = change {
                         explored.pairs.insert((change.row.from, change.row.to, change.row.name));
                     }
-                    ghost_after = ghost_tick(&before, &memory, ghost);
+                    ghost_after = ghost_tick(&before, inputs, enables, &memory, ghost);
                 }
             }
             explored.edges += 1;
@@ -180,8 +180,14 @@ fn ghost_request(state: State, request: Request, mut ghost: Ghost) -> Ghost {
     ghost
 }
 
-fn ghost_tick(before: &Memory, after: &Memory, mut ghost: Ghost) -> Ghost {
+/// Decision 5 again: an edge that met a refusal (no mode, parameters that do not fit, no estimator) is spent by it.
+fn ghost_tick(before: &Memory, inputs: Inputs, enables: u8, after: &Memory, mut ghost: Ghost) -> Ghost {
     let (from, to) = (before.state, after.state);
+    let (open_loop, sensorless, hall) = (enables & 1 != 0, enables & 2 != 0, enables & 4 != 0);
+    let able = inputs.parameters_fit && (before.calibrate || hall || (open_loop && !sensorless));
+    if from == State::Standby && wanted(before.command.request).is_some() && !able {
+        ghost.fresh = false;
+    }
     let reversal = wanted(before.command.request).is_some_and(|direction| direction != before.direction);
     ghost.reversing = from.is_driving() && to == State::Standby && reversal;
     if from.is_driving() && to == State::Standby {

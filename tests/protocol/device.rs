@@ -152,3 +152,46 @@ fn an_uncommissioned_drive_does_not_turn() {
     assert_eq!(device.node.read_parameter(number::START_REFUSAL), Some(1));
     assert!(!device.driven);
 }
+
+/// A master repeats Drive, as masters do. A request that was refused is spent: enabling a mode, mending the set or arming a
+/// calibration afterwards does not turn the motor; Standby and then Drive does.
+#[test]
+fn a_refused_start_needs_a_fresh_request() {
+    let repeat = |device: &mut Device| {
+        for _ in 0..5 {
+            device.request(MotorMode::Drive);
+            device.run(50);
+            assert!(!device.driven);
+        }
+        assert_eq!(device.last_status(), (MotorMode::Standby, ControlMode::Off));
+    };
+    let mut device = Device::new();
+    device.run(600);
+    device.request(MotorMode::Standby);
+    device.run(10);
+    repeat(&mut device);
+    device.set(number::HALL_ENABLE, 1);
+    repeat(&mut device);
+    device.set(number::HALL_CALIBRATE, 0);
+    device.set(number::HALL_CALIBRATE, 1);
+    repeat(&mut device);
+    assert_eq!(device.node.read_parameter(number::START_REFUSAL), Some(1), "why it was refused stays");
+    device.set(number::HALL_CALIBRATE, 0);
+
+    device.request(MotorMode::Standby);
+    device.run(10);
+    assert_eq!(device.node.read_parameter(number::START_REFUSAL), Some(0));
+    device.set(number::SPEED_MIN_HES, 5000);
+    device.run(10);
+    repeat(&mut device);
+    device.set(number::SPEED_MIN_HES, 500);
+    repeat(&mut device);
+    assert_eq!(device.node.read_parameter(number::START_REFUSAL), Some(2));
+
+    device.request(MotorMode::Standby);
+    device.run(10);
+    device.request(MotorMode::Reverse);
+    device.run(10);
+    assert_eq!(device.node.read_parameter(number::DRIVE_STATE), Some(5));
+    assert_eq!(device.node.read_parameter(number::START_REFUSAL), Some(0));
+}

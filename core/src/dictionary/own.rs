@@ -61,7 +61,7 @@ pub(super) const OWN: [Parameter; 30] = [
         .unit("ms", 0)
         .range(10, 10000)
         .factory(500)
-        .about("Time in state 5 without a hall edge that becomes fault bit 6."),
+        .about("Time in state 5 with torque applied at speed 0 (no hall edge for parameter 113) that becomes fault bit 6."),
     Parameter::new(number::NOMINAL_SUPPLY, "Nominal supply voltage", Machine, U16)
         .unit("V", -3)
         .range(12000, 60000)

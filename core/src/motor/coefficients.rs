@@ -213,7 +213,8 @@ impl Builder<'_> {
     fn quantity(&self, number: u16) -> i32 {
         let exponent = Dictionary::row(number).map_or(0, |row| row.exponent);
         let denominator = 10_i128.pow(exponent.min(0).unsigned_abs() as u32);
-        saturate(((self.raw(number) << 16) + denominator / 2).div_euclid(denominator))
+        let rounded = (self.raw(number) << 16) + denominator / 2;
+        saturate(rounded.checked_div_euclid(denominator).unwrap_or(0))
     }
 
     /// Raw U1F15 of a percentage in 0.01 %.
@@ -310,10 +311,14 @@ impl Builder<'_> {
     fn open_loop(&self, voltage_start: i32) -> Result<OpenLoopCoefficients, BuildError> {
         let speed = self.speed(number::OPEN_LOOP_SPEED);
         let voltage = self.nominal_share(number::OPEN_LOOP_DUTY);
-        let rise = (voltage as i128 - voltage_start as i128).max(0);
+        // The lock level holds from standstill only where open loop has a higher one.
+        let voltage_start = voltage_start.min(voltage);
+        let rise = voltage as i128 - voltage_start as i128;
+        // At least 1 rev/s in the ramp's time: a set-point of 0 written live stops the field.
+        let climb = speed.max(1 << 16);
         Ok(OpenLoopCoefficients {
             speed,
-            rate: ((speed as i64) << 16) / self.ticks(self.raw(number::OPEN_LOOP_RAMP)) as i64,
+            rate: ((climb as i64) << 16) / self.ticks(self.raw(number::OPEN_LOOP_RAMP)).max(1) as i64,
             voltage_start,
             voltage,
             slope: self.gain(number::OPEN_LOOP_DUTY, rise, (speed as i128).max(1))?,

@@ -157,14 +157,6 @@ impl Direction {
             Self::Reverse => -1,
         }
     }
-    /// The other way.
-    #[must_use]
-    pub const fn opposite(self) -> Self {
-        match self {
-            Self::Forward => Self::Reverse,
-            Self::Reverse => Self::Forward,
-        }
-    }
 }
 
 /// 60 degrees, rounded down: sectors by multiplication, not by this step.

@@ -85,8 +85,10 @@ pub struct Control {
     applied: i32,
     millisecond: u16,
     coasting: Option<Coasting>,
-    /// A rotor that turned at the start has not drawn current yet.
-    catching: bool,
+    /// Milliseconds for which a rotor that turned at the start, or while the bridge was off, is caught; 0 once it is.
+    catching: u16,
+    /// The bridge was off in the midst of this episode.
+    interrupted: bool,
     output: Output,
 }
 
@@ -104,6 +106,9 @@ const REGENERATING: i32 = -(1 << 16) * 3 / 10;
 /// Mean bus current that is clearly forward: 50 mA.
 const MOTORING: i32 = (1 << 16) / 20;
 
+/// Longest catching of an idle motor: 20 ms, more than an electrical revolution at 3000 electrical rpm.
+const CATCH: u16 = 20;
+
 /// A current limit may take the duty back this many times faster than it rises.
 const RETREAT: u16 = 8;
 
@@ -115,8 +120,8 @@ impl Control {
         self.limit.start(&c.limits);
         self.setpoint.set(speed);
         self.take_over(c.initial_voltage);
-        self.catching = speed != 0;
-        if !self.catching {
+        self.catching = if speed == 0 { 0 } else { CATCH };
+        if self.catching == 0 {
             self.output.rectification = Rectification::Synchronous;
         }
     }
@@ -145,11 +150,13 @@ impl Control {
         let (wanted, own, duty_max) = match demand {
             Demand::Off => {
                 self.output = Output::default();
+                (self.applied, self.interrupted) = (0, true);
                 return self.output;
             }
             Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
             Demand::Speed { gains, target, measured: speed, duty_max } => {
-                self.finish_catching(c, measured, speed);
+                self.resume(c, measurement, speed);
+                self.finish_catching(c, measured, measurement, speed, due);
                 if self.coast(c, measured, measurement, speed) {
                     if due {
                         self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
@@ -209,15 +216,44 @@ impl Control {
         self.coasting.is_some()
     }
 
+    /// After the bridge was off (sensors in doubt, a rotor that turned the other way) a rotor that still turns is caught at its
+    /// back-EMF, and with diodes until its speed is certain again: a duty that rises from 0 under switches would short it, and the
+    /// bus would get its energy.
+    fn resume(&mut self, c: &ControlCoefficients, measurement: &Measurement, speed: i32) {
+        if !core::mem::take(&mut self.interrupted) {
+            return;
+        }
+        self.coasting = None;
+        self.catching = if speed == 0 { 0 } else { CATCH };
+        self.take_over(c.back_emf.apply32(speed.min(self.setpoint.value())));
+        self.output.duty = measurement.duty(self.speed_voltage);
+    }
+
     /// A rotor that turned already is caught with diodes, where no voltage is too small. Their light-load current is
     /// discontinuous and a voltage below back-EMF holds the speed, so before the switches take over, the controllers are
-    /// put at back-EMF, or the motor would brake.
-    fn finish_catching(&mut self, c: &ControlCoefficients, measured: &Measured, speed: i32) {
-        if self.catching && measured.bus_current_filtered.to_bits() > MOTORING {
-            self.catching = false;
+    /// put at back-EMF, or the motor would brake. An idle motor never draws the current that ends it: there time does, where
+    /// back-EMF is known.
+    fn finish_catching(
+        &mut self,
+        c: &ControlCoefficients,
+        measured: &Measured,
+        measurement: &Measurement,
+        speed: i32,
+        due: bool,
+    ) {
+        if self.catching == 0 {
+            return;
+        }
+        if due && self.catching > 1 {
+            self.catching -= 1;
+        }
+        let late = self.catching == 1 && c.back_emf != Gain::ZERO;
+        if late || measured.bus_current_filtered.to_bits() > MOTORING {
+            self.catching = 0;
             let back_emf = c.back_emf.apply32(speed);
             if back_emf > self.speed_voltage {
                 self.take_over(back_emf);
+                self.output.duty = measurement.duty(back_emf);
             }
         }
     }
@@ -312,7 +348,7 @@ impl Control {
     fn rectification(&self, c: &ControlCoefficients, measured: &Measured) -> Rectification {
         let current = measured.bus_current_filtered.to_bits();
         let full = measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING;
-        if self.catching || full || current < REGENERATING {
+        if self.catching > 0 || full || current < REGENERATING {
             Rectification::Diode
         } else {
             Rectification::Synchronous

@@ -134,7 +134,11 @@ impl Drive {
 
     /// What bounds the duty in the last tick.
     pub fn limiter(&self) -> Limiter {
-        self.control.output().limiter
+        match self.control.output().limiter {
+            Limiter::Return => Limiter::Return,
+            _ if self.applied.step == Step::Coast => Limiter::Off,
+            limiter => limiter,
+        }
     }
 
     /// Exact state.
@@ -165,7 +169,7 @@ impl Drive {
             hall_stopped: self.rotor.hall_stopped(&self.coefficients),
             speed: self.rotor.hall_speed(&self.coefficients).abs().to_bits(),
             hall_driving: state == State::HallClosedLoop,
-            driving,
+            driving: driving || self.machine.starting(),
             torque: self.applied.step != Step::Coast,
             torque_sign: self.machine.direction().sign() as i8,
             open_phase,
@@ -176,7 +180,8 @@ impl Drive {
     fn advance_state(&mut self, critical: bool, samples: &Samples) {
         let stopped = match self.machine.state() {
             State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
-            State::OpenLoop => self.rotor.field_stopped(),
+            // A calibration's field is slow enough to count as standing.
+            State::OpenLoop => self.machine.calibrating() || self.rotor.field_stopped(),
             _ => true,
         };
         let inputs = Inputs {
@@ -359,7 +364,6 @@ impl Drive {
         let c = &self.coefficients;
         let direction = self.machine.direction();
         let state = self.machine.state();
-        let output = self.control.output();
         let hall = self.rotor.hall_diagnostics();
         let power =
             (measured.bus_voltage.to_bits() as i64 * measured.bus_current_filtered.to_bits() as i64) >> 16;
@@ -384,7 +388,7 @@ impl Drive {
             power: Watts::from_bits(crate::units::saturate64(power)),
             phase_voltage: measured.phase_voltage,
             duty: self.applied.duty,
-            limiter: if self.applied.step == Step::Coast { Limiter::Off } else { output.limiter },
+            limiter: self.limiter(),
             hall_invalid: hall.invalid,
             hall_jumps: hall.jumps,
             hall_calibration: self.calibration,

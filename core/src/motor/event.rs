@@ -81,7 +81,7 @@ pub struct Status {
     pub extended_code: u16,
     /// No valid command for the time-out period.
     pub command_expired: bool,
-    /// Why the last start was refused.
+    /// Why the last start was refused; stays until Standby is requested.
     pub refusal: Refusal,
     /// Bus below 18 V: a diagnostic, not a fault.
     pub supply_low: bool,

@@ -115,7 +115,11 @@ impl Cause {
         row(Self::OpenPhase, 0, "a phase carries no current (three revolutions, or 100 ms at rest)"),
         row(Self::HallInvalid, 0, "hall codes 000 or 111 (64 more than one a millisecond)"),
         row(Self::HallJumps, 0, "hall sectors skipped (5 more than one in 13 ms)"),
-        row(Self::HallStall, 0, "torque applied and no hall edge for the stall time (parameter 265)"),
+        row(
+            Self::HallStall,
+            0,
+            "torque applied at speed 0 (parameter 113) for the stall time (parameter 265)",
+        ),
         row(
             Self::HallDirection,
             0,

@@ -30,7 +30,7 @@ pub struct HallCoefficients {
     pub sectors: [u8; 8],
     /// How far the edges lie beyond 30 + 60 k degrees.
     pub offset: ElectricalAngle,
-    /// No edge for this long, in 1/65 536 tick, means standstill (parameter 112).
+    /// No edge for this long, in 1/65 536 tick, means standstill (parameter 113).
     pub timeout: u32,
     /// Slowest speed that is interpolated between edges, in 2^-32 turn a tick.
     pub interpolation_min: u32,
@@ -307,7 +307,7 @@ impl Hall {
         self.doubt || self.invalid_run >= INVALID_RUN_MAX
     }
 
-    /// Whether any valid code was seen.
+    /// Present sector, 0..=5; `None` until the first valid code.
     pub const fn sector(&self) -> Option<u8> {
         self.sector
     }

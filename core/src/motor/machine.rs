@@ -144,8 +144,10 @@ impl Machine {
     fn conditions(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Conditions {
         let mut conditions = if self.state == State::Standby { self.enabled(c) } else { self.mode };
         let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
-        if self.state == State::Standby && wanted {
+        if self.state == State::Standby && wanted && self.refusal == Refusal::None {
             self.refusal = self.refuse(conditions, inputs);
+            // A refused request is spent: it must not start the motor later, when what refused it has gone.
+            self.armed &= self.refusal == Refusal::None;
         }
         let boot_passed = self.age >= c.boot && !inputs.unhealthy;
         let reversal = self.state.is_driving() && wanted && self.requested_direction() != self.direction;
@@ -233,6 +235,12 @@ impl Machine {
         self.state.is_driving() && wanted && self.requested_direction() != self.direction
     }
 
+    /// Drive is requested by a fresh edge in Standby: unless something refuses it, this tick turns the bridge on.
+    pub fn starting(&self) -> bool {
+        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        self.state == State::Standby && wanted && self.armed
+    }
+
     /// This start is a hall calibration.
     pub const fn calibrating(&self) -> bool {
         self.mode.contains(Conditions::CALIBRATION)
@@ -243,7 +251,7 @@ impl Machine {
         self.command_age >= c.command_timeout
     }
 
-    /// Why the last start was refused.
+    /// Why the last start was refused; stays until Standby is requested.
     pub const fn refusal(&self) -> Refusal {
         self.refusal
     }

@@ -11,7 +11,7 @@ pub struct OpenLoopCoefficients {
     pub speed: i32,
     /// Rise per tick, raw I16F16 with 16 extra bits (parameters 88 and 109).
     pub rate: i64,
-    /// Voltage while the field stands still (rotor lock level), raw I16F16.
+    /// Voltage while the field stands still (rotor lock level, but no more than the open-loop level), raw I16F16.
     pub voltage_start: i32,
     /// Voltage at the end of the ramp (open-loop level), raw I16F16.
     pub voltage: i32,
@@ -57,7 +57,7 @@ impl OpenLoop {
             angle: self.angle,
             speed,
             frequency: frequency * direction.sign(),
-            voltage: voltage.min(c.voltage.max(c.voltage_start)).max(0),
+            voltage: voltage.min(c.voltage).max(0),
         }
     }
 

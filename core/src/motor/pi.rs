@@ -32,8 +32,10 @@ impl Pi {
         self.integrator = self
             .integrator
             .saturating_add(gains.integral.apply_extended(error))
-            .clamp(low - proportional.max(0), high - proportional.min(0));
-        saturate64((self.integrator + proportional).clamp(low, high) >> 16)
+            // Not `clamp`, which can panic: the compiler does not see that `low` is not above `high`.
+            .min(high - proportional.min(0))
+            .max(low - proportional.max(0));
+        saturate64((self.integrator + proportional).min(high).max(low) >> 16)
     }
 
     /// Back-calculation: something else decided `applied`, so the integrator is set to what would have given that
@@ -49,10 +51,5 @@ impl Pi {
     #[inline]
     pub fn wait(&mut self, applied: i32) {
         self.integrator = i64::from(applied) << 16;
-    }
-
-    /// The integral part, raw I16F16.
-    pub const fn integral(&self) -> i32 {
-        saturate64(self.integrator >> 16)
     }
 }

@@ -45,7 +45,7 @@ pub struct ProtectionCoefficients {
     pub shutdown_ticks: u16,
     /// Bits that are critical (parameter 115).
     pub critical_mask: u32,
-    /// Ticks without a hall edge under torque (parameter 265).
+    /// Ticks under torque at speed 0, which is itself parameter 113 without a hall edge (parameter 265).
     pub hall_stall_ticks: u32,
     /// Below this bus voltage a diagnostic is shown, raw I16F16.
     pub supply_low: i32,
@@ -105,7 +105,7 @@ pub struct Evidence {
     pub speed: i32,
     /// The hall closed loop is running: its sensors are judged.
     pub hall_driving: bool,
-    /// The bridge is on (states 2, 3, 4, 5, 7).
+    /// The bridge is on (states 2, 3, 4, 5, 7), or a start is about to turn it on.
     pub driving: bool,
     /// Torque was applied in the last tick.
     pub torque: bool,
@@ -142,6 +142,8 @@ pub struct Protection {
     over_pressure: Qualifier,
     overspeed: Qualifier,
     shutdown_line: Qualifier,
+    /// Largest overspeed threshold of this driven episode: a limit that is lowered live is for the set-point to follow first.
+    overspeed_trip: i32,
     hall: HallCounts,
     live: FaultWord,
     latched: FaultWord,
@@ -209,6 +211,7 @@ impl Protection {
     /// A driven episode has ended or begun: plausibility counts start anew.
     pub fn forget_episode(&mut self) {
         self.hall = HallCounts::default();
+        self.overspeed_trip = 0;
     }
 
     fn present(&mut self, cause: Cause, mask: FaultWord) {
@@ -229,7 +232,9 @@ impl Protection {
         let voltage = evidence.measured.bus_voltage.to_bits();
         let current = evidence.measured.bus_current.abs().to_bits();
         let temperature = evidence.slow.temperature.to_bits();
-        let overspeed = if evidence.hall_driving { &c.overspeed_hall } else { &c.overspeed_sensorless };
+        let overspeed = if evidence.hall_driving { c.overspeed_hall } else { c.overspeed_sensorless };
+        self.overspeed_trip = self.overspeed_trip.max(overspeed.trip);
+        let overspeed = Limit { trip: self.overspeed_trip, ..overspeed };
         let speed = if evidence.driving { evidence.speed } else { 0 };
         let over_voltage = Limit {
             ticks: if voltage > c.over_voltage_at_once { 1 } else { c.over_voltage.ticks },
@@ -245,7 +250,7 @@ impl Protection {
                 self.over_pressure.above(&c.over_pressure, evidence.slow.pressure.to_bits()),
                 Cause::OverPressure,
             ),
-            (self.overspeed.above(overspeed, speed), Cause::Overspeed),
+            (self.overspeed.above(&overspeed, speed), Cause::Overspeed),
         ];
         for (active, cause) in found {
             if active {

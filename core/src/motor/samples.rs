@@ -28,7 +28,7 @@ pub struct Samples {
     pub hall: u8,
     /// Edges captured during the whole of period `tick - 1`, oldest first.
     pub edges: Vec<Edge, EDGES_MAX>,
-    /// Edges of that period that found no room.
+    /// Edges of that period that found no room; the hall level finds what they would have shown, a tick later.
     pub edges_lost: u8,
     /// Digital inputs at the sampling instant.
     pub lines: Lines,

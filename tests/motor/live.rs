@@ -1,0 +1,145 @@
+//! What may happen while the motor runs: parameters that change, sensors that are doubted for a moment, faults that are masked.
+
+use crate::bench::{Closed, MOTOR, Outcome, RPM};
+use crate::rotor::ScriptedRotor;
+use crate::scripted::Scripted;
+use crate::support::coefficients;
+use narx_core::dictionary::number;
+use narx_core::motor::event::{HallCalibration, Limiter};
+use narx_core::motor::open_loop::OpenLoop;
+use narx_core::motor::{Cause, Direction, Event, Lines, Request, State, Step};
+use narx_core::units::Volts;
+use narx_sim::plant::{Injection, MotorConfig, Phase, PlantConfig};
+
+fn running(supply: f64) -> Closed {
+    let mut closed = Closed::new(&PlantConfig::new(MOTOR, supply), &[]);
+    closed.boot();
+    closed.ask(Request::Drive);
+    assert_eq!(closed.run(20_000), Outcome::Running);
+    closed
+}
+
+/// A fault that the mask calls harmless while nothing drives, and that cannot be masked while driving: the start meets it before
+/// any leg is driven.
+#[test]
+fn a_forced_fault_stops_a_start_before_it_begins() {
+    let changes = [(number::HALL_ENABLE, 1), (number::CRITICAL_FAULT_MASK, 0)];
+    let mut script = Scripted::new(coefficients(&changes), ScriptedRotor::new(0.2, 0.0, true), 0);
+    script.boot();
+    let fault = |samples: &mut narx_core::motor::Samples| samples.lines = Lines::DRIVER_FAULT;
+    for _ in 0..100 {
+        script.tick(fault);
+    }
+    assert_eq!(script.drive.state(), State::Standby, "masked while nothing drives");
+    script.ask(Request::Drive);
+    for _ in 0..3 {
+        assert_eq!(script.tick(fault).step, Step::Coast);
+        assert_eq!(script.drive.state(), State::Fault);
+        assert_eq!(script.status.extended_code, Cause::DriverLine as u16);
+    }
+}
+
+/// A lower speed limit, written live, slows the motor down; it does not call the speed that was right before an overspeed.
+#[test]
+fn a_lower_speed_limit_is_no_overspeed() {
+    let mut closed = running(24.0);
+    closed.configure(&[(number::SPEED_MAX_HES, 1_000), (number::SPEED_MIN_HES, 300)]);
+    assert_eq!(closed.run(50_000), Outcome::Running);
+    assert!((closed.rpm() - 1_000.0).abs() < 20.0, "{} rpm", closed.rpm());
+}
+
+/// The reason why nothing drives a motor that is too fast has a name for as long as it lasts.
+#[test]
+fn coasting_down_has_a_name() {
+    // Hardly any friction: the shaft would keep its speed for long.
+    let mut config = PlantConfig::new(MotorConfig { static_friction: 2e-4, ..MOTOR }, 24.0);
+    config.angle_deg = 40.0;
+    let mut closed = Closed::new(&config, &[]);
+    closed.boot();
+    closed.ask(Request::Drive);
+    assert_eq!(closed.run(20_000), Outcome::Running);
+    closed.configure(&[(number::SPEED_MAX_HES, RPM as i32 / 2), (number::SPEED_MIN_HES, 300)]);
+    let mut named = 0;
+    for _ in 0..5_000 {
+        closed.tick();
+        named += u32::from(closed.status.limiter == Limiter::Return);
+    }
+    assert!(named > 1_000, "{named} of 5000 ticks");
+}
+
+/// Sensors that lie for a few milliseconds: when they are believed again the motor goes on and reaches its speed. What flows then
+/// is bounded, and in most cases nothing flows back into the bus; in the rest the lie itself had braked the rotor before it was doubted.
+#[test]
+fn a_doubt_that_passes_is_no_surge() {
+    let (mut peak, mut fed, mut doubts) = (0.0_f64, 0, 0);
+    for supply in [24.0, 48.0] {
+        let running = running(supply);
+        let lies = Phase::ALL.into_iter().flat_map(|line| [(line, false), (line, true)]);
+        for ((line, high), ticks) in lies.flat_map(|lie| [20, 50, 80].map(|ticks| (lie, ticks))) {
+            let context = format!("{supply} V, {line:?} {high} for {ticks} ticks");
+            let mut closed = running.clone();
+            closed.plant.inject(Injection::HallStuck { line, high });
+            assert_eq!(closed.run(ticks), Outcome::Running, "{context}");
+            doubts += u32::from(closed.status.limiter == Limiter::Off);
+            closed.plant.clear(Injection::HallStuck { line, high });
+            (closed.peak, closed.bus_max) = (0.0, 0.0);
+            assert_eq!(closed.run(10_000), Outcome::Running, "{context}");
+            assert!((closed.rpm() - RPM).abs() < 0.02 * RPM, "{context}: {} rpm", closed.rpm());
+            peak = peak.max(closed.peak);
+            fed += u32::from(closed.bus_max > running.bus_max + 2.0);
+        }
+    }
+    println!("{doubts} of 36 doubted; afterwards at most {peak:.1} A, {fed} fed the bus");
+    assert!(doubts >= 12, "{doubts}");
+    assert!(peak <= 8.0, "{peak:.1} A");
+    assert!(fed <= 10, "{fed}");
+}
+
+/// Parameter 87 is the level of open loop also where rotor lock has a higher one, and a set-point of 0 written live stops the field.
+#[test]
+fn open_loop_takes_its_own_level_and_stops_at_0() {
+    let build = |rpm| {
+        coefficients(&[
+            (number::LOCK_DUTY, 800),
+            (number::OPEN_LOOP_DUTY, 400),
+            (number::OPEN_LOOP_SPEED, rpm),
+        ])
+        .open_loop
+    };
+    let (turning, stopping) = (build(500), build(0));
+    let mut field = OpenLoop::default();
+    field.start(0);
+    for _ in 0..10_000 {
+        // 4 % of 48 V.
+        assert_eq!(
+            field.step(&turning, Direction::Forward, true).voltage,
+            Volts::from_milli(1_920).to_bits()
+        );
+    }
+    assert!(!field.stopped());
+    let ticks = (0..200_000).take_while(|_| field.step(&stopping, Direction::Forward, true).frequency != 0);
+    assert!(ticks.count() < 150_000);
+}
+
+/// The other direction asked for during a hall calibration ends it at once, whatever open loop did before.
+#[test]
+fn a_reversal_ends_a_calibration() {
+    let changes = [(number::OPEN_LOOP_ENABLE, 1), (number::LOCK_DURATION, 100)];
+    let mut script = Scripted::new(coefficients(&changes), ScriptedRotor::new(0.2, 0.0, true), 0);
+    script.boot();
+    script.blocked_current = 1_000.0;
+    let run = |script: &mut Scripted, request, ticks| {
+        script.ask(request);
+        for _ in 0..ticks {
+            script.tick(|_| {});
+        }
+        script.drive.state()
+    };
+    assert_eq!(run(&mut script, Request::Drive, 8_000), State::OpenLoop);
+    assert_eq!(run(&mut script, Request::Standby, 1), State::Standby);
+    script.drive.handle_event(Event::CalibrateHall(true));
+    assert_eq!(run(&mut script, Request::Drive, 2_000), State::OpenLoop);
+    assert_eq!(script.status.hall_calibration, HallCalibration::Running);
+    assert_eq!(run(&mut script, Request::Reverse, 1), State::Standby);
+    assert_eq!(script.status.hall_calibration, HallCalibration::Failed);
+}
