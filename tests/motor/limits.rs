@@ -34,7 +34,7 @@ fn settled(volts: i32, celsius_milli: i32) -> CurrentLimit {
     limit.start(&c);
     for _ in 0..500 {
         let drawn = limit.bound(u16::MAX >> 1).0;
-        limit.update(&c, &measured(volts, drawn), Celsius::from_milli(celsius_milli), true);
+        limit.update(&c, &measured(volts, drawn), 0, Celsius::from_milli(celsius_milli), true);
     }
     limit
 }
@@ -74,7 +74,7 @@ fn power_rating_forgives_a_pulse() {
     let mut limit = settled(24_000, 25_000);
     let mut after = |milliseconds: u32| {
         for _ in 0..milliseconds {
-            limit.update(&c, &measured(30_000, 6 * AMPERE), Celsius::from_milli(25_000), true);
+            limit.update(&c, &measured(30_000, 6 * AMPERE), 0, Celsius::from_milli(25_000), true);
         }
         bound(&limit, 1.0)
     };
@@ -119,7 +119,7 @@ fn soft_start_and_its_rate() {
     let mut limit = CurrentLimit::default();
     limit.start(&c);
     let update = |limit: &mut CurrentLimit, turns| {
-        limit.update(&c, &measured(24_000, 0), Celsius::from_milli(25_000), turns);
+        limit.update(&c, &measured(24_000, 0), 0, Celsius::from_milli(25_000), turns);
         bound(limit, 1.0).0
     };
     for _ in 0..100 {
@@ -128,4 +128,35 @@ fn soft_start_and_its_rate() {
     for milliseconds in 1..=60 {
         assert_near(update(&mut limit, true), (3.0 + 0.06 * milliseconds as f64).min(6.0));
     }
+}
+
+/// Table 2: 12 A peak, 6 A rms continuous, in six-step 7.35 A. Peak current is there for 2 s from cold, then the bound
+/// closes on the continuous one; a new start does not cool anything, time does.
+#[test]
+fn phase_current_is_rated_by_heat() {
+    let c = coefficients();
+    let mut limit = CurrentLimit::default();
+    limit.start(&c);
+    let run = |limit: &mut CurrentLimit, seconds: u32, amperes: Option<f64>| {
+        for _ in 0..seconds * 1000 {
+            let phase = amperes.unwrap_or(f64::from(limit.bound(1 << 13).0) * 4.0 / f64::from(AMPERE));
+            limit.update(
+                &c,
+                &measured(60_000, 0),
+                (phase * f64::from(AMPERE)) as i32,
+                Celsius::from_milli(25_000),
+                true,
+            );
+        }
+        bound(limit, 0.25).0 * 4.0
+    };
+    assert_near(run(&mut limit, 60, Some(7.3)), 12.0);
+    let warm = run(&mut limit, 1, None);
+    assert!((8.5..11.5).contains(&warm), "{warm} A after a second of all there is");
+    let hot = run(&mut limit, 60, None);
+    assert!((hot - 7.35).abs() < 0.05, "{hot} A for good");
+    limit.start(&c);
+    let restarted = run(&mut limit, 1, None);
+    assert!((restarted - 7.35).abs() < 0.05, "{restarted} A after a restart");
+    assert_near(run(&mut limit, 4, Some(0.0)), 12.0);
 }

@@ -1,5 +1,6 @@
 //! Evidence for the control core, through its public surfaces.
 
+mod acknowledgement;
 mod arithmetic;
 mod bench;
 mod boot;

@@ -3,7 +3,7 @@
 use narx_core::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive};
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::event::{Command, Event, Status};
+use narx_core::motor::event::{Command, Event, Request, Status};
 use narx_core::motor::front_end::Board;
 use narx_core::motor::state::State;
 use narx_core::node::{Identity, Node};
@@ -79,9 +79,14 @@ impl Bench {
         std::iter::from_fn(|| self.node.poll_event()).collect()
     }
 
-    pub(crate) fn commands(&mut self) -> Vec<Command> {
-        let commands = |event| if let Event::Command(command) = event { Some(command) } else { None };
-        self.events().into_iter().filter_map(commands).collect()
+    /// What the tick is asked for: set-points, with a request where there is one.
+    pub(crate) fn commands(&mut self) -> Vec<(Option<Request>, ElectricalSpeed)> {
+        let asked = |event| match event {
+            Event::Command(Command { request, speed }) => Some((Some(request), speed)),
+            Event::SetPoint(speed) => Some((None, speed)),
+            _ => None,
+        };
+        self.events().into_iter().filter_map(asked).collect()
     }
 
     pub(crate) fn refused(&self) -> i32 {

@@ -4,7 +4,7 @@ use crate::bench::{Bench, IDENTITY, frame, speed};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ToDrive, XmlCommand};
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::event::{Command, Event, Health, Request, Status};
+use narx_core::motor::event::{Event, Health, Request, Status};
 use narx_core::motor::fault::FaultWord;
 use narx_core::motor::front_end::Board;
 use narx_core::motor::state::State;
@@ -16,14 +16,14 @@ use proptest::prelude::*;
 fn requests_and_set_points_become_commands() {
     let mut bench = Bench::new();
     bench.request(MotorMode::Drive);
-    assert_eq!(bench.commands(), [Command { request: Request::Drive, speed: ElectricalSpeed::ZERO }]);
+    assert_eq!(bench.commands(), [(Some(Request::Drive), ElectricalSpeed::ZERO)]);
     bench.send(ToDrive::MotorCommand { speed: 3000 });
-    assert_eq!(bench.commands(), [Command { request: Request::Drive, speed: speed(3000, 4) }]);
+    assert_eq!(bench.commands(), [(None, speed(3000, 4))]);
     bench.request(MotorMode::Reverse);
-    assert_eq!(bench.commands(), [Command { request: Request::Reverse, speed: speed(3000, 4) }]);
+    assert_eq!(bench.commands(), [(Some(Request::Reverse), speed(3000, 4))]);
     bench.request(MotorMode::Fault);
     bench.request(MotorMode::Standby);
-    let requests: Vec<Request> = bench.commands().iter().map(|command| command.request).collect();
+    let requests: Vec<Request> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
     assert_eq!(requests, [Request::Shutdown, Request::Standby]);
     // A repeated request is a command again: it feeds the time-out.
     bench.request(MotorMode::Standby);
@@ -98,7 +98,7 @@ fn a_flood_of_requests_never_loses_the_stop() {
         bench.request(Drive);
         bench.request(Standby);
     }
-    let requests: Vec<Request> = bench.commands().iter().map(|command| command.request).collect();
+    let requests: Vec<Request> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
     assert!(requests.len() <= 8, "{requests:?}");
     assert_eq!(requests.last(), Some(&Request::Standby));
     bench.request(Fault);
@@ -106,7 +106,7 @@ fn a_flood_of_requests_never_loses_the_stop() {
         bench.request(Drive);
         bench.request(Reverse);
     }
-    let requests: Vec<Request> = bench.commands().iter().map(|command| command.request).collect();
+    let requests: Vec<Request> = bench.commands().iter().filter_map(|(request, _)| *request).collect();
     assert!(requests.contains(&Request::Shutdown), "{requests:?}");
     assert_eq!(requests.last(), Some(&Request::Reverse));
 }

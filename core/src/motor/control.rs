@@ -116,7 +116,7 @@ impl Control {
     /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already:
     /// that one is caught with diodes, where no voltage is too small.
     pub fn start(&mut self, c: &ControlCoefficients, speed: i32) {
-        *self = Self::default();
+        *self = Self { limit: self.limit, ..Self::default() };
         self.limit.start(&c.limits);
         self.setpoint.set(speed);
         self.take_over(c.initial_voltage);
@@ -145,7 +145,8 @@ impl Control {
         let due = self.tick_millisecond(c);
         if due {
             let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
-            self.limit.update(&c.limits, measured, temperature, turns);
+            let phase_current = per_duty(measured.bus_current_filtered.to_bits(), self.output.duty.to_bits());
+            self.limit.update(&c.limits, measured, phase_current, temperature, turns);
         }
         let (wanted, own, duty_max) = match demand {
             Demand::Off => {

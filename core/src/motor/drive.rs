@@ -95,6 +95,7 @@ impl Drive {
     pub fn handle_event(&mut self, event: Event) {
         match event {
             Event::Command(command) => self.machine.handle_command(command),
+            Event::SetPoint(speed) => self.machine.handle_set_point(speed),
             Event::Coefficients(coefficients) => {
                 self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
                 self.coefficients = coefficients;

@@ -11,8 +11,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "coefficients change owner by moving, rarely; there is no heap")]
 pub enum Event {
-    /// A valid REQUEST_WORD or MOTOR_CMD arrived: feeds the communication time-out.
+    /// A valid REQUEST_WORD arrived: feeds the communication time-out; Standby acknowledges a fault.
     Command(Command),
+    /// A valid MOTOR_CMD arrived: a new set-point magnitude, the request stays. Feeds the time-out, acknowledges nothing.
+    SetPoint(ElectricalSpeed),
     /// A parameter set that built.
     Coefficients(Coefficients),
     /// The present parameter set does not build: keep the last good coefficients, refuse to start.

@@ -29,12 +29,22 @@ const POWER: [i32; 2] = [150 << 16, 300 << 16];
 /// A supply of 48 V that reads a little high is still 48 V: 0.5 V of measurement tolerance.
 const POWER_STEP: i32 = (48 << 16) + (1 << 15);
 
+/// Continuous phase current (Table 2): 6 A rms, which six-step current with two phases of three in turn reaches at
+/// 6 sqrt(3/2) = 7.35 A; raw I16F16.
+const CONTINUOUS: i32 = 481_589;
+/// Its square, A^2 with 16 fraction bits.
+const CONTINUOUS_SQUARE: i64 = 54 << 16;
+/// Excess of I^2 over that, summed each millisecond, at which the continuous current alone is left: 12 A for 2 s.
+const HEAT_MAX: i64 = (180 * 1000) << 16;
+
 /// State: the ramped limit of Table 11.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CurrentLimit {
     ramp: Ramp,
     /// What the power rating leaves, raw I16F16 A with 16 extra bits.
     power: i64,
+    /// Sum of I^2 above the continuous square, A^2 ms with 16 fraction bits, 0 to [`HEAT_MAX`].
+    heat: i64,
     bound: i32,
     /// What temperature leaves of the phase current bound, raw I16F16 A.
     phase: i32,
@@ -42,7 +52,7 @@ pub struct CurrentLimit {
 }
 
 impl CurrentLimit {
-    /// A start begins: back to the soft-start limit.
+    /// A start begins: back to the soft-start limit. Windings and switches stay as warm as they are.
     pub fn start(&mut self, c: &LimitCoefficients) {
         self.ramp.set(c.soft_start);
         self.power = (c.maximum as i64) << 16;
@@ -51,13 +61,21 @@ impl CurrentLimit {
     }
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
-    pub fn update(&mut self, c: &LimitCoefficients, measured: &Measured, temperature: Celsius, turns: bool) {
+    /// `phase_current` is the estimated mean phase current, raw I16F16 A.
+    pub fn update(
+        &mut self,
+        c: &LimitCoefficients,
+        measured: &Measured,
+        phase_current: i32,
+        temperature: Celsius,
+        turns: bool,
+    ) {
         let target = if turns { c.maximum } else { c.soft_start.min(c.maximum) };
         let table = self.ramp.step(target, c.rate);
         let power = self.rate_power(c, measured);
         (self.bound, self.limiter) =
             if power < table { (power, Limiter::Power) } else { (table, Limiter::Current) };
-        self.phase = c.phase_current;
+        self.phase = self.rate_heat(c, phase_current);
         let excess = temperature.to_bits().saturating_sub(c.derating_start);
         if excess > 0 {
             let left = (1_i64 << 16).saturating_sub(c.derating.apply(excess)).max(0);
@@ -75,6 +93,15 @@ impl CurrentLimit {
         let room = rating as i64 - measured.bus_current_filtered.to_bits() as i64;
         self.power = (self.power + (room << 16) / 20).min((c.maximum as i64) << 16).max(0);
         (self.power >> 16) as i32
+    }
+
+    /// What heat leaves of the phase current: all of it when cold, the continuous rating when full.
+    fn rate_heat(&mut self, c: &LimitCoefficients, phase_current: i32) -> i32 {
+        let current = i64::from(phase_current >> 8);
+        self.heat = (self.heat + current * current - CONTINUOUS_SQUARE).clamp(0, HEAT_MAX);
+        let above = i64::from(c.phase_current.saturating_sub(CONTINUOUS)).max(0);
+        // In 2^-20ths, so that the product fits.
+        c.phase_current - (above * (self.heat >> 20) / (HEAT_MAX >> 20)) as i32
     }
 
     /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase current times the

@@ -5,6 +5,7 @@ use super::coefficients::MachineCoefficients;
 use super::commutation::Direction;
 use super::event::{Command, Refusal, Request};
 use super::state::{Conditions, State, Transition, transition};
+use crate::units::ElectricalSpeed;
 use serde::{Deserialize, Serialize};
 
 /// There is no back-EMF estimator yet: states 4 and 7 exist, and a start that would lead there is refused.
@@ -89,6 +90,12 @@ impl Machine {
             Request::Drive | Request::Reverse => self.armed &= self.state != State::Initialization,
             Request::Shutdown => {}
         }
+    }
+
+    /// A set-point has arrived without a request.
+    pub fn handle_set_point(&mut self, speed: ElectricalSpeed) {
+        self.command.speed = speed;
+        self.command_age = 0;
     }
 
     /// Arms or withdraws the hall calibration; acts at the next start.

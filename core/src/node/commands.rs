@@ -3,21 +3,28 @@
 use super::scale;
 use crate::bus::narmotion::MotorMode;
 use crate::dictionary::{Parameters, number};
-use crate::motor::event::{Command, Request};
+use crate::motor::event::{Command, Event, Request};
+use crate::units::ElectricalSpeed;
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
 /// Commands that may wait for the tick, which takes one each 100 us.
 const WAITING: usize = 8;
 
-/// The last request and set-point, and the commands that wait.
+/// The last set-point, and the commands that wait.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Commands {
-    request: Request,
     /// Magnitude of the mechanical set-point, rpm.
     speed: u16,
     mode: Mode,
-    waiting: Deque<Command, WAITING>,
+    waiting: Deque<Waiting, WAITING>,
+}
+
+/// A command on its way; without a request it is a set-point alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Waiting {
+    request: Option<Request>,
+    speed: ElectricalSpeed,
 }
 
 /// Control mode that the enables select (Table 6); frozen while the drive is not stopped.
@@ -33,20 +40,20 @@ enum Mode {
 impl Commands {
     /// A valid REQUEST_WORD.
     pub(super) fn request(&mut self, mode: MotorMode, parameters: &Parameters) {
-        self.request = match mode {
+        let request = match mode {
             MotorMode::Standby => Request::Standby,
             MotorMode::Drive => Request::Drive,
             MotorMode::Reverse => Request::Reverse,
             MotorMode::Fault => Request::Shutdown,
         };
-        self.push(parameters);
+        self.push(Some(request), parameters);
     }
 
     /// A valid MOTOR_CMD. Answers the set-point that is accepted: the saturation of the control mode applied; open loop
     /// has its own set-point (parameter 88).
     pub(super) fn set_speed(&mut self, speed: u16, parameters: &Parameters) -> u16 {
         self.speed = speed;
-        self.push(parameters);
+        self.push(None, parameters);
         let (min, max) = match self.mode {
             Mode::None => (0, u16::MAX.into()),
             Mode::OpenLoop => {
@@ -75,38 +82,42 @@ impl Commands {
     }
 
     /// The next command for the tick.
-    pub(super) fn pop(&mut self) -> Option<Command> {
-        self.waiting.pop_front()
+    pub(super) fn pop(&mut self) -> Option<Event> {
+        let Waiting { request, speed } = self.waiting.pop_front()?;
+        Some(match request {
+            Some(request) => Event::Command(Command { request, speed }),
+            None => Event::SetPoint(speed),
+        })
     }
 
-    /// Queues the present request and set-point. A command that repeats the request before it replaces it: every change
+    /// Queues a request, or a set-point alone. What repeats the request before it, or says none, joins it: every change
     /// of request reaches the tick, and so does the newest set-point.
-    fn push(&mut self, parameters: &Parameters) {
+    fn push(&mut self, request: Option<Request>, parameters: &Parameters) {
         let speed = scale::electrical_speed(self.speed.into(), parameters.raw(number::MOTOR_POLE_PAIRS));
-        let command = Command { request: self.request, speed };
-        if let Some(last) = self.waiting.back_mut().filter(|last| last.request == command.request) {
-            *last = command;
+        if let Some(last) = self.waiting.back_mut()
+            && (request.is_none() || last.request.is_none() || last.request == request)
+        {
+            *last = Waiting { request: request.or(last.request), speed };
             return;
         }
         if self.waiting.is_full() {
             self.condense();
         }
         // There is room now.
-        let _ = self.waiting.push_back(command);
+        let _ = self.waiting.push_back(Waiting { request, speed });
     }
 
     /// More changes of request than may wait: what stops the motor stays, starts in between are dropped.
     fn condense(&mut self) {
-        let shutdown = self.waiting.iter().any(|command| command.request == Request::Shutdown);
+        let shutdown = self.waiting.iter().any(|waiting| waiting.request == Some(Request::Shutdown));
         let request = if shutdown { Request::Shutdown } else { Request::Standby };
         self.waiting.clear();
-        let _ = self.waiting.push_back(Command { request, ..Command::default() });
+        let _ = self.waiting.push_back(Waiting { request: Some(request), speed: ElectricalSpeed::ZERO });
     }
 }
 
 impl PartialEq for Commands {
     fn eq(&self, other: &Self) -> bool {
-        (self.request, self.speed, self.mode) == (other.request, other.speed, other.mode)
-            && self.waiting.iter().eq(other.waiting.iter())
+        (self.speed, self.mode) == (other.speed, other.mode) && self.waiting.iter().eq(other.waiting.iter())
     }
 }

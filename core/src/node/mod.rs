@@ -213,7 +213,7 @@ impl Node {
         if let Some(run) = self.pending.calibrate.take() {
             return Some(Event::CalibrateHall(run));
         }
-        self.commands.pop().map(Event::Command)
+        self.commands.pop()
     }
 
     /// The next thing that only the shell can do.

@@ -38,6 +38,10 @@ impl Node {
     }
 
     fn obey(&mut self, message: ToDrive) -> Result<(), Refused> {
+        // A motor that starts now would be left alone by the reboot.
+        if self.pending.reboot {
+            return Err(Refused);
+        }
         match message {
             ToDrive::RequestWord(word) => self.commands.request(word.mode, &self.parameters),
             ToDrive::MotorCommand { speed } => {

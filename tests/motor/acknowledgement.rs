@@ -1,0 +1,34 @@
+//! What acknowledges a fault (T61).
+
+use narx_core::motor::coefficients::MachineCoefficients;
+use narx_core::motor::machine::{Inputs, Machine};
+use narx_core::motor::{Command, State};
+use narx_core::units::ElectricalSpeed;
+
+/// Only REQUEST_WORD asks for Standby anew: a set-point after a fault feeds the time-out and acknowledges nothing.
+#[test]
+fn a_set_point_acknowledges_no_fault() {
+    let mut machine = Machine::default();
+    let c = MachineCoefficients { boot: 1, fault_wait: 10, command_timeout: 1_000, ..Default::default() };
+    let mut inputs = Inputs {
+        critical: false,
+        unhealthy: false,
+        causes_gone: true,
+        stopped: true,
+        calibrated: false,
+        parameters_fit: true,
+    };
+    machine.step(&c, &inputs);
+    inputs.critical = true;
+    machine.step(&c, &inputs);
+    assert_eq!(machine.state(), State::Fault);
+    inputs.critical = false;
+    for _ in 0..100 {
+        machine.handle_set_point(ElectricalSpeed::ZERO);
+        machine.step(&c, &inputs);
+    }
+    assert_eq!(machine.state(), State::Fault);
+    machine.handle_command(Command::default());
+    machine.step(&c, &inputs);
+    assert_eq!(machine.state(), State::Standby);
+}
