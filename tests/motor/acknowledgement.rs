@@ -1,7 +1,6 @@
 //! What acknowledges a fault (T61).
 
-use narx_core::motor::coefficients::MachineCoefficients;
-use narx_core::motor::machine::{Inputs, Machine};
+use narx_core::motor::machine::{Inputs, Machine, MachineCoefficients};
 use narx_core::motor::{Command, State};
 use narx_core::units::ElectricalSpeed;
 

@@ -4,8 +4,8 @@
 //! compared with, which loses nothing, and a few ghosts: what the specification needs to remember, kept by the
 //! test alone. From each node every event and every tick (512 combinations of inputs and enables) is tried.
 
-use narx_core::motor::coefficients::MachineCoefficients;
 use narx_core::motor::event::{Command, Refusal, Request};
+use narx_core::motor::machine::MachineCoefficients;
 use narx_core::motor::machine::{Change, Inputs, Machine};
 use narx_core::motor::state::Conditions;
 use narx_core::motor::{Direction, State};

@@ -2,12 +2,13 @@
 
 use super::commutator::CommutatorCoefficients;
 use super::control::ControlCoefficients;
-use super::event::HallWiring;
 use super::front_end::{Board, Channel};
 use super::gain::Gain;
+use super::hall::HallWiring;
 use super::hall::{HallCoefficients, sectors};
 use super::hall_calibration::HallCalibrationCoefficients;
 use super::limits::LimitCoefficients;
+use super::machine::MachineCoefficients;
 use super::measurement::{ChannelScale, MeasurementScales};
 use super::open_loop::OpenLoopCoefficients;
 use super::open_phase::OpenPhaseCoefficients;
@@ -61,33 +62,6 @@ pub struct ModeCoefficients {
     pub speed_max: i32,
     /// Largest duty, raw U1F15.
     pub duty_max: u16,
-}
-
-/// What the state machine needs. Durations are in ticks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MachineCoefficients {
-    /// Enables of Table 6.
-    pub open_loop_enable: bool,
-    /// Enables of Table 6.
-    pub sensorless_enable: bool,
-    /// Enables of Table 6.
-    pub hall_enable: bool,
-    /// Boot-up time (T01): 0.5 s.
-    pub boot: u32,
-    /// Rotor lock (T23).
-    pub lock: u32,
-    /// Rotor lock level, raw I16F16 volts.
-    pub lock_voltage: i32,
-    /// Its rise, volts a tick with 16 extra bits: a quarter of the lock.
-    pub lock_rate: i64,
-    /// Open loop before sensorless (T34).
-    pub open_loop: u32,
-    /// Auto-restart time (T71, T74): 2 s.
-    pub auto_restart: u32,
-    /// Wait before a fault can be acknowledged (T61).
-    pub fault_wait: u32,
-    /// Command time-out.
-    pub command_timeout: u32,
 }
 
 /// Why a parameter set does not build: the parameter at fault, its value and the range that the others leave it.

@@ -1,7 +1,7 @@
 //! From a demand (a level or a speed) to duty and rectification: speed loop, current limit, the smaller wins, volts to duty.
 
-use super::event::Limiter;
 use super::gain::Gain;
+use super::limits::Limiter;
 use super::limits::{CurrentLimit, LimitCoefficients};
 use super::measurement::{Measured, Measurement};
 use super::pi::{Pi, PiGains};

@@ -1,10 +1,16 @@
 //! What reaches the control tick besides its samples, and what it reports back.
 
+pub use super::hall::HallWiring;
+pub use super::hall_calibration::HallCalibration;
+pub use super::limits::Limiter;
+pub use super::machine::{Command, Refusal, Request};
+pub use super::protection::{Health, SlowMeasurements};
+
 use super::coefficients::Coefficients;
 use super::commutation::Direction;
 use super::fault::FaultWord;
 use super::state::State;
-use crate::units::{Amps, Celsius, Duty, ElectricalAngle, ElectricalSpeed, Volts, Watts};
+use crate::units::{Amps, Duty, ElectricalAngle, ElectricalSpeed, Volts, Watts};
 use serde::{Deserialize, Serialize};
 
 /// The node's messages to the tick: at most one is taken at the start of each tick.
@@ -25,47 +31,6 @@ pub enum Event {
     Health(Health),
     /// Run the hall calibration at the next start instead of the control mode (true), or not (false).
     CalibrateHall(bool),
-}
-
-/// What the master asks for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Command {
-    /// Motor mode of the request word.
-    pub request: Request,
-    /// Magnitude of the speed set-point. The drive clamps it to the saturation of its control mode.
-    pub speed: ElectricalSpeed,
-}
-
-/// Motor mode of REQUEST_WORD, bits 0 to 3 (Table 8).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Request {
-    /// 0: PWM off.
-    #[default]
-    Standby,
-    /// 1: run forward.
-    Drive,
-    /// 2: run in reverse.
-    Reverse,
-    /// 3: commanded shutdown, fault bit 28.
-    Shutdown,
-}
-
-/// Measurements that need no control tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SlowMeasurements {
-    /// Ambient (power board) or external temperature, as selected and calibrated.
-    pub temperature: Celsius,
-    /// Pressure bridge reading after calibration.
-    pub pressure: Volts,
-}
-
-/// What the node knows of itself that the fault logic needs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Health {
-    /// Any of fault bits 26, 30 and 31.
-    pub store_faults: FaultWord,
-    /// A boot or run-time self-test failed: fault bit 27.
-    pub self_test_failed: bool,
 }
 
 /// The tick's report to the node, every millisecond and at every change of state or fault word.
@@ -117,73 +82,4 @@ pub struct Status {
     pub hall_jumps: u16,
     /// Result of the last hall calibration.
     pub hall_calibration: HallCalibration,
-}
-
-/// Why a Drive request did not start the motor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Refusal {
-    /// It was not refused.
-    #[default]
-    None = 0,
-    /// All three control modes are disabled (Table 6).
-    NoMode = 1,
-    /// The parameter set does not build.
-    Parameters = 2,
-    /// The selected control mode has no estimator in this firmware.
-    NoEstimator = 3,
-    /// Standby was not requested since the last stop, fault or reset.
-    NoFreshRequest = 4,
-}
-
-/// What bounds the duty in this tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
-pub enum Limiter {
-    /// The bridge is off.
-    #[default]
-    Off = 0,
-    /// A fixed level: rotor lock or open loop.
-    Fixed = 1,
-    /// The speed loop.
-    Speed = 2,
-    /// The bus current limit of Table 11 or the input current rating.
-    Current = 3,
-    /// The phase current bound.
-    PhaseCurrent = 4,
-    /// The output power rating.
-    Power = 5,
-    /// The temperature derating.
-    Temperature = 6,
-    /// Maximum duty cycle.
-    Duty = 7,
-    /// The duty's slew limit.
-    Slew = 8,
-    /// The bus must not be fed: the motor coasts.
-    Return = 9,
-}
-
-/// Outcome of a hall calibration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum HallCalibration {
-    /// None was run.
-    #[default]
-    None,
-    /// Running now.
-    Running,
-    /// Order, polarity and offset found.
-    Done(HallWiring),
-    /// The sensors did not change as three lines of one rotor do, or the two directions disagree.
-    Failed,
-}
-
-/// How the three hall lines belong to the phases.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct HallWiring {
-    /// Which permutation of the lines, 0..=5; 0 is A, B, C.
-    pub order: u8,
-    /// Lines to invert: bit 0 = A, bit 1 = B, bit 2 = C, before the permutation.
-    pub polarity: u8,
-    /// How far the edges lie beyond their place, -32 768..=32 767 for half a turn either way.
-    pub offset: i16,
 }

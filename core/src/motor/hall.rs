@@ -5,10 +5,20 @@
 //! healthy rotor nothing. 000 and 111 are never taken. Glitches are counted; faults come from counts, not from one.
 
 use super::commutation::{Direction, SECTOR, sector_of};
-use super::event::HallWiring;
 use super::samples::{EdgeSource, Samples};
 use crate::units::ElectricalAngle;
 use serde::{Deserialize, Serialize};
+
+/// How the three hall lines belong to the phases.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct HallWiring {
+    /// Which permutation of the lines, 0..=5; 0 is A, B, C.
+    pub order: u8,
+    /// Lines to invert: bit 0 = A, bit 1 = B, bit 2 = C, before the permutation.
+    pub polarity: u8,
+    /// How far the edges lie beyond their place, -32 768..=32 767 for half a turn either way.
+    pub offset: i16,
+}
 
 /// One tick in the units of intervals: 1/65 536 tick.
 pub const TICK: u32 = 1 << 16;

@@ -8,10 +8,23 @@
 //! but the leg that floats empties its current into a diode, at a lock voltage of the size of the diode's drop.)
 
 use super::commutation::{LOCKS, Step};
-use super::event::{HallCalibration, HallWiring};
 use super::gain::Gain;
-use super::hall::sectors;
+use super::hall::{HallWiring, sectors};
 use serde::{Deserialize, Serialize};
+
+/// Outcome of a hall calibration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum HallCalibration {
+    /// None was run.
+    #[default]
+    None,
+    /// Running now.
+    Running,
+    /// Order, polarity and offset found.
+    Done(HallWiring),
+    /// The sensors did not change as three lines of one rotor do, or the two directions disagree.
+    Failed,
+}
 
 /// Coefficients of the calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

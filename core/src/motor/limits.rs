@@ -1,11 +1,37 @@
 //! The bus current that may flow: the least of every rating, and the name of the one that binds.
 
-use super::event::Limiter;
 use super::gain::Gain;
 use super::measurement::Measured;
 use super::ramp::Ramp;
 use crate::units::{Celsius, saturate64};
 use serde::{Deserialize, Serialize};
+
+/// What bounds the duty in this tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Limiter {
+    /// The bridge is off.
+    #[default]
+    Off = 0,
+    /// A fixed level: rotor lock or open loop.
+    Fixed = 1,
+    /// The speed loop.
+    Speed = 2,
+    /// The bus current limit of Table 11 or the input current rating.
+    Current = 3,
+    /// The phase current bound.
+    PhaseCurrent = 4,
+    /// The output power rating.
+    Power = 5,
+    /// The temperature derating.
+    Temperature = 6,
+    /// Maximum duty cycle.
+    Duty = 7,
+    /// The duty's slew limit.
+    Slew = 8,
+    /// The bus must not be fed: the motor coasts.
+    Return = 9,
+}
 
 /// Coefficients of the current limits, raw I16F16.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,12 +1,77 @@
 //! The state machine's memory around the transition table: time in the state, the fresh start request, the modes
 //! sampled at the start, direction, acknowledgement.
 
-use super::coefficients::MachineCoefficients;
 use super::commutation::Direction;
-use super::event::{Command, Refusal, Request};
 use super::state::{Conditions, State, Transition, transition};
 use crate::units::ElectricalSpeed;
 use serde::{Deserialize, Serialize};
+
+/// What the master asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Command {
+    /// Motor mode of the request word.
+    pub request: Request,
+    /// Magnitude of the speed set-point. The drive clamps it to the saturation of its control mode.
+    pub speed: ElectricalSpeed,
+}
+
+/// Motor mode of REQUEST_WORD, bits 0 to 3 (Table 8).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Request {
+    /// 0: PWM off.
+    #[default]
+    Standby,
+    /// 1: run forward.
+    Drive,
+    /// 2: run in reverse.
+    Reverse,
+    /// 3: commanded shutdown, fault bit 28.
+    Shutdown,
+}
+
+/// Why a Drive request did not start the motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Refusal {
+    /// It was not refused.
+    #[default]
+    None = 0,
+    /// All three control modes are disabled (Table 6).
+    NoMode = 1,
+    /// The parameter set does not build.
+    Parameters = 2,
+    /// The selected control mode has no estimator in this firmware.
+    NoEstimator = 3,
+    /// Standby was not requested since the last stop, fault or reset.
+    NoFreshRequest = 4,
+}
+
+/// What the state machine needs. Durations are in ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MachineCoefficients {
+    /// Enables of Table 6.
+    pub open_loop_enable: bool,
+    /// Enables of Table 6.
+    pub sensorless_enable: bool,
+    /// Enables of Table 6.
+    pub hall_enable: bool,
+    /// Boot-up time (T01): 0.5 s.
+    pub boot: u32,
+    /// Rotor lock (T23).
+    pub lock: u32,
+    /// Rotor lock level, raw I16F16 volts.
+    pub lock_voltage: i32,
+    /// Its rise, volts a tick with 16 extra bits: a quarter of the lock.
+    pub lock_rate: i64,
+    /// Open loop before sensorless (T34).
+    pub open_loop: u32,
+    /// Auto-restart time (T71, T74): 2 s.
+    pub auto_restart: u32,
+    /// Wait before a fault can be acknowledged (T61).
+    pub fault_wait: u32,
+    /// Command time-out.
+    pub command_timeout: u32,
+}
 
 /// There is no back-EMF estimator yet: states 4 and 7 exist, and a start that would lead there is refused.
 const ESTIMATOR: bool = false;

@@ -1,11 +1,30 @@
 //! Fault logic: limits with hysteresis and qualification, sensor plausibility, mask, latch and code.
 
-use super::event::{Health, Request, SlowMeasurements};
 use super::fault::{Cause, FaultWord};
 use super::hall::HallEvents;
+use super::machine::Request;
 use super::measurement::Measured;
 use super::samples::Lines;
+use crate::units::{Celsius, Volts};
 use serde::{Deserialize, Serialize};
+
+/// Measurements that need no control tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SlowMeasurements {
+    /// Ambient (power board) or external temperature, as selected and calibrated.
+    pub temperature: Celsius,
+    /// Pressure bridge reading after calibration.
+    pub pressure: Volts,
+}
+
+/// What the node knows of itself that the fault logic needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Health {
+    /// Any of fault bits 26, 30 and 31.
+    pub store_faults: FaultWord,
+    /// A boot or run-time self-test failed: fault bit 27.
+    pub self_test_failed: bool,
+}
 
 /// A limit with hysteresis, raw I16F16. `clear` lies on the safe side of `trip`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
