@@ -168,7 +168,7 @@ impl Drive {
             request: self.machine.command().request,
             hall,
             hall_stopped: self.rotor.hall_stopped(&self.coefficients),
-            speed: self.rotor.hall_speed(&self.coefficients).abs().to_bits(),
+            speed: self.rotor.hall_speed().abs().to_bits(),
             hall_driving: state == State::HallClosedLoop,
             driving: driving || self.machine.starting(),
             torque: self.applied.step != Step::Coast,
@@ -230,7 +230,7 @@ impl Drive {
                 }
             }
             State::HallClosedLoop => {
-                let speed = self.rotor.hall_speed(c).to_bits().saturating_mul(direction.sign());
+                let speed = self.rotor.hall_speed().to_bits().saturating_mul(direction.sign());
                 self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0));
             }
             _ => {}
@@ -298,7 +298,7 @@ impl Drive {
     fn hall_closed_loop(&mut self) -> Pattern {
         let direction = self.machine.direction();
         let mode = &self.coefficients.hall_mode;
-        let speed = self.rotor.hall_speed(&self.coefficients).to_bits().saturating_mul(direction.sign());
+        let speed = self.rotor.hall_speed().to_bits().saturating_mul(direction.sign());
         // A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
         // where no current is measured. So is one whose sensors contradict themselves.
         if speed < -(mode.speed_min / 2) || self.rotor.hall_doubtful() {
@@ -380,7 +380,7 @@ impl Drive {
             supply_low: measured.bus_voltage.to_bits() < c.protection.supply_low,
             direction,
             setpoint: ElectricalSpeed::from_bits(setpoint.saturating_mul(direction.sign())),
-            speed_hall: self.rotor.hall_speed(c),
+            speed_hall: self.rotor.hall_speed(),
             speed_sensorless: ElectricalSpeed::ZERO,
             angle: ElectricalAngle((self.rotor.hall_position().angle >> 16) as u16),
             sectors: self.rotor.sectors(),

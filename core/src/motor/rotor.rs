@@ -15,6 +15,8 @@ pub struct Rotor {
     open_loop: OpenLoop,
     /// Sectors turned since power-up by the hall sensors, signed, wrapping.
     sectors: i32,
+    /// Speed by the hall sensors as of this tick: one division serves all who ask.
+    hall_speed: ElectricalSpeed,
 }
 
 /// A rotor position as the commutator wants it.
@@ -31,6 +33,8 @@ impl Rotor {
     pub fn step(&mut self, c: &Coefficients, samples: &Samples) -> HallEvents {
         let events = self.hall.step(&c.hall, samples);
         self.sectors = self.sectors.wrapping_add(events.sectors as i32);
+        let speed = c.speed_of_turns.apply32(self.hall.speed_bounded());
+        self.hall_speed = ElectricalSpeed::from_bits(speed);
         events
     }
 
@@ -38,6 +42,7 @@ impl Rotor {
     pub fn change_wiring(&mut self, before: &HallCoefficients, after: &HallCoefficients) {
         if (before.sectors, before.offset) != (after.sectors, after.offset) {
             self.hall.forget();
+            self.hall_speed = ElectricalSpeed::ZERO;
         }
     }
 
@@ -77,9 +82,8 @@ impl Rotor {
     }
 
     /// Speed by the hall sensors, signed.
-    pub fn hall_speed(&self, c: &Coefficients) -> ElectricalSpeed {
-        let speed = self.hall.speed_bounded();
-        ElectricalSpeed::from_bits(c.speed_of_turns.apply32(speed))
+    pub const fn hall_speed(&self) -> ElectricalSpeed {
+        self.hall_speed
     }
 
     /// Counts of the hall sensors.
