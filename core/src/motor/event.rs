@@ -19,8 +19,6 @@ use serde::{Deserialize, Serialize};
 pub enum Event {
     /// A valid REQUEST_WORD arrived: feeds the communication time-out; Standby acknowledges a fault.
     Command(Command),
-    /// A valid MOTOR_CMD arrived: a new set-point magnitude, the request stays. Feeds the time-out, acknowledges nothing.
-    SetPoint(ElectricalSpeed),
     /// A parameter set that built.
     Coefficients(Coefficients),
     /// The present parameter set does not build: keep the last good coefficients, refuse to start.
@@ -31,6 +29,8 @@ pub enum Event {
     Health(Health),
     /// Run the hall calibration at the next start instead of the control mode (true), or not (false).
     CalibrateHall(bool),
+    /// A valid MOTOR_CMD arrived: a new set-point magnitude, the request stays. Feeds the time-out, acknowledges nothing.
+    SetPoint(ElectricalSpeed),
 }
 
 /// The tick's report to the node, every millisecond and at every change of state or fault word.
