@@ -13,10 +13,11 @@
 //!                                        |      v
 //!   CAN frames <---- bus ---->         node::Node             the background
 //!
+//!   device      both of them, joined by their queues: what a shell links
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
-//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `recording`.
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `device`, `recording`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
@@ -24,6 +25,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bus;
+pub mod device;
 pub mod dictionary;
 pub mod motor;
 pub mod node;

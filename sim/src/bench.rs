@@ -57,7 +57,6 @@ pub struct Bench {
     host: NodeIndex,
     monitor: NodeIndex,
     event: Option<Event>,
-    status: Status,
     ticks_per_ms: u64,
     period_ns: u64,
     pole_pairs: f64,
@@ -113,7 +112,6 @@ impl Bench {
             host,
             monitor,
             event: None,
-            status: Status::default(),
             ticks_per_ms: u64::from(board.tick_rate / 1000).max(1),
             period_ns: 1_000_000_000 / u64::from(board.tick_rate.max(1)),
             pole_pairs: f64::from(config.plant.motor.pole_pairs),
@@ -133,7 +131,6 @@ impl Bench {
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
         self.node = Node::with_parameters(identity(), board, parameters);
         self.event = self.node.poll_event();
-        self.status = Status::default();
         let header = Header {
             kind: Kind::Drive,
             behaviour_version: BEHAVIOUR_VERSION,
@@ -161,7 +158,6 @@ impl Bench {
             self.recorder = None;
         }
         if let Some(status) = status {
-            self.status = status;
             self.node.handle_status(status);
         }
         self.background();
@@ -244,7 +240,7 @@ impl Bench {
 
     /// The last report of the control tick.
     pub fn status(&self) -> &Status {
-        &self.status
+        self.node.status()
     }
 
     /// What has happened on the bus.
@@ -303,7 +299,7 @@ impl Bench {
     }
 
     fn row(&self, seen: &Observation, command: &PwmCommand, hall: u8) -> [f64; SIGNALS.len()] {
-        let status = &self.status;
+        let status = self.node.status();
         let turns = seen.electrical_turns - libm::floor(seen.electrical_turns);
         let estimated = if self.node.parameters().raw(number::HALL_ENABLE) == 1 {
             status.speed_hall

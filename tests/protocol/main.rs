@@ -3,6 +3,7 @@
 mod bench;
 mod broadcast;
 mod device;
+mod device_halves;
 mod dictionary;
 mod document;
 mod inputs;

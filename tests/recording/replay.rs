@@ -4,7 +4,8 @@ use super::support::{Noise, turning};
 use narx_core::motor::event::{Command, Event, Request, Status};
 use narx_core::motor::{Board, Coefficients, Drive, PwmCommand, Samples};
 use narx_core::recording::{
-    BEHAVIOUR_VERSION, Header, Outcome, Recorder, Recording, ReplayError, Replayable, replay, replay_with,
+    BEHAVIOUR_VERSION, Header, Outcome, Recorder, Recording, ReplayError, Replayable, replay, replay_until,
+    replay_with,
 };
 use narx_core::units::ElectricalSpeed;
 use narx_sim::commissioning::{Mode, Nameplate};
@@ -163,4 +164,34 @@ fn damage_and_foreign_states_are_errors() {
     file[middle] ^= 1;
     let error = replay::<Accumulator>(&Recording::open(&file).unwrap()).unwrap_err();
     assert!(matches!(error, ReplayError::Read(_)));
+}
+
+#[test]
+fn a_prefix_ends_with_the_outputs_of_its_last_tick() {
+    let file = recorded(BEHAVIOUR_VERSION);
+    let recording = Recording::open(&file).unwrap();
+    let whole = replay::<Accumulator>(&recording).unwrap();
+    let mut commands = Vec::new();
+    replay_with::<Accumulator>(&recording, |_, samples, command| commands.push((samples.tick, *command)))
+        .unwrap();
+
+    let none = replay_until::<Accumulator>(&recording, 0).unwrap();
+    assert_eq!((none.ticks, none.last), (0, None));
+    for ticks in [1, 10, 499, 500] {
+        let prefix = replay_until::<Accumulator>(&recording, ticks).unwrap();
+        let last = prefix.last.unwrap();
+        assert_eq!((prefix.ticks, (last.tick, last.command)), (ticks, commands[ticks as usize - 1]));
+        // The accumulator began with 5 steps and reports every tenth.
+        assert_eq!(last.status.is_some(), (ticks + 5) % 10 == 0);
+    }
+    let all = replay_until::<Accumulator>(&recording, u64::MAX).unwrap();
+    assert_eq!((all.ticks, all.digest), (500, whole.digest));
+}
+
+#[test]
+fn outputs_are_told_field_by_field() {
+    let file = recorded(BEHAVIOUR_VERSION);
+    let recording = Recording::open(&file).unwrap();
+    let prefix = replay_until::<Accumulator>(&recording, 5).unwrap();
+    insta::assert_snapshot!(prefix.last.unwrap());
 }

@@ -162,6 +162,11 @@ impl Node {
         self.addresses
     }
 
+    /// The last report of the control tick.
+    pub const fn status(&self) -> &Status {
+        &self.status
+    }
+
     /// Takes a report of the control tick.
     pub fn handle_status(&mut self, status: Status) {
         let before = core::mem::replace(&mut self.status, status);

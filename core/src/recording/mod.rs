@@ -48,6 +48,7 @@
 mod bytes;
 mod digest;
 mod error;
+mod outputs;
 mod read;
 mod replay;
 mod tick;
@@ -56,8 +57,9 @@ mod write;
 pub use crate::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 pub use digest::Digest;
 pub use error::{ReadError, RecordError, ReplayError};
+pub use outputs::Outputs;
 pub use read::{End, Recording, Tick, Ticks};
-pub use replay::{Outcome, Replayable, replay, replay_with};
+pub use replay::{Outcome, Player, Prefix, Replayable, replay, replay_until, replay_with};
 pub use write::{Full, Recorder, Sink};
 
 use crc::{CRC_32_ISO_HDLC, Crc};

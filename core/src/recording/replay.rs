@@ -1,6 +1,6 @@
 //! Running a recording again.
 
-use super::{Digest, Recording, ReplayError};
+use super::{Digest, Outputs, Recording, ReplayError, Ticks};
 use crate::motor::event::{Event, Status};
 use crate::motor::{Drive, PwmCommand, Samples};
 use serde::de::DeserializeOwned;
@@ -58,28 +58,96 @@ pub fn replay_with<D: Replayable + DeserializeOwned>(
     recording: &Recording<'_>,
     mut observe: impl FnMut(&D, &Samples, &PwmCommand),
 ) -> Result<Outcome, ReplayError> {
-    let Ok((mut drive, [])) = postcard::take_from_bytes::<D>(recording.state()) else {
-        return Err(ReplayError::State);
-    };
-    let mut digest = Digest::default();
-    let mut ticks = recording.ticks();
-    for tick in &mut ticks {
-        let tick = tick?;
-        if let Some(event) = tick.event {
-            drive.handle_event(event);
-        }
-        let command = drive.step(&tick.samples);
-        digest.update(&command, drive.poll_status().as_ref());
-        observe(&drive, &tick.samples, &command);
+    let mut player = Player::<D>::new(recording)?;
+    while let Some((samples, outputs)) = player.step()? {
+        observe(&player.drive, &samples, &outputs.command);
     }
-    let end = match ticks.end() {
+    let end = match player.ticks.end() {
         Some(end) => end,
         None => recording.verify()?,
     };
     Ok(Outcome {
         ticks: end.ticks,
         recorded_digest: end.digest,
-        digest: digest.value(),
+        digest: player.digest(),
         other_behaviour: (!recording.same_behaviour()).then_some(recording.header().behaviour_version),
     })
+}
+
+/// Runs a drive through the first `ticks` ticks of a recording. Two targets whose digests differ are told apart by
+/// bisection: the shortest prefix that differs ends with the first tick that does.
+///
+/// # Errors
+/// As [`replay`], for as much of the recording as is read.
+pub fn replay_until<D: Replayable + DeserializeOwned>(
+    recording: &Recording<'_>,
+    ticks: u64,
+) -> Result<Prefix, ReplayError> {
+    let mut player = Player::<D>::new(recording)?;
+    let mut prefix = Prefix { ticks: 0, digest: player.digest(), last: None };
+    while prefix.ticks < ticks
+        && let Some((_, outputs)) = player.step()?
+    {
+        prefix.ticks += 1;
+        prefix.last = Some(outputs);
+    }
+    Ok(Prefix { digest: player.digest(), ..prefix })
+}
+
+/// The outputs of a recording's first ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Prefix {
+    /// Ticks run: as many as asked for, or all of a shorter recording.
+    pub ticks: u64,
+    /// Digest of their outputs.
+    pub digest: u64,
+    /// What the last one of them answered; nothing if none was run.
+    pub last: Option<Outputs>,
+}
+
+/// A drive that is given what a recording holds, tick by tick.
+#[derive(Clone, Debug)]
+pub struct Player<'a, D> {
+    drive: D,
+    ticks: Ticks<'a>,
+    digest: Digest,
+}
+
+impl<'a, D: Replayable + DeserializeOwned> Player<'a, D> {
+    /// A drive in the recording's initial state.
+    ///
+    /// # Errors
+    /// The state is not one of this drive.
+    pub fn new(recording: &Recording<'a>) -> Result<Self, ReplayError> {
+        match postcard::take_from_bytes::<D>(recording.state()) {
+            Ok((drive, [])) => Ok(Self { drive, ticks: recording.ticks(), digest: Digest::default() }),
+            _ => Err(ReplayError::State),
+        }
+    }
+
+    /// The next tick: what it was given and what it answered; `None` after the last one.
+    ///
+    /// # Errors
+    /// The recording is damaged here.
+    pub fn step(&mut self) -> Result<Option<(Samples, Outputs)>, ReplayError> {
+        let Some(tick) = self.ticks.next().transpose()? else { return Ok(None) };
+        if let Some(event) = tick.event {
+            self.drive.handle_event(event);
+        }
+        let command = self.drive.step(&tick.samples);
+        let status = self.drive.poll_status();
+        self.digest.update(&command, status.as_ref());
+        let outputs = Outputs { tick: tick.samples.tick, command, status };
+        Ok(Some((tick.samples, outputs)))
+    }
+
+    /// The drive after the last tick.
+    pub const fn drive(&self) -> &D {
+        &self.drive
+    }
+
+    /// Digest of the outputs so far.
+    pub fn digest(&self) -> u64 {
+        self.digest.value()
+    }
 }

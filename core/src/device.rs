@@ -1,0 +1,117 @@
+//! Drive and node joined by two queues: what a shell links, its control interrupt one half, its background the other.
+//!
+//! ```text
+//!   Samples -> ControlTick -> PwmCommand          the interrupt: never waits, never blocks
+//!                ^      |
+//!          Event |      | Status                  single producer, single consumer each
+//!                |      v
+//!    frames <-> Background                        the loop
+//! ```
+//!
+//! Either half may interrupt the other at any instant: nothing but the queues is shared.
+
+use crate::dictionary::Parameters;
+use crate::motor::{Board, Coefficients, Drive, Event, PwmCommand, Samples, Status};
+use crate::node::{Identity, Node};
+use heapless::spsc::{Consumer, Producer, Queue};
+
+/// Room of a queue, one of which stays free.
+const EVENTS: usize = 3;
+const STATUSES: usize = 5;
+
+/// The two queues between the halves of one device.
+#[derive(Debug, Default)]
+pub struct Queues {
+    events: Queue<Event, EVENTS>,
+    statuses: Queue<Status, STATUSES>,
+}
+
+impl Queues {
+    /// Empty queues.
+    pub const fn new() -> Self {
+        Self { events: Queue::new(), statuses: Queue::new() }
+    }
+
+    /// A device at power-up with a stored parameter set. One that does not build leaves the drive with none: the node
+    /// says so, and it refuses to start.
+    pub fn power_up(
+        &mut self,
+        identity: Identity,
+        board: Board,
+        parameters: Parameters,
+    ) -> (ControlTick<'_>, Background<'_>) {
+        // What waits from before a reboot belongs to nobody.
+        *self = Self::new();
+        let drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
+        let node = Node::with_parameters(identity, board, parameters);
+        let (events_in, events) = self.events.split();
+        let (statuses, statuses_out) = self.statuses.split();
+        let mut background = Background { node, events: events_in, statuses: statuses_out };
+        background.hand_over();
+        (ControlTick { drive, events, statuses, unsent: None }, background)
+    }
+}
+
+/// The half of the control interrupt.
+pub struct ControlTick<'q> {
+    drive: Drive,
+    events: Consumer<'q, Event>,
+    statuses: Producer<'q, Status>,
+    /// The newest report, while the background is late.
+    unsent: Option<Status>,
+}
+
+impl ControlTick<'_> {
+    /// One control tick: takes at most one event, and reports if a report is due.
+    pub fn step(&mut self, samples: &Samples) -> PwmCommand {
+        if let Some(event) = self.events.dequeue() {
+            self.drive.handle_event(event);
+        }
+        let command = self.drive.step(samples);
+        self.unsent = self.drive.poll_status().or(self.unsent);
+        if let Some(status) = self.unsent.take() {
+            self.unsent = self.statuses.enqueue(status).err();
+        }
+        command
+    }
+
+    /// The drive, to look at.
+    pub const fn drive(&self) -> &Drive {
+        &self.drive
+    }
+}
+
+/// The half of the background loop.
+pub struct Background<'q> {
+    node: Node,
+    events: Producer<'q, Event>,
+    statuses: Consumer<'q, Status>,
+}
+
+impl Background<'_> {
+    /// Takes what the tick has reported, advances time to tick `now`, and hands over events. Call it once a period or
+    /// more seldom, after the frames that have arrived were given to [`node`](Self::node) and before those that it
+    /// sends are taken from there.
+    pub fn run(&mut self, now: u64) {
+        while let Some(status) = self.statuses.dequeue() {
+            self.node.handle_status(status);
+        }
+        self.node.poll(now);
+        self.hand_over();
+    }
+
+    /// The node: its frames, inputs, outputs and actions. Its events are taken by [`run`](Self::run).
+    pub const fn node(&mut self) -> &mut Node {
+        &mut self.node
+    }
+
+    /// Moves what the tick has to get, as far as there is room.
+    fn hand_over(&mut self) {
+        while self.events.ready()
+            && let Some(event) = self.node.poll_event()
+        {
+            // Room was just seen, and nobody else fills it.
+            let _ = self.events.enqueue(event);
+        }
+    }
+}
