@@ -8,6 +8,7 @@ use crate::plant::{LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
+use narx_core::motor::State;
 
 /// What is on the bench, and how the drive is set up.
 #[derive(Clone, Debug)]
@@ -24,6 +25,8 @@ pub struct SessionConfig {
     pub mode: Mode,
     /// Mechanical speed of open loop, rpm; without it the slowest closed-loop speed.
     pub open_loop_speed: Option<f64>,
+    /// Hall sensors come this much late, electrical degrees; commissioning does not know it.
+    pub hall_offset_deg: f64,
     /// Parameters by number, in their units, that win over those of commissioning.
     pub parameters: Vec<(u16, f64)>,
     /// Ambient temperature, degrees Celsius.
@@ -46,6 +49,7 @@ impl SessionConfig {
             supply,
             mode,
             open_loop_speed: None,
+            hall_offset_deg: 0.0,
             parameters: Vec::new(),
             ambient: 25.0,
             seed: 1,
@@ -112,6 +116,10 @@ pub struct Session {
     bench: Bench,
     operator: Operator,
     commissioning: Commissioning,
+    /// The speed of a start that the drive is not ready for, rpm.
+    start: Option<i32>,
+    /// When the drive will have seen two of the operator's requests for Standby, ns.
+    ready: u64,
 }
 
 impl Session {
@@ -124,6 +132,7 @@ impl Session {
         let mut plant = PlantConfig::new(config.motor, config.supply);
         plant.load = config.load;
         plant.supply = SupplyConfig { voltage: config.supply, ..plant.supply };
+        plant.hall.offset_deg = config.hall_offset_deg;
         plant.ambient = config.ambient;
         plant.seed = config.seed;
         // No position is special; this one is not on a sector's edge.
@@ -135,12 +144,46 @@ impl Session {
             trace: config.trace,
         });
         let operator = Operator::new(bench.node().addresses());
-        Ok(Self { bench, operator, commissioning })
+        Ok(Self { bench, operator, commissioning, start: None, ready: 0 })
+    }
+
+    /// Asks for a speed, rpm, negative in reverse. A drive that boots would spend the request (it takes no start from before
+    /// Standby), so it is then asked once it has been in Standby for two of the operator's periods.
+    pub const fn start(&mut self, rpm: i32) {
+        self.start = Some(rpm);
+    }
+
+    /// Asks for another speed in the direction of [`Session::start`], rpm.
+    pub fn set_speed(&mut self, rpm: u16) {
+        match &mut self.start {
+            Some(start) => *start = start.signum() * i32::from(rpm),
+            None => self.operator.set_speed(rpm),
+        }
+    }
+
+    /// Asks for Standby.
+    pub fn stop(&mut self) {
+        self.start = None;
+        self.operator.stop();
+    }
+
+    /// A start was asked for that the drive does not yet know of.
+    pub const fn is_start_pending(&self) -> bool {
+        self.start.is_some()
     }
 
     /// One control tick; the operator's frames go out when they are due.
     pub fn step(&mut self) {
-        while let Some(frame) = self.operator.poll(self.bench.now_ns()) {
+        let now = self.bench.now_ns();
+        if self.bench.status().state == State::Initialization {
+            self.ready = now + 2 * self.operator.period_ns;
+        }
+        if now >= self.ready
+            && let Some(rpm) = self.start.take()
+        {
+            self.operator.start(rpm);
+        }
+        while let Some(frame) = self.operator.poll(now) {
             // Two frames every 50 ms do not fill a queue of 64.
             let _ = self.bench.send(frame);
         }

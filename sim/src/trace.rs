@@ -126,6 +126,11 @@ impl Trace {
         &self.columns
     }
 
+    /// The columns in the order of the signals, moved out.
+    pub fn into_columns(self) -> Vec<Column> {
+        self.columns
+    }
+
     /// The values of the signal with this name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         let index = self.signals.iter().position(|signal| signal.name == name)?;

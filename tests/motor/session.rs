@@ -35,6 +35,45 @@ fn starts_changes_speed_and_stops_when_asked() {
     assert_eq!((outcome.ticks, outcome.digest), (56_000, session.bench().digest()));
 }
 
+/// A request during boot would be spent; the session keeps it until the drive can take it.
+#[test]
+fn a_start_before_the_end_of_boot_is_kept() {
+    let mut session = Session::new(&config()).unwrap();
+    session.start(-1200);
+    session.set_speed(1500);
+    session.run(0.59);
+    assert!(session.is_start_pending());
+    assert_eq!(session.bench().status().state, State::Standby);
+    session.run(1.6);
+    assert!(!session.is_start_pending());
+    assert_eq!(session.bench().status().state, State::HallClosedLoop);
+    let speed = session.bench().plant().observe().speed * 60.0 / core::f64::consts::TAU;
+    assert!((speed + 1500.0).abs() < 15.0, "{speed} rpm");
+    session.stop();
+    session.run(0.1);
+    assert_eq!(session.bench().status().state, State::Standby);
+    // One that is withdrawn before the drive has seen it is gone.
+    let mut session = Session::new(&config()).unwrap();
+    session.start(1500);
+    session.stop();
+    session.run(1.0);
+    assert_eq!(session.bench().status().state, State::Standby);
+}
+
+/// Sensors that come late commutate late: the same set-point takes more current.
+#[test]
+fn hall_sensors_can_be_misplaced() {
+    let current = |hall_offset_deg| {
+        let mut session = Session::new(&SessionConfig { hall_offset_deg, ..config() }).unwrap();
+        session.start(2500);
+        session.run(2.0);
+        assert_eq!(session.bench().status().state, State::HallClosedLoop);
+        session.bench().plant().observe().ledger.source
+    };
+    let (straight, late) = (current(0.0), current(25.0));
+    assert!(late > 1.1 * straight, "{straight} J, {late} J late");
+}
+
 #[test]
 fn explicit_parameters_win_and_bad_ones_are_named() {
     let speed_max = Dictionary::row(number::SPEED_MAX_HES).unwrap();
