@@ -1,0 +1,89 @@
+//! Errors of the classes in `narx.errors`, and arguments that are checked. Every refusal names what, its value and what
+//! is allowed.
+
+use pyo3::prelude::*;
+use pyo3::types::PyType;
+use std::fmt::Display;
+
+/// An argument or a parameter of the drive that cannot have its value.
+pub(crate) fn parameter(message: impl Display) -> PyErr {
+    raise("ParameterError", &message)
+}
+
+/// There is no such signal.
+pub(crate) fn signal(message: impl Display) -> PyErr {
+    raise("SignalError", &message)
+}
+
+/// Bytes that are not a recording, or not one that this version can replay.
+pub(crate) fn recording(message: impl Display) -> PyErr {
+    raise("RecordingError", &message)
+}
+
+/// The drive did not start.
+pub(crate) fn start(message: impl Display) -> PyErr {
+    raise("StartError", &message)
+}
+
+/// `name` must be a finite number that `allowed` says in words and `accepts` decides.
+pub(crate) fn number(
+    name: &str,
+    value: f64,
+    unit: &str,
+    allowed: &str,
+    accepts: impl FnOnce(f64) -> bool,
+) -> PyResult<f64> {
+    if value.is_finite() && accepts(value) {
+        return Ok(value);
+    }
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    Err(parameter(format!("{name} {value}{unit}: must be {allowed}")))
+}
+
+/// `name` must be a finite number.
+pub(crate) fn finite(name: &str, value: f64, unit: &str) -> PyResult<f64> {
+    number(name, value, unit, "a finite number", |_| true)
+}
+
+/// `name` must be a finite number, 0 or more.
+pub(crate) fn magnitude(name: &str, value: f64, unit: &str) -> PyResult<f64> {
+    number(name, value, unit, "a finite number, 0 or more", |value| value >= 0.0)
+}
+
+/// `name` must be a whole number within `min..=max`.
+pub(crate) fn whole(name: &str, value: f64, unit: &str, min: f64, max: f64) -> PyResult<i64> {
+    let allowed = format!("a whole number from {min} to {max}");
+    number(name, value, unit, &allowed, |value| value.fract() == 0.0 && (min..=max).contains(&value))
+        .map(|value| value as i64)
+}
+
+/// `name` must be one of the named values.
+pub(crate) fn choice<T: Copy>(name: &str, value: &str, choices: &[(&str, T)]) -> PyResult<T> {
+    let found = choices.iter().find(|(choice, _)| *choice == value);
+    found.map(|(_, chosen)| *chosen).ok_or_else(|| {
+        let names: Vec<&str> = choices.iter().map(|(choice, _)| *choice).collect();
+        parameter(format!("{name} \"{value}\": must be one of {}", names.join(", ")))
+    })
+}
+
+/// `, did you mean "x"?` for the names that look most like `wanted`.
+pub(crate) fn suggestion<'a>(py: Python<'_>, wanted: &str, names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.collect();
+    let close = || -> PyResult<Vec<String>> {
+        py.import("difflib")?.call_method1("get_close_matches", (wanted, names))?.extract()
+    };
+    match close() {
+        Ok(close) if !close.is_empty() => format!("; did you mean \"{}\"?", close.join("\" or \"")),
+        _ => String::new(),
+    }
+}
+
+fn raise(class: &str, message: &dyn Display) -> PyErr {
+    Python::attach(|py| {
+        let found = py.import("narx.errors").and_then(|module| module.getattr(class));
+        match found.and_then(|class| Ok(class.cast_into::<PyType>()?)) {
+            Ok(class) => PyErr::from_type(class, (message.to_string(),)),
+            Err(error) => error,
+        }
+    })
+}
