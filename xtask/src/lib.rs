@@ -6,5 +6,6 @@ pub mod csv;
 pub mod demo;
 pub mod interop;
 pub mod plot;
+pub mod qemu;
 pub mod steps;
 pub mod vectors;
