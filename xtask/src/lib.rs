@@ -4,6 +4,7 @@ pub mod candump;
 pub mod coverage;
 pub mod csv;
 pub mod demo;
+pub mod header;
 pub mod interop;
 pub mod plot;
 pub mod qemu;

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::coverage;
 use xtask::demo;
+use xtask::header;
 use xtask::interop;
 use xtask::steps::{Step, run, run_all};
 use xtask::vectors;
@@ -33,6 +34,12 @@ enum Job {
     },
     /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots
     Generate,
+    /// Make ffi/include/narx.h anew: the C header
+    Header {
+        /// Write nothing; fail if the header differs from the code
+        #[arg(long)]
+        check: bool,
+    },
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
         /// Write nothing; fail if a recording differs from what its scenario gives
@@ -55,6 +62,7 @@ fn main() -> ExitCode {
         Job::Test { target: None | Some(Target::Rust) } => test_rust(root),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Generate => generate(root),
+        Job::Header { check } => header::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
     }
 }
