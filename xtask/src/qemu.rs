@@ -15,10 +15,10 @@ const MACHINE: &str = "mps2-an386";
 ///
 /// The image gets its arguments as one line, split at spaces: an argument with a space or a quote arrives as something
 /// else.
-pub fn semihosting(elf: &Path, arguments: &[&str]) -> Command {
+pub fn semihosting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     let name = elf.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut config = String::from("enable=on,target=native,chardev=semihosting");
-    for argument in [name.as_str()].iter().chain(arguments) {
+    for argument in [name.as_str()].into_iter().chain(arguments.iter().map(AsRef::as_ref)) {
         // In the emulator's options a comma is written twice.
         config.push_str(",arg=");
         config.push_str(&argument.replace(',', ",,"));
