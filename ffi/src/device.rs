@@ -1,7 +1,7 @@
 //! A drive in the caller's memory: the tick half and the background half side by side, joined by their queues.
 //!
-//! Whoever calls holds one pointer to all of it, and one call may interrupt another. So no reference to the whole is ever
-//! made: [`tick`] and [`background`] make one to their own part only, and the mark, which both read, is an atomic.
+//! Whoever calls holds one pointer to all of it, and one call may interrupt another. So no reference to the whole is
+//! ever made: [`tick`] and [`background`] make one to their own part only, and the mark, which both read, is an atomic.
 
 use crate::board::narx_board_t;
 use crate::frame::narx_frame_t;
@@ -16,15 +16,18 @@ use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::{Board, PwmCommand, Samples};
 use narx_core::node::Identity;
 
+/// 64-bit words of a drive on any processor.
+pub const NARX_DRIVE_WORDS: usize = 1024;
+
 /// Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
-pub const NARX_DRIVE_SIZE: usize = 8192;
+pub const NARX_DRIVE_SIZE: usize = NARX_DRIVE_WORDS * 8;
 
 /// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is the library's own. It must
 /// neither move nor be copied after narx_drive_init; to end a drive, stop calling it.
 #[repr(C)]
 pub struct narx_drive_t {
     /// Private.
-    words: [u64; NARX_DRIVE_SIZE / 8],
+    words: [u64; NARX_DRIVE_WORDS],
 }
 
 /// What stands in a `narx_drive_t`.
@@ -52,8 +55,9 @@ pub extern "C" fn narx_drive_align() -> usize {
     align_of::<Device>()
 }
 
-/// Makes a drive at power-up, with factory parameters, in `size` bytes of memory (sizeof(narx_drive_t), or narx_drive_size() in
-/// memory of your own). `board` is NULL for the default board. What stood in the memory before is lost, a drive included: this is its reboot.
+/// Makes a drive at power-up, with factory parameters, in `size` bytes of memory (sizeof(narx_drive_t), or
+/// narx_drive_size() in memory of your own). `board` is NULL for the default board. What stood in the memory before is lost, a drive
+/// included: this is its reboot.
 ///
 /// Call it before any other use, not during another call for the same drive. A narx_drive_step that interrupts it
 /// answers NARX_ERROR_UNINITIALISED and coast.
@@ -95,8 +99,8 @@ pub unsafe extern "C" fn narx_drive_step(
     }
 }
 
-/// Takes a frame that has arrived. Frames that are not for this drive, or not well formed, are counted or ignored as PROTOCOL.md
-/// says. Background half.
+/// Takes a frame that has arrived. Frames that are not for this drive, or not well formed, are counted or ignored as
+/// PROTOCOL.md says. Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_handle_frame(
     drive: *mut narx_drive_t,
@@ -138,7 +142,8 @@ pub unsafe extern "C" fn narx_drive_poll_frame(
 }
 
 /// Writes a parameter as the master does: number, access, range and state are checked, then it acts as PROTOCOL.md
-/// says. `value` is the raw value: its unit and scale stand there, too; a 32-bit unsigned one is passed as its bits. Background half.
+/// says. `value` is the raw value: its unit and scale stand there, too; a 32-bit unsigned one is passed as its bits.
+/// Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_set_parameter(
     drive: *mut narx_drive_t,
@@ -181,8 +186,8 @@ unsafe fn init(
     }
     // SAFETY: the caller's promise.
     let board = if board.is_null() { Board::BENCH } else { unsafe { pointer::read(board)? }.into() };
-    // SAFETY: aligned and large enough, as just checked; each part is written before a reference to it is made, and the reference to
-    // the queues goes to the two halves for as long as the mark stands.
+    // SAFETY: aligned and large enough, as just checked; each part is written before a reference to it is made, and the
+    // reference to the queues goes to the two halves for as long as the mark stands.
     unsafe {
         mark(device).store(0, Ordering::SeqCst);
         let queues = &raw mut (*device).queues;

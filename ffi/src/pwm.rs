@@ -19,7 +19,8 @@ pub struct narx_commutation_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_pwm_command_t {
-    /// Duty of the switched legs in period k + 1: U1F15, 32 768 = 1, larger never. The on-time is centred on the period's boundary.
+    /// Duty of the switched legs in period k + 1: U1F15, 32 768 = 1, never more. The on-time is centred on the
+    /// period's boundary.
     pub duty: u16,
     /// When to sample in period k + 1, in 1/65 536 of it.
     pub sample_at: u16,

@@ -26,7 +26,7 @@ pub struct narx_outcome_t {
 
 /// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length` bytes.
 ///
-/// Needs no storage but about 6 KiB of stack. Reentrant.
+/// The drive that it runs lives on the stack. Any context.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_replay(
     bytes: *const u8,
@@ -42,9 +42,10 @@ pub unsafe extern "C" fn narx_replay(
     pointer::status(run())
 }
 
-/// The same for the first `ticks` ticks, or all of a shorter recording: `recorded_digest` is 0 then. Writes what the last
-/// one of them answered, all its fields in one line, into `text`, `text_size` bytes with a closing 0 (NARX_OUTPUTS_TEXT_SIZE is
-/// enough, a longer text is cut); an empty line if no tick was run. If the recording cannot be replayed, `text` says why and where.
+/// The same for the first `ticks` ticks, or all of a shorter recording; `recorded_digest` is 0 then. Writes what the
+/// last one of them answered, all fields in one line, into `text`, which has `text_size` bytes: NARX_OUTPUTS_TEXT_SIZE
+/// are enough, a longer text is cut, a 0 closes it. The line is empty if no tick was run. If the recording cannot be
+/// replayed, it says why and where.
 ///
 /// `text` may be NULL if `text_size` is 0.
 #[unsafe(no_mangle)]

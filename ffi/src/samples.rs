@@ -4,6 +4,9 @@ use crate::status::narx_status_t::{self, *};
 use narx_core::motor::samples::EDGES_MAX;
 use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 
+/// Edges that one period can carry; more are counted in narx_samples_t.edges_lost.
+pub const NARX_EDGES_MAX: usize = 4;
+
 /// Bit of narx_samples_t.lines: the gate driver reports a fault.
 pub const NARX_LINE_DRIVER_FAULT: u8 = 1;
 /// Bit of narx_samples_t.lines: the hardware break input has tripped.
@@ -15,6 +18,7 @@ pub const NARX_LINE_DSI2: u8 = 8;
 
 // C has these as plain numbers; the core decides what they are.
 const _: () = {
+    assert!(NARX_EDGES_MAX == EDGES_MAX);
     assert!(NARX_LINE_DRIVER_FAULT == Lines::DRIVER_FAULT.bits());
     assert!(NARX_LINE_EMERGENCY == Lines::EMERGENCY.bits());
     assert!(NARX_LINE_DSI1 == Lines::DSI1.bits());
@@ -61,7 +65,7 @@ pub struct narx_samples_t {
     /// Edges of period `tick` - 1 that found no room.
     pub edges_lost: u8,
     /// Edges captured during the whole of period `tick` - 1, oldest first.
-    pub edges: [narx_edge_t; EDGES_MAX],
+    pub edges: [narx_edge_t; NARX_EDGES_MAX],
 }
 
 impl TryFrom<&narx_samples_t> for Samples {

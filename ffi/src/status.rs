@@ -5,7 +5,6 @@ use narx_core::bus::narmotion::ParameterStatus;
 use narx_core::recording::{ReadError, ReplayError};
 
 /// What every call answers: 0 or more when it did its work, negative when it did nothing.
-///
 /// cbindgen:rename-all=None
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

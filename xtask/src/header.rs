@@ -54,15 +54,27 @@ fn header(root: &Path) -> Result<String, String> {
     for file in ENUMERATIONS {
         builder = builder.with_src(root.join(file));
     }
-    let text = text(builder)?;
     // Types end in _t, their enumerators need not.
-    Ok(text.replace("_T_", "_"))
+    Ok(without_lists(&text(builder)?).replace("_T_", "_"))
+}
+
+/// An enumeration's list of itself (`ALL`) is written in names that C does not have: left out, with its comment.
+fn without_lists(text: &str) -> String {
+    let mut lines: Vec<&str> = Vec::new();
+    for line in text.lines() {
+        if line.starts_with("#define narx_") {
+            while lines.pop_if(|comment| comment.starts_with("//")).is_some() {}
+        } else if !(line.is_empty() && lines.last().is_none_or(|before| before.is_empty())) {
+            lines.push(line);
+        }
+    }
+    lines.join("\n") + "\n"
 }
 
 /// The parameters' numbers as `NARX_PARAMETER_NAME`.
 fn numbers(root: &Path) -> Result<String, String> {
     let mut config = Config { no_includes: true, language: cbindgen::Language::C, ..Config::default() };
-    config.documentation_style = cbindgen::DocumentationStyle::C;
+    config.documentation_style = cbindgen::DocumentationStyle::C99;
     config.export.prefix = Some(String::from("NARX_PARAMETER_"));
     text(Builder::new().with_config(config).with_src(root.join(NUMBERS)))
 }

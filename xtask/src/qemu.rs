@@ -10,8 +10,8 @@ pub const PROGRAM: &str = "qemu-system-arm";
 /// The emulated machine: an MPS2 board with image AN386, a Cortex-M4F with flash at 0 and RAM at 2000_0000h, 4 MB each.
 const MACHINE: &str = "mps2-an386";
 
-/// A run of the image `elf` with `arguments` behind its own name. The image opens files of the host by the names that it is given, relative
-/// to the directory in which the emulator starts; what it prints is the emulator's standard output.
+/// A run of the image `elf` with `arguments` behind its own name. The image opens files of the host by the names that it
+/// is given, relative to the directory in which the emulator starts; what it prints is the emulator's standard output.
 ///
 /// The image gets its arguments as one line, split at spaces: an argument with a space or a quote arrives as something
 /// else.
