@@ -8,7 +8,7 @@ use narx_core::motor::{Board, Channel, FrontEnd};
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_channel_t {
-    /// Nominal code at 0 V or 0 A.
+    /// Nominal code at 0 V or 0 A, 0 to 4095.
     pub zero: u16,
     /// Micro-units (uV or uA) of one code; positive.
     pub micro_per_code: i32,
@@ -18,7 +18,7 @@ pub struct narx_channel_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_board_t {
-    /// Control ticks, and PWM periods, per second (Hz).
+    /// Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
     pub tick_rate: u32,
     /// First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
     /// narx_drive_step has returned.

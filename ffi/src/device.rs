@@ -186,6 +186,9 @@ unsafe fn init(
     }
     // SAFETY: the caller's promise.
     let board = if board.is_null() { Board::BENCH } else { unsafe { pointer::read(board)? }.into() };
+    if !board.is_plausible() {
+        return Err(NARX_ERROR_BOARD);
+    }
     // SAFETY: aligned and large enough, as just checked; each part is written before a reference to it is made, and the
     // reference to the queues goes to the two halves for as long as the mark stands.
     unsafe {

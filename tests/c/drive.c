@@ -67,8 +67,8 @@ struct seen {
     narx_step_t last;
 };
 
-/* Ticks with a rotor that turns a sector every 4 ms while it is driven, and draws 0.4 A then. A request goes out every 20 ms.
- */
+/* Ticks with a rotor that turns a sector every 6 ms while it is driven (417 rpm, just below the least set-point of
+ * 500 rpm), and draws 2 A times the duty. A request arrives every 20 ms. */
 static struct seen run(uint64_t *tick, int ticks, uint8_t mode)
 {
     static const uint8_t code_of_sector[6] = {1, 3, 2, 6, 4, 5};
@@ -76,24 +76,27 @@ static struct seen run(uint64_t *tick, int ticks, uint8_t mode)
     narx_samples_t samples = at_rest();
     narx_pwm_command_t command;
     narx_frame_t frame;
+    uint16_t duty = 0;
     int turned = 0;
     int k;
 
     for (k = 0; k < ticks; k++, ++*tick) {
         samples.tick = *tick;
         samples.edge_count = 0;
-        if (seen.last != NARX_STEP_COAST && ++turned % 40 == 0) {
-            samples.hall = code_of_sector[turned / 40 % 6];
+        if (seen.last != NARX_STEP_COAST && ++turned % 60 == 0) {
+            samples.hall = code_of_sector[turned / 60 % 6];
             samples.edge_count = 1;
             samples.edges[0].instant = 0x8000;
             samples.edges[0].source = NARX_EDGE_SOURCE_HALL;
             samples.edges[0].code = samples.hall;
         }
-        samples.bus_current = seen.last == NARX_STEP_COAST ? 2048 : 2098;
+        /* 8 mA a code. */
+        samples.bus_current = (uint16_t)(2048 + (seen.last == NARX_STEP_COAST ? 0 : duty * 250L / 32768));
         seen.errors += narx_drive_step(drive, &samples, &command) != NARX_OK;
         seen.steps += command.step != seen.last || command.commutation_count != 0;
         seen.commutations += command.commutation_count;
         seen.last = command.step;
+        duty = command.duty;
         seen.duty_max = command.duty > seen.duty_max ? command.duty : seen.duty_max;
         samples.edge_count = 0;
         samples.bus_current = 2048;
@@ -245,8 +248,18 @@ static void boards_are_checked(void)
     CHECK(narx_drive_init(&fresh, sizeof fresh, &board) == NARX_OK);
     board.bus_voltage.micro_per_code = 0;
     CHECK(narx_drive_init(&fresh, sizeof fresh, &board) == NARX_ERROR_BOARD);
-    /* Nothing is left of the drive that was there. */
-    CHECK(narx_drive_step(&fresh, &samples, &command) == NARX_ERROR_UNINITIALISED);
+    /* The drive that was there is still there. */
+    CHECK(narx_drive_step(&fresh, &samples, &command) == NARX_OK);
+    board.bus_voltage.micro_per_code = -1;
+    CHECK(narx_drive_init(&fresh, sizeof fresh, &board) == NARX_ERROR_BOARD);
+    narx_board_default(&board);
+    board.tick_rate = 999;
+    CHECK(narx_drive_init(&fresh, sizeof fresh, &board) == NARX_ERROR_BOARD);
+    board.tick_rate = 20000;
+    board.phase_voltage.zero = 4096;
+    CHECK(narx_drive_init(&fresh, sizeof fresh, &board) == NARX_ERROR_BOARD);
+    board.phase_voltage.zero = 4095;
+    CHECK(narx_drive_init(&fresh, sizeof fresh, &board) == NARX_OK);
 }
 
 static void recordings_are_checked(void)
