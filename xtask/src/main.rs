@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::coverage;
 use xtask::demo;
+use xtask::header;
 use xtask::steps::{Step, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
@@ -31,8 +32,14 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
-    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots
+    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the C header
     Generate,
+    /// Make ffi/include/narx.h anew: the C header
+    Header {
+        /// Write nothing; fail if the header differs from the code
+        #[arg(long)]
+        check: bool,
+    },
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
         /// Write nothing; fail if a recording differs from what its scenario gives
@@ -48,6 +55,7 @@ fn main() -> ExitCode {
         Job::Test { target } => test::run(root, target),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Generate => generate(root),
+        Job::Header { check } => header::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
     }
 }
@@ -63,5 +71,6 @@ fn generate(root: &Path) -> ExitCode {
             run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
+        Step::new("C header", move || header::regenerate(root, false)),
     ])
 }
