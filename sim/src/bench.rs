@@ -218,6 +218,11 @@ impl Bench {
         self.plant.observe().time
     }
 
+    /// Length of a control tick, ns.
+    pub const fn period_ns(&self) -> u64 {
+        self.period_ns
+    }
+
     /// Time since power-up, ns.
     pub fn now_ns(&self) -> u64 {
         self.plant.tick() * self.period_ns

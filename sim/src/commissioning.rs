@@ -5,10 +5,11 @@
 
 use core::fmt;
 use heapless::Vec;
-use libm::{fmax, fmin, round, sqrt};
-use narx_core::dictionary::{ParameterError, Parameters, number};
+use libm::{fmax, fmin, sqrt};
+use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::Board;
 
+use crate::engineering::{self, ValueError};
 use crate::plant::MotorConfig;
 
 /// Which control mode to enable (Table 6).
@@ -126,11 +127,11 @@ pub enum CommissioningError {
         speed_min: f64,
     },
     /// A design rule asks for a value outside a parameter's range.
-    Parameter(ParameterError),
+    Parameter(ValueError),
 }
 
-impl From<ParameterError> for CommissioningError {
-    fn from(error: ParameterError) -> Self {
+impl From<ValueError> for CommissioningError {
+    fn from(error: ValueError) -> Self {
         Self::Parameter(error)
     }
 }
@@ -359,8 +360,5 @@ fn push(notes: &mut Vec<Note, 4>, note: Note) {
 
 /// Writes an engineering value, rounded to the parameter's resolution.
 fn write(parameters: &mut Parameters, number: u16, value: f64) -> Result<(), CommissioningError> {
-    let exponent = narx_core::dictionary::Dictionary::row(number).map_or(0, |row| row.exponent);
-    let scale = (0..exponent.unsigned_abs()).fold(1.0, |scale, _| scale * 10.0);
-    let raw = round(if exponent < 0 { value * scale } else { value / scale });
-    Ok(parameters.set(number, raw as i32)?)
+    Ok(engineering::set(parameters, number, value)?)
 }

@@ -11,11 +11,14 @@ extern crate alloc;
 pub mod bench;
 pub mod can;
 pub mod commissioning;
+pub mod engineering;
 pub mod operator;
 pub mod plant;
 pub mod presets;
 pub mod random;
 #[cfg(feature = "alloc")]
 pub mod recording;
+#[cfg(feature = "alloc")]
+pub mod session;
 #[cfg(feature = "alloc")]
 pub mod trace;

@@ -32,6 +32,12 @@ impl Operator {
         self.due = 0;
     }
 
+    /// Asks for another speed in the direction that was asked for, rpm, from the next call on.
+    pub fn set_speed(&mut self, rpm: u16) {
+        self.speed = rpm;
+        self.due = 0;
+    }
+
     /// Asks for Standby from the next call on.
     pub fn stop(&mut self) {
         self.mode = MotorMode::Standby;

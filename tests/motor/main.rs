@@ -18,5 +18,6 @@ mod protection;
 mod rotor;
 mod safety;
 mod scripted;
+mod session;
 mod support;
 mod transition_table;

@@ -10,9 +10,7 @@ use crate::{candump, csv};
 use figures::Figures;
 use narx_core::motor::{Drive, State};
 use narx_core::recording::{Recording, replay};
-use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::operator::Operator;
-use narx_sim::plant::{LoadConfig, PlantConfig};
+use narx_sim::session::{Session, SessionError};
 use request::Request;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -48,25 +46,24 @@ fn demonstrate(request: &Request) -> io::Result<bool> {
     for note in &request.commissioning.notes {
         println!("  note: {note}");
     }
-    let mut run = Run::new(request);
+    let mut run = Run::new(request).map_err(io::Error::other)?;
     println!("\n{:>9}  state", "time");
-    while run.bench.time() < request.seconds {
+    while run.session.bench().time() < request.seconds {
         run.step();
     }
-    let figures = Figures::new(request, &run.bench, run.steady_from.take());
+    let figures = Figures::new(request, run.session.bench(), run.steady_from.take());
     println!("\n{figures}");
     write_files(request, &run)?;
-    let identical = replays(&run.bench.recording());
+    let identical = replays(&run.session.bench().recording());
     println!("\nwritten to {}: run.svg run.csv run.log run.narxrec", request.out.display());
-    println!("replayed {} ticks from run.narxrec: {}", run.bench.now_ns() / 100_000, identical.1);
+    println!("replayed {} ticks from run.narxrec: {}", run.session.bench().now_ns() / 100_000, identical.1);
     Ok(figures.running() && identical.0)
 }
 
-/// A bench with its operator.
+/// A session, and what is told and kept of it.
 struct Run<'a> {
     request: &'a Request,
-    bench: Bench,
-    operator: Operator,
+    session: Session,
     state: Option<State>,
     faults: u32,
     log: String,
@@ -75,48 +72,34 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(request: &'a Request) -> Self {
-        let mut plant = PlantConfig::new(request.preset.motor, request.supply);
-        plant.load = LoadConfig { constant: request.load, ..LoadConfig::default() };
-        // No position is special; this one is not on a sector's edge.
-        plant.angle_deg = 77.0;
-        let bench = Bench::new(&BenchConfig {
-            plant,
-            parameters: request.commissioning.parameters.clone(),
-            label: request.headline(),
-            trace: true,
-        });
-        let operator = Operator::new(bench.node().addresses());
-        Self { request, bench, operator, state: None, faults: 0, log: String::new(), steady_from: None }
+    fn new(request: &'a Request) -> Result<Self, SessionError> {
+        let session = Session::new(&request.session)?;
+        Ok(Self { request, session, state: None, faults: 0, log: String::new(), steady_from: None })
     }
 
     fn step(&mut self) {
-        let now = self.bench.now_ns();
-        if self.bench.time() >= START && self.operator.speed == 0 {
-            self.operator.start(self.request.rpm);
+        if self.session.bench().time() >= START && self.session.operator().speed == 0 {
+            self.session.operator().start(self.request.rpm);
         }
-        while let Some(frame) = self.operator.poll(now) {
-            // Two frames every 50 ms do not fill a queue of 64.
-            let _ = self.bench.send(frame);
-        }
-        self.bench.step();
-        while self.bench.receive().is_some() {}
-        while let Some(heard) = self.bench.overhear() {
+        self.session.step();
+        while self.session.bench_mut().receive().is_some() {}
+        while let Some(heard) = self.session.bench_mut().overhear() {
             let _ = writeln!(self.log, "{}", candump::line(heard.time_ns, "can0", &heard.frame));
         }
-        if self.steady_from.is_none() && self.bench.time() >= self.request.steady_start() {
-            self.steady_from = Some(figures::Mark::new(&self.bench));
+        if self.steady_from.is_none() && self.session.bench().time() >= self.request.steady_start() {
+            self.steady_from = Some(figures::Mark::new(self.session.bench()));
         }
         self.tell();
     }
 
     /// A line for every change of state and every new fault.
     fn tell(&mut self) {
-        let status = self.bench.status();
+        let bench = self.session.bench();
+        let status = bench.status();
         let (state, faults) = (status.state, status.faults.bits());
         if self.state != Some(state) || faults & !self.faults != 0 {
-            let speed = self.bench.plant().observe().speed * 60.0 / std::f64::consts::TAU;
-            print!("{:>7.3} s  {} {:<24} {speed:>8.0} rpm", self.bench.time(), state as u8, name(state));
+            let speed = bench.plant().observe().speed * 60.0 / std::f64::consts::TAU;
+            print!("{:>7.3} s  {} {:<24} {speed:>8.0} rpm", bench.time(), state as u8, name(state));
             println!(
                 "{}",
                 if faults == 0 {
@@ -148,12 +131,12 @@ const fn name(state: State) -> &'static str {
 fn write_files(request: &Request, run: &Run<'_>) -> io::Result<()> {
     fs::create_dir_all(&request.out)?;
     let file = |name: &str| request.out.join(name);
-    let trace = run.bench.trace();
+    let trace = run.session.bench().trace();
     let caption = Caption { title: &request.title(), subtitle: &request.subtitle() };
     let picture = plot::svg(&trace, &caption).map_err(io::Error::other)?;
     fs::write(file("run.svg"), picture)?;
     fs::write(file("run.log"), &run.log)?;
-    fs::write(file("run.narxrec"), run.bench.recording())?;
+    fs::write(file("run.narxrec"), run.session.bench().recording())?;
     write_csv(&file("run.csv"), &trace)
 }
 

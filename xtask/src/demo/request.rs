@@ -1,8 +1,9 @@
 //! What was asked for, checked before anything runs or is written.
 
 use clap::Args;
-use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
+use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::presets::{PRESETS, Preset, preset};
+use narx_sim::session::SessionConfig;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -43,6 +44,7 @@ pub(super) struct Request {
     pub(super) seconds: f64,
     pub(super) out: PathBuf,
     pub(super) commissioning: Commissioning,
+    pub(super) session: SessionConfig,
 }
 
 /// Why it cannot be: names the argument, its value and what is allowed, in one line.
@@ -70,22 +72,22 @@ impl Request {
             None => nominal,
         };
         let seconds = number("--seconds", &arguments.seconds, SECONDS.0, SECONDS.1, "s")?;
-        let mut plate = Nameplate {
-            motor: preset.motor,
-            rated_current: preset.data.rated_current,
-            supply,
-            open_loop_speed: None,
-        };
+        let mut session = SessionConfig::new(preset.motor, supply, mode);
+        session.rated_current = preset.data.rated_current;
         let refuse = |error: &dyn fmt::Display| Refused(format!("--motor {}: {error}", preset.name));
-        let range = plate.commission(mode).map_err(|error| refuse(&error))?;
+        let range = session.commission().map_err(|error| refuse(&error))?;
         let rpm = speed(arguments.rpm.as_deref(), mode, &range)?;
         if mode == Mode::OpenLoop {
-            plate.open_loop_speed = Some(f64::from(rpm.abs()));
+            session.open_loop_speed = Some(f64::from(rpm.abs()));
         }
-        let commissioning = plate.commission(mode).map_err(|error| refuse(&error))?;
+        let commissioning = session.commission().map_err(|error| refuse(&error))?;
         let torque = commissioning.phase_current * preset.motor.torque_constant;
         let load = number("--load", &arguments.load, 0.0, (torque * 1e4).floor() / 1e4, "N m")?;
-        Ok(Self { preset, mode, rpm, supply, load, seconds, out: arguments.out.clone(), commissioning })
+        session.load.constant = load;
+        let out = arguments.out.clone();
+        let mut request = Self { preset, mode, rpm, supply, load, seconds, out, commissioning, session };
+        request.session.label = request.headline();
+        Ok(request)
     }
 
     /// When the last quarter begins, over which steady figures are taken, s.

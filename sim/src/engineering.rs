@@ -1,0 +1,76 @@
+//! Parameters in their units: 4.5 A rather than 4500 of 10^-3 A.
+
+use core::fmt;
+use narx_core::dictionary::{Decimal, Dictionary, Parameter, Parameters};
+
+/// Why a value was not accepted; nothing has changed then.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ValueError {
+    /// There is no parameter of that number.
+    Unknown {
+        /// The number asked for.
+        number: u16,
+    },
+    /// Not a number, or outside the range.
+    OutOfRange {
+        /// The row that states the range.
+        parameter: &'static Parameter,
+        /// The value offered, in the parameter's unit.
+        value: f64,
+    },
+}
+
+/// The value of a parameter in its unit, or `None` if there is no such number.
+pub fn value(parameters: &Parameters, number: u16) -> Option<f64> {
+    let row = Dictionary::row(number)?;
+    Some(to_unit(row, row.kind.widen(parameters.value(number)?)))
+}
+
+/// A raw value in the parameter's unit.
+pub fn to_unit(row: &Parameter, raw: i64) -> f64 {
+    // Dividing by an exact power of ten rounds once: 1/10 is the nearest number to 0.1.
+    if row.exponent < 0 { raw as f64 / power(row) } else { raw as f64 * power(row) }
+}
+
+/// Sets a parameter to a value in its unit, to the nearest step of its scale.
+///
+/// # Errors
+/// An unknown number, not a number, or a value outside the parameter's range.
+pub fn set(parameters: &mut Parameters, number: u16, value: f64) -> Result<(), ValueError> {
+    let parameter = Dictionary::row(number).ok_or(ValueError::Unknown { number })?;
+    let refused = ValueError::OutOfRange { parameter, value };
+    let raw =
+        libm::round(if parameter.exponent < 0 { value * power(parameter) } else { value / power(parameter) });
+    // No kind has more than 32 bits.
+    if !(parameter.min as f64..=parameter.max as f64).contains(&raw) {
+        return Err(refused);
+    }
+    parameters.set(number, raw as i64 as i32).map_err(|_| refused)
+}
+
+fn power(row: &Parameter) -> f64 {
+    (0..row.exponent.unsigned_abs()).fold(1.0, |power, _| power * 10.0)
+}
+
+impl fmt::Display for ValueError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown { number } => write!(f, "there is no parameter {number}"),
+            Self::OutOfRange { parameter, value } => {
+                let limit = |digits| Decimal { digits, exponent: parameter.exponent };
+                let unit = if parameter.unit == "-" { "" } else { parameter.unit };
+                let space = if unit.is_empty() { "" } else { " " };
+                write!(
+                    f,
+                    "parameter {} \"{}\": {value}{space}{unit} is outside {} to {}{space}{unit}",
+                    parameter.number,
+                    parameter.name,
+                    limit(parameter.min),
+                    limit(parameter.max)
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for ValueError {}

@@ -1,0 +1,85 @@
+//! A commissioned drive with its operator, and parameters in their units.
+
+use narx_core::dictionary::{Dictionary, Parameters, number};
+use narx_core::motor::State;
+use narx_core::recording::{Recording, replay};
+use narx_sim::commissioning::Mode;
+use narx_sim::engineering::{self, ValueError};
+use narx_sim::presets::preset;
+use narx_sim::session::{Session, SessionConfig, SessionError};
+
+fn config() -> SessionConfig {
+    SessionConfig::new(preset("ec45-flat-50w-18v").unwrap().motor, 18.0, Mode::Hall)
+}
+
+#[test]
+fn starts_changes_speed_and_stops_when_asked() {
+    let mut session = Session::new(&config()).unwrap();
+    session.run(0.6);
+    assert_eq!(session.bench().status().state, State::Standby);
+    let speed = |session: &Session| session.bench().plant().observe().speed * 60.0 / core::f64::consts::TAU;
+    session.operator().start(-1500);
+    session.run(1.5);
+    assert!((speed(&session) + 1500.0).abs() < 15.0, "{} rpm", speed(&session));
+    session.operator().set_speed(2500);
+    session.run(1.5);
+    assert!((speed(&session) + 2500.0).abs() < 25.0, "{} rpm", speed(&session));
+    session.operator().stop();
+    session.run(2.0);
+    assert_eq!(session.bench().status().state, State::Standby);
+    assert!(speed(&session).abs() < 1.0, "{} rpm", speed(&session));
+
+    assert_eq!(session.bench().trace().len(), 56_000);
+    let file = session.bench().recording();
+    let outcome = replay::<narx_core::motor::Drive>(&Recording::open(&file).unwrap()).unwrap();
+    assert_eq!((outcome.ticks, outcome.digest), (56_000, session.bench().digest()));
+}
+
+#[test]
+fn explicit_parameters_win_and_bad_ones_are_named() {
+    let speed_max = Dictionary::row(number::SPEED_MAX_HES).unwrap();
+    let with = |number, value| SessionConfig { parameters: vec![(number, value)], ..config() }.commission();
+    let set = with(speed_max.number, 1234.0).unwrap().parameters;
+    assert_eq!(engineering::value(&set, speed_max.number), Some(1234.0));
+    for value in [1e9, -1.0, f64::NAN, f64::INFINITY] {
+        match with(speed_max.number, value) {
+            Err(SessionError::Parameter(ValueError::OutOfRange { parameter, .. })) => {
+                assert_eq!(parameter.number, speed_max.number);
+            }
+            other => panic!("{value}: {other:?}"),
+        }
+    }
+    let text = with(speed_max.number, 1e9).unwrap_err().to_string();
+    assert!(text.contains(speed_max.name) && text.contains("1000000000") && text.contains("65535"), "{text}");
+    assert_eq!(with(999, 1.0).unwrap_err().to_string(), "there is no parameter 999");
+}
+
+/// What a unit says is what the wire carries: every end of every range there and back.
+#[test]
+fn units_are_exact_both_ways() {
+    let mut parameters = Parameters::new();
+    for row in Dictionary::rows() {
+        for raw in [row.min, row.max, row.default] {
+            let value = engineering::to_unit(row, raw);
+            engineering::set(&mut parameters, row.number, value).unwrap();
+            assert_eq!(row.kind.widen(parameters.raw(row.number)), raw, "{}", row.name);
+            assert_eq!(engineering::value(&parameters, row.number), Some(value));
+            assert_eq!(
+                row.engineering(parameters.raw(row.number)).to_string().parse(),
+                Ok(value),
+                "{}",
+                row.name
+            );
+        }
+        // Half a step of the scale is still the limit; a whole one is beyond it.
+        let step = engineering::to_unit(row, 1);
+        let before = parameters.clone();
+        assert!(
+            engineering::set(&mut parameters, row.number, engineering::to_unit(row, row.max) + step).is_err()
+        );
+        assert!(
+            engineering::set(&mut parameters, row.number, engineering::to_unit(row, row.min) - step).is_err()
+        );
+        assert_eq!(parameters, before);
+    }
+}
