@@ -8,6 +8,7 @@ pub mod install;
 pub mod interop;
 pub mod parity;
 pub mod plot;
+pub mod qemu;
 pub mod steps;
 pub mod test;
 pub mod vectors;
