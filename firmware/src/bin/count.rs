@@ -1,4 +1,4 @@
-//! Counts the instructions of every `Drive::step` in recordings: `count FILE...`, under `-icount shift=10`.
+//! Counts the instructions of every `Drive::step` in recordings: `count FILE...`, under `-icount shift=7`.
 //!
 //! Prints `vector STEM TICKS TOTAL WORST` for every file, then `state NUMBER TICKS TOTAL WORST` for every state (Table 6)
 //! over all files, and `bracket N`, what the measurement cost itself and was taken off. A tick counts for the state in which
@@ -21,11 +21,11 @@ fn main() -> ! {
 
 #[cfg(target_os = "none")]
 mod image {
-    use core::fmt;
     use cortex_m_semihosting::hprintln;
     use narx_core::motor::{Drive, Event, PwmCommand, Samples, Status};
     use narx_core::recording::{Recording, ReplayError, Replayable, replay_with};
-    use narx_firmware::boards::qemu::{instructions, semihosting, stem};
+    use narx_firmware::boards::qemu::instructions::{self, Sum};
+    use narx_firmware::boards::qemu::{semihosting, stem};
     use serde::Deserialize;
 
     /// States of the drive (Table 6).
@@ -101,27 +101,5 @@ mod image {
     #[inline(never)]
     fn step(drive: &mut Drive, samples: &Samples) -> PwmCommand {
         drive.step(samples)
-    }
-
-    /// Instructions of many ticks.
-    #[derive(Clone, Copy, Default)]
-    struct Sum {
-        ticks: u64,
-        total: u64,
-        worst: u32,
-    }
-
-    impl Sum {
-        fn add(&mut self, instructions: u32) {
-            self.ticks += 1;
-            self.total += u64::from(instructions);
-            self.worst = self.worst.max(instructions);
-        }
-    }
-
-    impl fmt::Display for Sum {
-        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            write!(f, "{} {} {}", self.ticks, self.total, self.worst)
-        }
     }
 }

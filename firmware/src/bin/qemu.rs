@@ -18,7 +18,7 @@ mod image {
     use narx_firmware::boards::qemu::uart::{self, INCOMING, Receiver};
     use narx_firmware::boards::qemu::watchdog::Watchdog;
     use narx_firmware::boards::qemu::world::{Period, World};
-    use narx_firmware::boards::qemu::{ARGUMENTS_MAX, Owned, kept_settings, semihosting};
+    use narx_firmware::boards::qemu::{ARGUMENTS_MAX, MOTOR, Owned, kept_settings, semihosting};
     use narx_firmware::shell::{Background, Control, Progress};
     use narx_sim::can::slcan::Adapter;
     use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
@@ -115,7 +115,7 @@ mod image {
 
     /// Motor and supply voltage; nothing, and a word why, if the arguments are none.
     fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<(&'static Preset, f64)> {
-        let mut motor = "bly172s-24v";
+        let mut motor = MOTOR;
         let mut supply = None;
         while let Some(option) = arguments.next() {
             match (option, arguments.next()) {

@@ -1,6 +1,7 @@
-//! Counts instructions exactly: under `-icount shift=10` one instruction takes 2^10 ns of the machine's time, which are
-//! 25.6 counts of the 25 MHz system timer. Flash wait states and the pipeline are not in it.
+//! Counts instructions exactly: under `-icount shift=7` one instruction takes 2^7 ns of the machine's time, which are
+//! 3.2 counts of the 25 MHz system timer. Flash wait states and the pipeline are not in it.
 
+use core::fmt;
 use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -17,7 +18,7 @@ pub fn start(timer: &mut SYST) -> u32 {
     count(|| {}).1
 }
 
-/// Runs `work` and tells how many instructions it took, the measurement's own included; at most 655 000.
+/// Runs `work` and tells how many instructions it took, the measurement's own included; at most 5.2 million.
 #[inline(always)]
 pub fn count<T>(work: impl FnOnce() -> T) -> (T, u32) {
     let start = SYST::get_current();
@@ -25,7 +26,33 @@ pub fn count<T>(work: impl FnOnce() -> T) -> (T, u32) {
     let result = work();
     compiler_fence(Ordering::SeqCst);
     let end = SYST::get_current();
-    // Both readings are rounded down, so their difference is less than one count beside a multiple of 25.6.
+    // Both readings are rounded down, so their difference is less than one count beside a multiple of 3.2.
     let counts = start.wrapping_sub(end) % MODULUS;
-    (result, (counts * 10 + 128) / 256)
+    (result, (counts * 10 + 16) / 32)
+}
+
+/// Instructions of many ticks: displays as `TICKS TOTAL WORST`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sum {
+    /// Ticks.
+    pub ticks: u64,
+    /// Instructions of all of them.
+    pub total: u64,
+    /// Most of one.
+    pub worst: u32,
+}
+
+impl Sum {
+    /// Counts one tick.
+    pub fn add(&mut self, instructions: u32) {
+        self.ticks += 1;
+        self.total += u64::from(instructions);
+        self.worst = self.worst.max(instructions);
+    }
+}
+
+impl fmt::Display for Sum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.ticks, self.total, self.worst)
+    }
 }

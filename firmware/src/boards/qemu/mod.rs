@@ -25,6 +25,8 @@ use panic_semihosting as _;
 
 /// Clock of the machine, Hz.
 pub const CLOCK_HZ: u32 = 25_000_000;
+/// The motor on the board, unless another one is asked for.
+pub const MOTOR: &str = "bly172s-24v";
 /// Bytes of a recording that the images can hold.
 pub const RECORDING_MAX: usize = 2 << 20;
 /// Bytes of arguments that they take.
