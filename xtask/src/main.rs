@@ -5,7 +5,9 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::coverage;
 use xtask::demo;
+use xtask::firmware;
 use xtask::header;
+use xtask::instructions;
 use xtask::steps::{Step, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
@@ -32,7 +34,16 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
-    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the C header
+    /// Build a firmware image, and run it where there is an emulator for its board
+    Firmware(firmware::Arguments),
+    /// Make tests/golden/instructions.toml anew: instructions of every control tick on a Cortex-M4F
+    Instructions {
+        /// Write nothing; fail if a figure is another one
+        #[arg(long)]
+        check: bool,
+    },
+    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
+    /// C header, golden figures
     Generate,
     /// Make ffi/include/narx.h anew: the C header
     Header {
@@ -53,7 +64,9 @@ fn main() -> ExitCode {
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
         Job::Test { target } => test::run(root, target),
+        Job::Instructions { check } => instructions::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
+        Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
@@ -72,5 +85,7 @@ fn generate(root: &Path) -> ExitCode {
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
         Step::new("C header", move || header::regenerate(root, false)),
+        Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
+        Step::new("instructions", move || instructions::regenerate(root, false)),
     ])
 }
