@@ -1,12 +1,12 @@
 //! Every developer command of narx: `cargo xtask help` lists them.
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::coverage;
 use xtask::demo;
-use xtask::interop;
 use xtask::steps::{Step, run, run_all};
+use xtask::test::{self, Target};
 use xtask::vectors;
 
 #[derive(Parser)]
@@ -41,46 +41,15 @@ enum Job {
     },
 }
 
-/// What can be tested alone.
-#[derive(Clone, Copy, ValueEnum)]
-enum Target {
-    /// Formatting, lints, Rust tests, the build without std, and what other tools make of our files
-    Rust,
-}
-
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
-        Job::Test { target: None | Some(Target::Rust) } => test_rust(root),
+        Job::Test { target } => test::run(root, target),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Generate => generate(root),
         Job::Vectors { check } => vectors::command(root, check),
     }
-}
-
-fn test_rust(root: &Path) -> ExitCode {
-    run_all(vec![
-        Step::command(root, "format", "cargo", &["fmt", "--all", "--check"]),
-        Step::command(
-            root,
-            "lints",
-            "cargo",
-            &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"],
-        ),
-        Step::command(root, "tests", "cargo", &["test", "--workspace"]),
-        // Fails for a package that uses std or the heap: the target has neither.
-        Step::command(root, "Cortex-M target", "rustup", &["target", "add", EMBEDDED]),
-        Step::command(
-            root,
-            "no_std",
-            "cargo",
-            &["build", "-p", "narx-core", "-p", "narx-sim", "--no-default-features", "--target", EMBEDDED],
-        ),
-        Step::new("vectors", move || vectors::regenerate(root, true)),
-        Step::new("coverage", move || coverage::regenerate(root, true)),
-        Step::new("interoperability", move || interop::run(root)),
-    ])
 }
 
 /// What the tests would complain of, written anew. What changed shows in `git diff`, and belongs into a review.
@@ -96,6 +65,3 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("coverage", move || coverage::regenerate(root, false)),
     ])
 }
-
-/// A Cortex-M4 with floating point, as on the boards.
-const EMBEDDED: &str = "thumbv7em-none-eabihf";
