@@ -1,7 +1,7 @@
 //! Errors of the kinds that JavaScript programmers expect: `TypeError`, `RangeError`, `Error`.
 
 use core::fmt::Display;
-use js_sys::{Error, JsString, RangeError, TypeError};
+use js_sys::{Error, Number, RangeError, TypeError};
 use wasm_bindgen::JsValue;
 
 /// A value of another type than was asked for, or a name that does not exist.
@@ -19,15 +19,15 @@ pub(crate) fn error(message: &dyn Display) -> JsValue {
     Error::new(&message.to_string()).into()
 }
 
-/// A value as its user wrote it: the engine formats numbers, which saves carrying a formatter.
+/// A value as its user wrote it; of what is neither text nor a number the type. The engine formats numbers, which
+/// saves carrying a formatter.
 pub(crate) fn shown(value: &JsValue) -> String {
-    if value.is_object() && !value.is_function() && !js_sys::Array::is_array(value) {
-        return "[object]".into();
+    if let Some(text) = value.as_string() {
+        return format!("\"{text}\"");
     }
-    match value.as_string() {
-        Some(text) => format!("\"{text}\""),
-        None => String::from(JsString::from(value.clone())),
-    }
+    let number = value.as_f64().and_then(|number| Number::from(number).to_string_with_radix(10).ok());
+    let kind = || value.js_typeof().as_string().unwrap_or_default();
+    number.map_or_else(kind, String::from)
 }
 
 /// `a, b, c`

@@ -85,7 +85,11 @@ impl Options {
     }
 
     fn out_of_range(&self, name: &str, value: f64, allowed: &str) -> JsValue {
-        crate::error::range_error(&format!("{}: {name} {}: must be {allowed}", self.owner, shown(&value.into())))
+        crate::error::range_error(&format!(
+            "{}: {name} {}: must be {allowed}",
+            self.owner,
+            shown(&value.into())
+        ))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Running a recording again.
 
-use crate::error::{error, range_error};
+use crate::error::{error, range_error, shown};
 use crate::options::set;
 use js_sys::Object;
 use narx_core::motor::Drive;
@@ -60,7 +60,7 @@ fn count(until: f64) -> Result<u64, JsValue> {
     if until >= 0.0 && until <= js_sys::Number::MAX_SAFE_INTEGER && until.fract() == 0.0 {
         return Ok(until as u64);
     }
-    let until = String::from(js_sys::JsString::from(JsValue::from(until)));
+    let until = shown(&until.into());
     Err(range_error(&format!("until {until}: must be a whole number of ticks, 0 or more")))
 }
 

@@ -11,3 +11,4 @@ pub mod plot;
 pub mod steps;
 pub mod test;
 pub mod vectors;
+pub mod web;

@@ -8,6 +8,7 @@ use xtask::demo;
 use xtask::steps::{Step, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
+use xtask::web;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
@@ -39,6 +40,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Build the WebAssembly packages and the page, into wasm/pkg and wasm/web/dist
+    Web(web::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
         Job::Coverage { check } => coverage::command(root, check),
         Job::Generate => generate(root),
         Job::Vectors { check } => vectors::command(root, check),
+        Job::Web(arguments) => web::command(root, arguments),
     }
 }
 

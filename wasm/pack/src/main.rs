@@ -35,14 +35,20 @@ fn main() -> anyhow::Result<()> {
 
 fn bindgen(wasm: &Path) -> Bindgen {
     let mut bindgen = Bindgen::new();
-    bindgen.input_path(wasm).out_name("narx").typescript(true).remove_producers_section(true);
+    bindgen.input_path(wasm).out_name("narx").typescript(true);
+    bindgen.omit_default_module_path(false).remove_producers_section(true);
     bindgen
 }
 
 /// The names that TypeScript should know, from the tables that hold them.
 fn append_names(declarations: &Path) -> anyhow::Result<()> {
     let mut text = fs::read_to_string(declarations)?;
-    union(&mut text, "SignalName", "Signals of a trace.", SIGNALS.iter().map(|signal| signal.name.to_owned()))?;
+    union(
+        &mut text,
+        "SignalName",
+        "Signals of a trace.",
+        SIGNALS.iter().map(|signal| signal.name.to_owned()),
+    )?;
     union(&mut text, "MotorName", "Real motors.", PRESETS.iter().map(|preset| preset.name.to_owned()))?;
     union(&mut text, "Mode", "Control modes.", Mode::ALL.iter().map(|mode| mode.name().to_owned()))?;
     let faults = FaultWord::all();
@@ -52,7 +58,12 @@ fn append_names(declarations: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn union(text: &mut String, name: &str, about: &str, members: impl Iterator<Item = String>) -> anyhow::Result<()> {
+fn union(
+    text: &mut String,
+    name: &str,
+    about: &str,
+    members: impl Iterator<Item = String>,
+) -> anyhow::Result<()> {
     write!(text, "\n/** {about} */\nexport type {name} =")?;
     for member in members {
         write!(text, "\n    | \"{member}\"")?;
