@@ -15,3 +15,4 @@ pub mod qemu;
 pub mod steps;
 pub mod test;
 pub mod vectors;
+pub mod web;

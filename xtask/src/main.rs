@@ -11,6 +11,7 @@ use xtask::instructions;
 use xtask::steps::{Step, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
+use xtask::web;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
@@ -57,6 +58,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Build the WebAssembly packages and the page, into wasm/pkg and wasm/web/dist
+    Web(web::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
+        Job::Web(arguments) => web::command(root, arguments),
     }
 }
 
