@@ -3,6 +3,7 @@
 mod corruption;
 mod digest;
 mod format;
+mod parity;
 mod replay;
 mod round_trip;
 mod support;

@@ -1,24 +1,25 @@
 //! What other people's tools make of our files: python-can reads the logs that we write.
 
-use crate::candump;
 use crate::steps::{self, Outcome};
+use crate::{candump, install};
 use narx_core::bus::{Frame, Id};
 use narx_sim::can::Bus;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::{env, fs};
 
 /// Writes the samples, prepares a Python environment under `target/` and runs `tests/interop` in it.
 pub fn run(root: &Path) -> Outcome {
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let target = install::target_directory(root);
     let samples = target.join("interop");
     write_samples(&samples).map_err(|error| format!("{}: {error}", samples.display()))?;
     let xtask = env::current_exe().map_err(|error| error.to_string())?;
     let demo = samples.join("demo");
     steps::run(Command::new(xtask).args(["demo", "--seconds", "1.5", "--rpm", "2000", "--out"]).arg(&demo))?;
     let tests = root.join("tests/interop");
-    let python = environment(&target.join("interop-python"), &tests.join("requirements.txt"))?;
+    let python =
+        install::python_environment(&target.join("interop-python"), &tests.join("requirements.txt"))?;
     steps::run(
         Command::new(python)
             .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider"])
@@ -83,40 +84,4 @@ fn sample_frames() -> Vec<Frame> {
             Some(length) => Frame::remote(id?, length),
         })
         .collect()
-}
-
-/// The interpreter of a virtual environment with exactly these requirements.
-fn environment(directory: &Path, requirements: &Path) -> Result<PathBuf, String> {
-    let python = directory.join("bin/python");
-    let wanted =
-        fs::read_to_string(requirements).map_err(|error| format!("{}: {error}", requirements.display()))?;
-    let stamp = directory.join("installed.txt");
-    if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
-        return Ok(python);
-    }
-    create_environment(directory)?;
-    steps::run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "-r"]).arg(requirements))?;
-    fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))?;
-    Ok(python)
-}
-
-fn create_environment(directory: &Path) -> Result<(), String> {
-    let create = || steps::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(directory));
-    let Err(reason) = create() else { return Ok(()) };
-    // Debian ships Python without the module that makes environments.
-    let install = ["apt-get", "install", "-y", "python3-venv"];
-    let advice = format!("{reason}\nPython 3 with venv is needed; on Debian: sudo {}", install.join(" "));
-    if !Path::new("/etc/debian_version").exists() {
-        return Err(advice);
-    }
-    let (program, arguments) = if is_root() { (install[0], &install[1..]) } else { ("sudo", &install[..]) };
-    let mut command = Command::new(program);
-    command.args(arguments);
-    // The first installation in a fresh image can fail on a rename; the second does not.
-    steps::run(&mut command).or_else(|_| steps::run(&mut command)).map_err(|_| advice.clone())?;
-    create().map(|_| ()).map_err(|_| advice)
-}
-
-fn is_root() -> bool {
-    Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout.trim_ascii() == b"0")
 }

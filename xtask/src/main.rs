@@ -1,13 +1,17 @@
 //! Every developer command of narx: `cargo xtask help` lists them.
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::coverage;
 use xtask::demo;
-use xtask::interop;
+use xtask::firmware;
+use xtask::header;
+use xtask::instructions;
 use xtask::steps::{Step, run, run_all};
+use xtask::test::{self, Target};
 use xtask::vectors;
+use xtask::web;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
@@ -31,56 +35,46 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
-    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots
+    /// Build a firmware image, and run it where there is an emulator for its board
+    Firmware(firmware::Arguments),
+    /// Make tests/golden/instructions.toml anew: instructions of every control tick on a Cortex-M4F
+    Instructions {
+        /// Write nothing; fail if a figure is another one
+        #[arg(long)]
+        check: bool,
+    },
+    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
+    /// C header, golden figures
     Generate,
+    /// Make ffi/include/narx.h anew: the C header
+    Header {
+        /// Write nothing; fail if the header differs from the code
+        #[arg(long)]
+        check: bool,
+    },
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
         /// Write nothing; fail if a recording differs from what its scenario gives
         #[arg(long)]
         check: bool,
     },
-}
-
-/// What can be tested alone.
-#[derive(Clone, Copy, ValueEnum)]
-enum Target {
-    /// Formatting, lints, Rust tests, the build without std, and what other tools make of our files
-    Rust,
+    /// Build the WebAssembly packages and the page, into wasm/pkg and wasm/web/dist
+    Web(web::Arguments),
 }
 
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
-        Job::Test { target: None | Some(Target::Rust) } => test_rust(root),
+        Job::Test { target } => test::run(root, target),
+        Job::Instructions { check } => instructions::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
+        Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
+        Job::Header { check } => header::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
+        Job::Web(arguments) => web::command(root, arguments),
     }
-}
-
-fn test_rust(root: &Path) -> ExitCode {
-    run_all(vec![
-        Step::command(root, "format", "cargo", &["fmt", "--all", "--check"]),
-        Step::command(
-            root,
-            "lints",
-            "cargo",
-            &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"],
-        ),
-        Step::command(root, "tests", "cargo", &["test", "--workspace"]),
-        // Fails for a package that uses std or the heap: the target has neither.
-        Step::command(root, "Cortex-M target", "rustup", &["target", "add", EMBEDDED]),
-        Step::command(
-            root,
-            "no_std",
-            "cargo",
-            &["build", "-p", "narx-core", "-p", "narx-sim", "--no-default-features", "--target", EMBEDDED],
-        ),
-        Step::new("vectors", move || vectors::regenerate(root, true)),
-        Step::new("coverage", move || coverage::regenerate(root, true)),
-        Step::new("interoperability", move || interop::run(root)),
-    ])
 }
 
 /// What the tests would complain of, written anew. What changed shows in `git diff`, and belongs into a review.
@@ -94,8 +88,8 @@ fn generate(root: &Path) -> ExitCode {
             run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
+        Step::new("C header", move || header::regenerate(root, false)),
+        Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
+        Step::new("instructions", move || instructions::regenerate(root, false)),
     ])
 }
-
-/// A Cortex-M4 with floating point, as on the boards.
-const EMBEDDED: &str = "thumbv7em-none-eabihf";

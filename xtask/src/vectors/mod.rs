@@ -38,6 +38,16 @@ pub fn scenarios(root: &Path) -> Result<Vec<Scenario>, String> {
         .collect()
 }
 
+/// Every recording of the repository at `root`, by name.
+///
+/// # Errors
+/// The directory cannot be read.
+pub fn recordings(root: &Path) -> Result<Vec<PathBuf>, String> {
+    let directory = directory(root);
+    let names = names(&directory, "narxrec")?;
+    Ok(names.iter().map(|name| directory.join(format!("{name}.narxrec"))).collect())
+}
+
 /// Makes all recordings anew and prints what they are; with `check` nothing is written, and anything that differs is a
 /// failure.
 pub fn command(root: &Path, check: bool) -> ExitCode {

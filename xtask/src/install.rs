@@ -1,0 +1,124 @@
+//! What the tests need from outside: installed where that is possible, else named with the command that does it.
+
+use crate::steps;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::{env, fs};
+
+/// A Debian package and a program by which one sees that it is there.
+#[derive(Clone, Copy, Debug)]
+pub struct Package {
+    /// Name of the package.
+    pub name: &'static str,
+    /// A program or a file of it.
+    pub provides: &'static str,
+}
+
+/// Where everything goes that tests install or build.
+pub fn target_directory(root: &Path) -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
+}
+
+/// Installs the packages that are missing: as root or with sudo on Debian.
+///
+/// # Errors
+/// What is missing and the command that installs it, where it cannot be done here.
+pub fn debian(packages: &[Package]) -> steps::Outcome {
+    let missing: Vec<&str> =
+        packages.iter().filter(|package| !is_there(package.provides)).map(|package| package.name).collect();
+    if missing.is_empty() {
+        return Ok(Vec::new());
+    }
+    let advice = format!("missing: {}\non Debian: sudo apt-get install -y {0}", missing.join(" "));
+    if !Path::new("/etc/debian_version").exists() {
+        return Err(advice);
+    }
+    let apt = |arguments: &[&str]| {
+        let mut command = if is_root() { Command::new("apt-get") } else { Command::new("sudo") };
+        if !is_root() {
+            command.args(["-n", "apt-get"]);
+        }
+        command.env("DEBIAN_FRONTEND", "noninteractive").args(arguments);
+        steps::run(&mut command)
+    };
+    let install =
+        || apt(&[&["install", "-y", "-qq", "--no-install-recommends"], missing.as_slice()].concat());
+    // A fresh image has no package lists, and its first installation can fail on a rename; the second does not.
+    install()
+        .or_else(|_| apt(&["update", "-qq"]).and_then(|_| install()))
+        .or_else(|_| install())
+        .map_err(|reason| format!("{reason}\n{advice}"))?;
+    match packages.iter().find(|package| !is_there(package.provides)) {
+        Some(package) => Err(format!("{} is installed but brings no {}", package.name, package.provides)),
+        None => Ok(Vec::new()),
+    }
+}
+
+/// Adds a target to the Rust toolchain.
+///
+/// # Errors
+/// What rustup said.
+pub fn rust_target(name: &str) -> steps::Outcome {
+    steps::run(Command::new("rustup").args(["target", "add", name]))
+}
+
+/// The interpreter of a virtual environment with exactly these requirements, made anew when they have changed.
+///
+/// # Errors
+/// What Python or pip said.
+pub fn python_environment(directory: &Path, requirements: &Path) -> Result<PathBuf, String> {
+    let python = directory.join("bin/python");
+    let wanted =
+        fs::read_to_string(requirements).map_err(|error| format!("{}: {error}", requirements.display()))?;
+    let stamp = directory.join("installed.txt");
+    if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) && python.exists() {
+        return Ok(python);
+    }
+    let create = || steps::run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(directory));
+    // Debian ships Python without the module that makes environments.
+    create().or_else(|reason| {
+        let venv = Package { name: "python3-venv", provides: "a module that only trying shows" };
+        match debian(&[venv]) {
+            Err(advice) if !advice.contains("is installed but") => Err(format!("{reason}\n{advice}")),
+            _ => create(),
+        }
+    })?;
+    steps::run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "-r"]).arg(requirements))?;
+    fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))?;
+    Ok(python)
+}
+
+/// Installs the npm packages that `directory/package-lock.json` names, unless they are there.
+///
+/// # Errors
+/// What npm said, or how to get it.
+pub fn npm(directory: &Path) -> steps::Outcome {
+    let lock = directory.join("package-lock.json");
+    let wanted = fs::read_to_string(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
+    let stamp = directory.join("node_modules/installed.json");
+    if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+        return Ok(Vec::new());
+    }
+    debian(&[Package { name: "nodejs", provides: "node" }, Package { name: "npm", provides: "npm" }])?;
+    steps::run(
+        Command::new("npm")
+            .args(["ci", "--no-audit", "--no-fund", "--loglevel=error"])
+            .current_dir(directory),
+    )?;
+    fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))?;
+    Ok(Vec::new())
+}
+
+/// Whether a program is on the path, or a file exists.
+fn is_there(provides: &str) -> bool {
+    if provides.starts_with('/') {
+        return Path::new(provides).exists();
+    }
+    let paths = env::var_os("PATH").unwrap_or_default();
+    env::split_paths(&paths).any(|directory| directory.join(provides).is_file())
+}
+
+fn is_root() -> bool {
+    let id = Command::new("id").arg("-u").stderr(Stdio::null()).output();
+    id.is_ok_and(|output| output.stdout.trim_ascii() == b"0")
+}

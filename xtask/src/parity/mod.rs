@@ -1,0 +1,60 @@
+//! The same bits on every target: conformance vectors times targets, every digest equal.
+//!
+//! Each target is a program that replays recordings and prints a line for each (see [`Answer`]). Where a digest is not
+//! the recorded one, bisection over the number of ticks finds the first tick that differs, and its outputs tell how.
+
+mod answer;
+mod difference;
+mod replayer;
+mod table;
+
+pub use answer::Answer;
+pub use difference::{Difference, locate};
+pub use replayer::{Native, Replay, Replayer};
+pub use table::Table;
+
+use crate::test::{self, Target};
+use crate::{steps, vectors};
+use std::path::{Path, PathBuf};
+
+/// Replays every vector on this machine and on what these targets have built, and prints the table.
+///
+/// # Errors
+/// Every digest that is not the recorded one, with the first tick and output that differ.
+pub fn run(root: &Path, targets: &[Target]) -> steps::Outcome {
+    let files = vectors::recordings(root)?;
+    let programs: Vec<Replayer> = targets
+        .iter()
+        .flat_map(|target| match target {
+            Target::Rust => Vec::new(),
+            Target::Ffi => test::ffi::replayers(root),
+            Target::Python => test::python::replayers(root),
+            Target::Wasm => test::wasm::replayers(root),
+            Target::Firmware => test::firmware::replayers(root),
+        })
+        .collect();
+    let native: [&dyn Replay; 1] = [&Native];
+    let all: Vec<&dyn Replay> =
+        native.into_iter().chain(programs.iter().map(|program| program as &dyn Replay)).collect();
+    compare(&all, &files)
+}
+
+/// Replays `files` on every target; the first one is whom the others are compared with.
+///
+/// # Errors
+/// As [`run`].
+pub fn compare(targets: &[&dyn Replay], files: &[PathBuf]) -> steps::Outcome {
+    let table = Table::new(targets, files);
+    println!("{table}");
+    let wrong = table.differences(targets, files);
+    if wrong.is_empty() {
+        Ok(vec![format!(
+            "{} digests equal: {} vectors x {} targets",
+            table.len(),
+            files.len(),
+            targets.len()
+        )])
+    } else {
+        Err(wrong.join("\n"))
+    }
+}

@@ -1,0 +1,101 @@
+//! Whoever claims to be the same control core.
+
+use super::answer::Answer;
+use narx_core::motor::Drive;
+use narx_core::recording::{Recording, replay, replay_until};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Something that replays recordings.
+pub trait Replay {
+    /// Name of the target, as the table heads its column.
+    fn name(&self) -> &str;
+    /// Replays each file, or its first `ticks`; an answer or a reason for each, in order.
+    fn replay(&self, files: &[PathBuf], ticks: Option<u64>) -> Vec<Result<Answer, String>>;
+}
+
+/// This very process.
+#[derive(Clone, Copy, Debug)]
+pub struct Native;
+
+impl Replay for Native {
+    fn name(&self) -> &'static str {
+        "x86-64"
+    }
+
+    fn replay(&self, files: &[PathBuf], ticks: Option<u64>) -> Vec<Result<Answer, String>> {
+        files.iter().map(|file| native(file, ticks)).collect()
+    }
+}
+
+fn native(file: &Path, ticks: Option<u64>) -> Result<Answer, String> {
+    let bytes = fs::read(file).map_err(|error| error.to_string())?;
+    let recording = Recording::open(&bytes).map_err(|error| error.to_string())?;
+    match ticks {
+        None => {
+            let outcome = replay::<Drive>(&recording).map_err(|error| error.to_string())?;
+            let recorded = Some(outcome.recorded_digest);
+            Ok(Answer { ticks: outcome.ticks, digest: outcome.digest, recorded, outputs: None })
+        }
+        Some(ticks) => {
+            let prefix = replay_until::<Drive>(&recording, ticks).map_err(|error| error.to_string())?;
+            let outputs = prefix.last.map(|outputs| outputs.to_string());
+            Ok(Answer { ticks: prefix.ticks, digest: prefix.digest, recorded: None, outputs })
+        }
+    }
+}
+
+/// A program with its fixed arguments, given those of one run.
+type Start = dyn Fn(&[String]) -> Command;
+
+/// A program of another target.
+pub struct Replayer {
+    name: &'static str,
+    command: Box<Start>,
+}
+
+impl Replayer {
+    /// A program that is started with these arguments: `[--ticks N] FILE...`.
+    pub fn new(name: &'static str, command: impl Fn(&[String]) -> Command + 'static) -> Self {
+        Self { name, command: Box::new(command) }
+    }
+}
+
+impl Replay for Replayer {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn replay(&self, files: &[PathBuf], ticks: Option<u64>) -> Vec<Result<Answer, String>> {
+        let mut arguments: Vec<String> =
+            ticks.map(|ticks| vec!["--ticks".into(), ticks.to_string()]).unwrap_or_default();
+        arguments.extend(files.iter().map(|file| file.display().to_string()));
+        let output = (self.command)(&arguments)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .output();
+        let output = match output {
+            Ok(output) => output,
+            Err(error) => return files.iter().map(|_| Err(format!("did not start: {error}"))).collect(),
+        };
+        let text = String::from_utf8_lossy(&output.stdout);
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        let mut lines = text.lines();
+        files
+            .iter()
+            .map(|file| {
+                let line = lines.next().ok_or_else(|| {
+                    format!("ended without an answer ({}): {}", output.status, complaint.trim())
+                })?;
+                Answer::parse(&stem(file), line)
+            })
+            .collect()
+    }
+}
+
+/// The name of a vector: its file's without the extension.
+pub(super) fn stem(file: &Path) -> String {
+    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}

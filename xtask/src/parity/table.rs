@@ -1,0 +1,93 @@
+//! Vectors down, targets across.
+
+use super::answer::Answer;
+use super::difference::locate;
+use super::replayer::{Replay, stem};
+use std::fmt;
+use std::path::PathBuf;
+
+/// What every target answered to every recording.
+#[derive(Debug)]
+pub struct Table {
+    names: Vec<String>,
+    stems: Vec<String>,
+    /// A column for each target.
+    answers: Vec<Vec<Result<Answer, String>>>,
+}
+
+impl Table {
+    /// Asks every target about every file.
+    pub fn new(targets: &[&dyn Replay], files: &[PathBuf]) -> Self {
+        Self {
+            names: targets.iter().map(|target| target.name().to_owned()).collect(),
+            stems: files.iter().map(|file| stem(file)).collect(),
+            answers: targets.iter().map(|target| target.replay(files, None)).collect(),
+        }
+    }
+
+    /// Number of cells.
+    pub const fn len(&self) -> usize {
+        self.names.len() * self.stems.len()
+    }
+
+    /// Whether there is no cell.
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A line for every cell that is not as it should be. Targets that differ from the first one are asked again for
+    /// where.
+    pub fn differences(&self, targets: &[&dyn Replay], files: &[PathBuf]) -> Vec<String> {
+        let mut lines = Vec::new();
+        for (row, file) in files.iter().enumerate() {
+            let stem = &self.stems[row];
+            let reference = &self.answers[0][row];
+            for (column, target) in targets.iter().enumerate() {
+                let name = &self.names[column];
+                match (&self.answers[column][row], reference) {
+                    (Err(reason), _) => lines.push(format!("{stem}: {name}: {reason}")),
+                    (Ok(answer), Ok(reference)) if column > 0 && answer != reference => {
+                        lines.push(match locate(targets[0], *target, file) {
+                            Ok(Some(difference)) => format!("{stem}: {name}: {difference}"),
+                            Ok(None) => format!("{stem}: {name}: {answer:?}, but {reference:?} before"),
+                            Err(reason) => format!("{stem}: {name}: {reason}"),
+                        });
+                    }
+                    (Ok(answer), _) if answer.recorded != Some(answer.digest) => lines.push(format!(
+                        "{stem}: {name}: digest {:016x}, but {:016x} was recorded: the control core has changed \
+                         (cargo xtask vectors)",
+                        answer.digest,
+                        answer.recorded.unwrap_or_default(),
+                    )),
+                    _ => {}
+                }
+            }
+        }
+        lines
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let wide = self.stems.iter().map(String::len).max().unwrap_or(0);
+        write!(f, "{:<wide$} {:>6} {:>16}", "vector", "ticks", "digest")?;
+        for name in &self.names {
+            write!(f, "  {name}")?;
+        }
+        for (row, stem) in self.stems.iter().enumerate() {
+            match self.answers.first().and_then(|column| column.get(row)) {
+                Some(Ok(answer)) => write!(f, "\n{stem:<wide$} {:>6} {:016x}", answer.ticks, answer.digest)?,
+                _ => write!(f, "\n{stem:<wide$} {:>6} {:>16}", "", "")?,
+            }
+            for (name, column) in self.names.iter().zip(&self.answers) {
+                let verdict = match &column[row] {
+                    Ok(answer) if answer.recorded == Some(answer.digest) => "same",
+                    Ok(_) => "DIFFERS",
+                    Err(_) => "ERROR",
+                };
+                write!(f, "  {verdict:<0$}", name.len())?;
+            }
+        }
+        Ok(())
+    }
+}

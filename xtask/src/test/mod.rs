@@ -1,0 +1,49 @@
+//! The tests of every target, a file each: what it needs, what is run.
+
+pub mod ffi;
+pub mod firmware;
+pub mod python;
+pub mod rust;
+pub mod wasm;
+
+use crate::parity;
+use crate::steps::{Step, run_all};
+use clap::ValueEnum;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// What can be tested alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Target {
+    /// Formatting, lints, Rust tests, the build without std, and what other tools make of our files
+    Rust,
+    /// The C library: on this machine and on an emulated Cortex-M4F
+    Ffi,
+    /// The Python package
+    Python,
+    /// The WebAssembly build: in Node and in Chromium
+    Wasm,
+    /// The firmware image on an emulated Cortex-M4F
+    Firmware,
+}
+
+/// Tests one target, or all of them; each ends with the conformance vectors on it.
+pub fn run(root: &Path, target: Option<Target>) -> ExitCode {
+    let targets: &[Target] = match &target {
+        Some(target) => std::slice::from_ref(target),
+        None => Target::value_variants(),
+    };
+    let mut steps: Vec<Step<'_>> = targets
+        .iter()
+        .flat_map(|target| match target {
+            Target::Rust => rust::steps(root),
+            Target::Ffi => ffi::steps(root),
+            Target::Python => python::steps(root),
+            Target::Wasm => wasm::steps(root),
+            Target::Firmware => firmware::steps(root),
+        })
+        .collect();
+    let targets = targets.to_vec();
+    steps.push(Step::new("parity", move || parity::run(root, &targets)));
+    run_all(steps)
+}

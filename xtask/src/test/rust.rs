@@ -1,0 +1,33 @@
+//! The core and the bench on this machine, the build for a target without std, and what other tools make of our files.
+
+use crate::steps::Step;
+use crate::{coverage, install, interop, vectors};
+use std::path::Path;
+
+/// A Cortex-M4 with floating point, as on the boards.
+pub const EMBEDDED: &str = "thumbv7em-none-eabihf";
+
+/// What is run, in order.
+pub fn steps(root: &Path) -> Vec<Step<'_>> {
+    vec![
+        Step::command(root, "format", "cargo", &["fmt", "--all", "--check"]),
+        Step::command(
+            root,
+            "lints",
+            "cargo",
+            &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"],
+        ),
+        Step::command(root, "tests", "cargo", &["test"]),
+        // Fails for a package that uses std or the heap: the target has neither.
+        Step::new("Cortex-M target", || install::rust_target(EMBEDDED)),
+        Step::command(
+            root,
+            "no_std",
+            "cargo",
+            &["build", "-p", "narx-core", "-p", "narx-sim", "--no-default-features", "--target", EMBEDDED],
+        ),
+        Step::new("vectors", move || vectors::regenerate(root, true)),
+        Step::new("coverage", move || coverage::regenerate(root, true)),
+        Step::new("interoperability", move || interop::run(root)),
+    ]
+}
