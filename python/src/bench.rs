@@ -30,13 +30,15 @@ impl Bench {
         mode: &str,
         parameters: Option<&Bound<'_, PyDict>>,
         ambient: f64,
-        seed: u64,
+        seed: i128,
     ) -> PyResult<Self> {
         let mut config = motor.session(supply_voltage, motor::mode(mode)?);
         config.load = load.map_or(config.load, Load::config);
         config.parameters = parameters.map_or_else(|| Ok(Vec::new()), numbered)?;
         config.ambient = error::finite("ambient", ambient, "degrees Celsius")?;
-        config.seed = seed;
+        config.seed = u64::try_from(seed).map_err(|_| {
+            error::parameter(format!("seed {seed}: must be a whole number from 0 to {}", u64::MAX))
+        })?;
         Ok(Self(Shared::new(Session::new(&config).map_err(error::parameter)?)))
     }
 

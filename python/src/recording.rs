@@ -8,8 +8,6 @@ use narx_sim::bench::SIGNALS;
 use narx_sim::trace::{Signal, Trace as Table};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
-use pyo3::types::PyBytes;
-use std::path::PathBuf;
 
 /// A recording that ran again: a trace of what the drive answered, and whether it was the same.
 #[pyclass(module = "narx", frozen, extends = Trace)]
@@ -62,14 +60,15 @@ pub(crate) fn replay<'py>(
     recording: &Bound<'py, PyAny>,
     until: Option<i64>,
 ) -> PyResult<Bound<'py, Replay>> {
-    let until = match until.map(u64::try_from) {
-        None => None,
-        Some(Ok(ticks)) => Some(ticks),
-        Some(Err(_)) => return Err(error::parameter("until: must be a number of ticks, 0 or more")),
-    };
+    let refused = |ticks| error::parameter(format!("until {ticks}: must be a number of ticks, 0 or more"));
+    let until = until.map(|ticks| u64::try_from(ticks).map_err(|_| refused(ticks))).transpose()?;
     let bytes = match recording.extract::<PyBackedBytes>() {
         Ok(bytes) => bytes,
-        Err(_) => PyBytes::new(py, &std::fs::read(recording.extract::<PathBuf>()?)?).into(),
+        // Python's own reading tells of a missing file with its name.
+        Err(_) => {
+            let path = py.import("pathlib")?.getattr("Path")?.call1((recording,))?;
+            path.call_method0("read_bytes")?.extract()?
+        }
     };
     let (replay, table) = py.detach(|| play(&bytes, until)).map_err(error::recording)?;
     let trace = Trace::new(py, table, bytes.into_pyobject(py)?)?;
@@ -115,7 +114,8 @@ fn signals() -> Vec<Signal> {
 /// The values of [`NAMES`], as the bench traces them.
 fn row(rate: f64, samples: &Samples, outputs: &Outputs, drive: &Drive) -> [f64; NAMES.len()] {
     [
-        outputs.tick as f64 / rate,
+        // A row tells how its tick ends.
+        (outputs.tick + 1) as f64 / rate,
         f64::from(drive.state() as u8),
         f64::from(outputs.command.duty.to_bits()) / 32_768.0,
         f64::from(samples.hall),

@@ -1,15 +1,67 @@
-//! The Python package.
+//! The Python package: installed into an environment of its own, its stubs checked, its tests run.
 
+use crate::install::{self, target_directory};
 use crate::parity::Replayer;
-use crate::steps::Step;
-use std::path::Path;
+use crate::steps::{self, Outcome, Step};
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// What is run, in order.
-pub fn steps(_root: &Path) -> Vec<Step<'_>> {
-    Vec::new()
+pub fn steps(root: &Path) -> Vec<Step<'_>> {
+    vec![
+        Step::new("Python environment", move || {
+            install::python_environment(&directory(root), &tests(root).join("requirements.txt"))?;
+            Ok(Vec::new())
+        }),
+        Step::new("Python package", move || {
+            // Built with the pinned maturin of the environment, where a second build finds what the first one made.
+            let pip = ["pip", "install", "--quiet", "--no-build-isolation", "--no-deps", "--force-reinstall"];
+            module(root, &pip, &[root.join("python")])
+        }),
+        Step::new("Python stubs", move || stubs(root)),
+        Step::new("Python tests", move || {
+            module(root, &["pytest", "--color=no", "-q", "-p", "no:cacheprovider"], &[tests(root)])
+        }),
+    ]
 }
 
 /// What replays recordings, once [`steps`] have built it.
-pub fn replayers(_root: &Path) -> Vec<Replayer> {
-    Vec::new()
+pub fn replayers(root: &Path) -> Vec<Replayer> {
+    let (python, script) = (python(root), tests(root).join("replay.py"));
+    vec![Replayer::new("Python", move |arguments| {
+        let mut command = Command::new(&python);
+        command.arg(&script).args(arguments);
+        command
+    })]
+}
+
+/// The stubs say what the compiled module has, and package and tests agree with them.
+fn stubs(root: &Path) -> Outcome {
+    let package = root.join("python");
+    let settings = package.join("pyproject.toml").display().to_string();
+    module(root, &["mypy.stubtest", "narx", "--mypy-config-file", &settings], &[])?;
+    let mypy = ["mypy", "--no-incremental", "--config-file", &settings];
+    module(root, &mypy, &[package.join("narx"), tests(root)])?;
+    Ok(Vec::new())
+}
+
+/// Runs a module of the environment.
+fn module(root: &Path, arguments: &[&str], paths: &[PathBuf]) -> Outcome {
+    let mut command = Command::new(python(root));
+    command.arg("-m").args(arguments).args(paths);
+    // Everything that is built or cached stays under `target/`.
+    command.env("CARGO_TARGET_DIR", target_directory(root)).env("PYTHONDONTWRITEBYTECODE", "1");
+    steps::run(command.current_dir(directory(root)))
+}
+
+fn directory(root: &Path) -> PathBuf {
+    target_directory(root).join("python-environment")
+}
+
+fn python(root: &Path) -> PathBuf {
+    directory(root).join("bin/python")
+}
+
+fn tests(root: &Path) -> PathBuf {
+    root.join("tests/python")
 }

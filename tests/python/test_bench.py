@@ -1,0 +1,143 @@
+"""The bench: motors reach their speed, the same call gives the same bits."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import narx
+
+
+@pytest.mark.parametrize("name", narx.Motor.presets())
+def test_presets_reach_their_speed(name: str) -> None:
+    motor = narx.Motor.preset(name)
+    bench = narx.Bench(motor, supply_voltage=48.0, load=narx.Load(viscous=1e-7), mode="hall")
+    limits = motor.commission(48.0, mode="hall")
+    low, high = (limits[f"Speed setpoint {end} saturation HES"] for end in ("min", "max"))
+    rpm = int(low + 0.3 * (high - low))
+    bench.drive.start(rpm)
+    assert bench.drive.state == narx.State.HALL_CLOSED_LOOP and not bench.drive.faults
+    bench.run(2.0)
+    trace = bench.run(0.2)
+    assert trace["speed"].mean() == pytest.approx(rpm, rel=0.01)
+    replay = narx.replay(trace.recording())
+    assert replay.identical and replay.ticks == round(bench.time * 10_000)
+
+
+def test_rows_are_those_of_the_run(bench: narx.Bench) -> None:
+    assert bench.time == 0.0 and bench.drive.state is narx.State.INITIALIZATION
+    bench.drive.start(2000)
+    start = bench.time
+    assert 0.5 < start < 2.0
+    first, second = bench.run(0.3), bench.run(0.2)
+    assert (len(first), len(second)) == (3000, 2000)
+    assert first.time[0] == pytest.approx(start + 1e-4) and second.time[0] == pytest.approx(start + 0.3001)
+    assert np.diff(np.concatenate([first.time, second.time])) == pytest.approx(1e-4)
+    assert bench.time == pytest.approx(start + 0.5) == second.time[-1]
+    assert len(bench.run(0.0)) == 0
+
+
+def test_a_replay_has_the_rows_of_the_bench(bench: narx.Bench) -> None:
+    bench.drive.start(-2500, wait=False)
+    trace = bench.run(1.5)
+    assert trace["speed"][-1] == pytest.approx(-2500, rel=0.02)
+    replay = narx.replay(trace.recording())
+    assert len(replay) == len(trace) == 15_000
+    for name in replay:
+        assert np.allclose(replay[name], trace[name], rtol=1e-12, atol=0.0), name
+        assert replay.signals[name] == trace.signals[name]
+
+
+def test_same_arguments_same_bits(motor: narx.Motor) -> None:
+    def digest(seed: int) -> int:
+        bench = narx.Bench(motor, supply_voltage=24.0, mode="hall", seed=seed)
+        bench.drive.start(1500)
+        return narx.replay(bench.run(0.2).recording()).digest
+
+    assert digest(5) == digest(5) != digest(6)
+
+
+def test_commands(bench: narx.Bench) -> None:
+    bench.drive.start(2000)
+    bench.drive.set_speed(1500)
+    assert bench.run(1.5)["speed"][-1] == pytest.approx(1500, rel=0.02)
+    bench.drive.start(-1200)
+    assert bench.drive.state is narx.State.HALL_CLOSED_LOOP
+    assert bench.run(1.5)["speed"][-1] == pytest.approx(-1200, rel=0.02)
+    bench.drive.stop()
+    bench.run(0.1)
+    assert bench.drive.state is narx.State.STANDBY
+    assert bench.run(0.1)["duty"].max() == 0.0
+    bench.drive.start(1000)
+    assert bench.run(1.0)["speed"][-1] == pytest.approx(1000, rel=0.02)
+
+
+def test_open_loop_returns_in_open_loop(motor: narx.Motor) -> None:
+    bench = narx.Bench(motor, supply_voltage=24.0, mode="open-loop")
+    bench.drive.start(300)
+    assert bench.drive.state is narx.State.OPEN_LOOP
+
+
+def test_load_takes_torque(motor: narx.Motor) -> None:
+    def current(load: narx.Load | None) -> float:
+        bench = narx.Bench(motor, supply_voltage=24.0, load=load, mode="hall")
+        bench.drive.start(2000)
+        bench.run(1.0)
+        return float(bench.run(0.1)["bus_current"].mean())
+
+    assert current(narx.Load(constant=0.03)) > current(None) + 0.1
+
+
+def test_explicit_parameters_win(motor: narx.Motor) -> None:
+    name = "Speed setpoint max saturation HES"
+    number = 104
+    for parameters in ({name: 1200}, {name.lower(): 1200.0}, {number: 1200}):
+        bench = narx.Bench(motor, supply_voltage=24.0, mode="hall", parameters=parameters)
+        bench.drive.start(3000)
+        assert bench.run(2.0)["speed"][-1] == pytest.approx(1200, rel=0.02)
+
+
+def test_commissioned_parameters_are_those_of_the_bench(motor: narx.Motor) -> None:
+    parameters = motor.commission(24.0, mode="hall")
+    assert parameters["Motor pair poles"] == 8 and isinstance(parameters["Motor pair poles"], int)
+    assert parameters["Nominal supply voltage"] == 24.0
+    traces = []
+    for given in (None, parameters):
+        bench = narx.Bench(motor, supply_voltage=24.0, mode="hall", parameters=given)
+        bench.drive.start(1500)
+        traces.append(bench.run(0.2))
+    assert traces[0].recording() == traces[1].recording()
+
+
+def test_notes_name_what_limits() -> None:
+    motor = narx.Motor.preset("ec4pole30-200w-36v")
+    assert any("ripple" in note for note in narx.Bench(motor, supply_voltage=36.0, mode="hall").notes)
+
+
+def test_other_threads_run_while_the_bench_does(bench: narx.Bench) -> None:
+    """A thread that only counts must get on while this one is in `run` and `replay`."""
+    bench.drive.start(2000)
+    counts = 0
+    over = threading.Event()
+
+    def count() -> None:
+        nonlocal counts
+        while not over.is_set():
+            counts += 1
+            time.sleep(0.0005)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    try:
+        before = counts
+        trace = bench.run(10.0)
+        ran = counts - before
+        recording = trace.recording()
+        before = counts
+        narx.replay(recording)
+        replayed = counts - before
+    finally:
+        over.set()
+        thread.join()
+    assert ran >= 20 and replayed >= 5, (ran, replayed)

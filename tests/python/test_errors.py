@@ -1,0 +1,78 @@
+"""Every refusal names what, its value and what is allowed."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import narx
+
+MOTOR = narx.Motor.preset("bly172s-24v")
+FIGURES: dict[str, Any] = {
+    "pole_pairs": 4, "resistance": 0.36, "inductance": 2e-4, "torque_constant": 0.036, "inertia": 4.8e-6,
+}  # fmt: skip
+
+
+def motor(**figures: Any) -> narx.Motor:
+    return narx.Motor(**FIGURES | figures)
+
+
+def bench(**options: Any) -> narx.Bench:
+    return narx.Bench(MOTOR, **{"supply_voltage": 24.0, "mode": "hall"} | options)
+
+
+REFUSALS: list[tuple[Callable[[], object], str]] = [
+    (lambda: motor(pole_pairs=0), "pole_pairs 0: must be a whole number from 1 to 255"),
+    (lambda: motor(pole_pairs=2.5), "pole_pairs 2.5: must be a whole number from 1 to 255"),
+    (lambda: motor(resistance=0), "resistance 0 ohm: must be a finite number above 0"),
+    (lambda: motor(inertia=float("nan")), "inertia NaN kg m2: must be a finite number above 0"),
+    (lambda: motor(static_friction=-1), "static_friction -1 N m: must be a finite number, 0 or more"),
+    (lambda: motor(back_emf="sine"), 'back_emf "sine": must be one of trapezoidal, sinusoidal'),
+    (lambda: narx.Load(inertia=-1), "inertia -1 kg m2: must be a finite number, 0 or more"),
+    (lambda: narx.Motor.preset("bly172"), 'there is no preset "bly172"; did you mean "bly172s-24v"'),
+    (lambda: MOTOR.commission(12.0), "supply voltage 12 V is outside 18 to 60 V"),
+    (lambda: MOTOR.commission(24.0, mode="foc"), 'mode "foc": must be one of hall, sensorless, open-loop'),  # type: ignore[arg-type]
+    (lambda: bench(supply_voltage=61.0), "supply voltage 61 V is outside 18 to 60 V"),
+    (lambda: bench(mode="foc"), 'mode "foc": must be one of hall, sensorless, open-loop'),
+    (lambda: bench(seed=-1), "seed -1: must be a whole number from 0 to 18446744073709551615"),
+    (lambda: bench(ambient=float("inf")), "ambient inf degrees Celsius: must be a finite number"),
+    (lambda: bench(parameters={"Motor pair pole": 3}), 'there is no parameter "Motor pair pole"; did you mean "Motor'),
+    (lambda: bench(parameters={999: 1}), "there is no parameter 999"),
+    (lambda: bench(parameters={-1: 1}), "there is no parameter -1"),
+    (lambda: bench(parameters={78: 51}), 'parameter 78 "Motor pair poles": 51 is outside 1 to 50'),
+    (lambda: bench(parameters={78: "two"}), "parameter 78 two: must be a number"),
+    (lambda: bench().run(-1.0), "seconds -1 s: must be a finite number, 0 or more"),
+    (lambda: bench().run(float("nan")), "seconds NaN s: must be a finite number, 0 or more"),
+    (lambda: bench().drive.start(70_000), "rpm 70000: must be a whole number from -65535 to 65535"),
+    (lambda: bench().drive.start(1500.5), "rpm 1500.5: must be a whole number from -65535 to 65535"),
+    (lambda: bench().drive.set_speed(-1), "rpm -1: must be a whole number from 0 to 65535"),
+]
+
+
+@pytest.mark.parametrize(("call", "message"), REFUSALS, ids=[message for _, message in REFUSALS])
+def test_refusal(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(narx.ParameterError) as caught:
+        call()
+    assert str(caught.value).startswith(message)
+    assert isinstance(caught.value, narx.NarxError) and isinstance(caught.value, ValueError)
+
+
+def test_what_keeps_a_motor_from_starting_is_told() -> None:
+    # Forward hall order on reversed lines: the rotor turns against its torque.
+    drive = bench(parameters={"Hall polarity mask": 7}).drive
+    with pytest.raises(narx.StartError, match="the drive is in Fault: hall .*hall_sensors") as caught:
+        drive.start(1500)
+        raise AssertionError(drive.state)
+    assert isinstance(caught.value, RuntimeError)
+    assert drive.state is narx.State.FAULT and drive.faults == {"hall_sensors"}
+
+
+def test_a_mode_that_is_not_enabled_is_refused() -> None:
+    with pytest.raises(narx.StartError, match="the drive refused the start: no mode"):
+        bench(parameters={"Closed-loop Hall Effect Sensors enable": 0}).drive.start(1500)
+
+
+def test_parameters_that_do_not_fit_each_other_are_named() -> None:
+    low, high = "Speed setpoint min saturation HES", "Speed setpoint max saturation HES"
+    with pytest.raises(narx.StartError, match=f'parameter [0-9]+ "({low}|{high})" does not fit the others'):
+        bench(parameters={low: 2000, high: 1000}).drive.start(1500)
