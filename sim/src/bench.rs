@@ -19,9 +19,9 @@ use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::commutation::sector_of;
 use narx_core::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
-use narx_core::node::{Action, Identity, Node, SlowInputs};
+use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};
-use narx_core::units::{Celsius, ElectricalAngle, ElectricalSpeed, Volts};
+use narx_core::units::{ElectricalAngle, ElectricalSpeed};
 
 /// Bit rate of the drive's bus (Table 2).
 pub const BITRATE: u32 = 500_000;
@@ -178,7 +178,7 @@ impl Bench {
             self.node.handle_frame(&received.frame);
         }
         if now.is_multiple_of(INPUTS_MS * self.ticks_per_ms) {
-            let inputs = self.slow_inputs();
+            let inputs = self.plant.slow_inputs();
             self.node.handle_inputs(inputs);
         }
         self.node.poll(now);
@@ -283,24 +283,6 @@ impl Bench {
     /// Digest of the drive's outputs since it last booted.
     pub fn digest(&self) -> u64 {
         self.recorder.as_ref().map_or(0, Recorder::digest)
-    }
-
-    fn slow_inputs(&self) -> SlowInputs {
-        let milli = |value: f64| libm::round(value * 1000.0) as i32;
-        let lines = self.plant.lines();
-        SlowInputs {
-            ambient_temperature: Celsius::from_milli(milli(self.plant.ambient())),
-            external_temperature: Celsius::from_milli(milli(self.plant.ambient())),
-            pressure: Volts::from_milli(milli(self.plant.pressure())),
-            accel: [0, 0, 1000],
-            accel_reference: Volts::from_milli(1_800),
-            reference: Volts::from_milli(383),
-            rail_6v: Volts::from_milli(6_000),
-            rail_14v: Volts::from_milli(14_000),
-            asi: Volts::ZERO,
-            dsi1: lines.contains(narx_core::motor::Lines::DSI1),
-            dsi2: lines.contains(narx_core::motor::Lines::DSI2),
-        }
     }
 
     fn rpm(&self, speed: ElectricalSpeed) -> f64 {

@@ -3,6 +3,7 @@
 mod arbitration;
 mod bits;
 mod errors;
+mod slcan;
 
 use narx_core::bus::{Frame, Id};
 

@@ -5,6 +5,9 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::coverage;
 use xtask::demo;
+use xtask::firmware;
+use xtask::header;
+use xtask::instructions;
 use xtask::steps::{Step, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
@@ -32,8 +35,23 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
-    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots
+    /// Build a firmware image, and run it where there is an emulator for its board
+    Firmware(firmware::Arguments),
+    /// Make tests/golden/instructions.toml anew: instructions of every control tick on a Cortex-M4F
+    Instructions {
+        /// Write nothing; fail if a figure is another one
+        #[arg(long)]
+        check: bool,
+    },
+    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
+    /// C header, golden figures
     Generate,
+    /// Make ffi/include/narx.h anew: the C header
+    Header {
+        /// Write nothing; fail if the header differs from the code
+        #[arg(long)]
+        check: bool,
+    },
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
         /// Write nothing; fail if a recording differs from what its scenario gives
@@ -49,8 +67,11 @@ fn main() -> ExitCode {
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
         Job::Test { target } => test::run(root, target),
+        Job::Instructions { check } => instructions::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
+        Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
+        Job::Header { check } => header::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),
     }
@@ -67,5 +88,8 @@ fn generate(root: &Path) -> ExitCode {
             run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
+        Step::new("C header", move || header::regenerate(root, false)),
+        Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
+        Step::new("instructions", move || instructions::regenerate(root, false)),
     ])
 }

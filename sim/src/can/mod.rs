@@ -11,6 +11,7 @@
 mod bits;
 mod bus;
 mod node;
+pub mod slcan;
 
 pub use bits::{WireBits, frame_bits, worst_case_bits};
 pub use bus::{Bus, BusStatistics, NotQueued};

@@ -25,6 +25,7 @@ mod mechanics;
 mod network;
 mod segment;
 mod simpson;
+mod slow;
 mod stage;
 
 pub use config::{

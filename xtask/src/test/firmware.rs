@@ -1,15 +1,48 @@
 //! The firmware image.
 
+use crate::firmware::{self, Image};
 use crate::parity::Replayer;
-use crate::steps::Step;
+use crate::steps::{self, Outcome, Step};
+use crate::{install, instructions, qemu};
 use std::path::Path;
+use std::process::Command;
 
 /// What is run, in order.
-pub fn steps(_root: &Path) -> Vec<Step<'_>> {
-    Vec::new()
+pub fn steps(root: &Path) -> Vec<Step<'_>> {
+    vec![
+        Step::new("emulator", firmware::emulator),
+        Step::new("images", move || firmware::build(root).and_then(|_| firmware::sizes(root))),
+        Step::new("instructions", move || instructions::regenerate(root, true)),
+        Step::new("virtual drive", move || drive(root)),
+    ]
 }
 
 /// What replays recordings, once [`steps`] have built it.
-pub fn replayers(_root: &Path) -> Vec<Replayer> {
-    Vec::new()
+pub fn replayers(root: &Path) -> Vec<Replayer> {
+    let image = Image::Replay.path(root);
+    vec![Replayer::new("Rust Cortex-M4F", move |arguments| {
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        qemu::semihosting(&image, &arguments)
+    })]
+}
+
+/// Spins the motor of the real image through python-can.
+fn drive(root: &Path) -> Outcome {
+    let tests = root.join("tests/firmware");
+    let environment = install::target_directory(root).join("firmware-python");
+    let python = install::python_environment(&environment, &tests.join("requirements.txt"))?;
+    // The tests choose the port, and start and end the emulator themselves.
+    let emulator = qemu::with_serial_port(&Image::Drive.path(root), &[], "{port}");
+    let words: Vec<_> = [emulator.get_program()]
+        .into_iter()
+        .chain(emulator.get_args())
+        .map(|word| word.to_string_lossy())
+        .collect();
+    steps::run(
+        Command::new(python)
+            .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider"])
+            .arg(&tests)
+            .env("NARX_QEMU", words.join("\n"))
+            .env("PYTHONDONTWRITEBYTECODE", "1"),
+    )
 }

@@ -1,0 +1,66 @@
+//! Counts the instructions of the simulated motor and power stage, under `-icount shift=7`.
+//!
+//! The drive of the `qemu` image boots, starts and runs at 2000 rpm. Prints `plant coasting TICKS TOTAL WORST` for the periods with the
+//! bridge off, and `plant driving ...` for the others.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {}
+
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    static mut QUEUES: narx_core::device::Queues = narx_core::device::Queues::new();
+    narx_firmware::boards::qemu::semihosting::exit(image::run(QUEUES).is_some())
+}
+
+#[cfg(target_os = "none")]
+mod image {
+    use cortex_m_semihosting::hprintln;
+    use narx_core::device::Queues;
+    use narx_core::node::Identity;
+    use narx_firmware::boards::qemu::{MOTOR, instructions};
+    use narx_sim::commissioning::{Mode, Nameplate};
+    use narx_sim::operator::Operator;
+    use narx_sim::plant::{Plant, PlantConfig};
+    use narx_sim::presets::preset;
+
+    /// Boot takes the first half second, ticks.
+    const START: u64 = 6_000;
+    const END: u64 = 12_000;
+    const TICK_NS: u64 = 100_000;
+
+    /// `None` if the drive cannot be made.
+    pub(crate) fn run(queues: &mut Queues) -> Option<()> {
+        let mut peripherals = cortex_m::Peripherals::take()?;
+        let bracket = instructions::start(&mut peripherals.SYST);
+        let preset = preset(MOTOR)?;
+        let supply = preset.data.nominal_voltage;
+        let rated_current = preset.data.rated_current;
+        let plate = Nameplate { motor: preset.motor, rated_current, supply, open_loop_speed: None };
+        let parameters = plate.commission(Mode::Hall).ok()?.parameters;
+        let config = PlantConfig::new(preset.motor, supply);
+        let (mut tick, mut background) = queues.power_up(Identity::default(), config.board, parameters);
+        let mut operator = Operator::new(background.node().addresses());
+        let mut plant = Plant::new(&config);
+        let (mut coasting, mut driving) = (instructions::Sum::default(), instructions::Sum::default());
+        for now in 0..END {
+            if now == START {
+                operator.start(2000);
+            }
+            while let Some(frame) = operator.poll(now * TICK_NS) {
+                background.node().handle_frame(&frame);
+            }
+            let (samples, first) = instructions::count(|| plant.sample());
+            let command = tick.step(&samples);
+            let ((), second) = instructions::count(|| plant.finish_period(&command));
+            background.run(now);
+            while background.node().poll_frame().is_some() {}
+            let sum = if tick.drive().state().is_driving() { &mut driving } else { &mut coasting };
+            sum.add((first + second).saturating_sub(2 * bracket));
+        }
+        hprintln!("plant coasting {}", coasting);
+        hprintln!("plant driving {}", driving);
+        Some(())
+    }
+}

@@ -1,0 +1,46 @@
+//! What a board gives to the shell: one side for the control interrupt, one for the background.
+//!
+//! Two traits and two owners, because the interrupt strikes at any instant of the background.
+
+use narx_core::bus::Frame;
+use narx_core::motor::{PwmCommand, Samples};
+use narx_core::node::{Outputs, SlowInputs};
+
+/// The control interrupt's side.
+pub trait TickSide {
+    /// What was sampled in this period; nothing if the interrupt came without a period.
+    fn samples(&mut self) -> Option<Samples>;
+
+    /// Puts the answer to these samples on the bridge and its timers.
+    fn apply(&mut self, command: &PwmCommand);
+}
+
+/// The background's side.
+pub trait BackgroundSide {
+    /// Control ticks since power-up.
+    fn now(&self) -> u64;
+
+    /// Lets time pass: sleeps until an interrupt. A board whose motor is simulated turns it for a period.
+    fn wait(&mut self);
+
+    /// The next frame that has arrived.
+    fn receive(&mut self) -> Option<Frame>;
+
+    /// Whether a frame can be [sent](Self::send).
+    fn is_ready_to_send(&self) -> bool;
+
+    /// Gives a frame to the CAN controller, which has just been seen to be ready.
+    fn send(&mut self, frame: &Frame);
+
+    /// Reads what is measured besides the tick's samples.
+    fn slow_inputs(&mut self) -> SlowInputs;
+
+    /// Sets the digital lines and the supply of the hall sensors.
+    fn apply(&mut self, outputs: Outputs);
+
+    /// Puts off the watchdog's reset.
+    fn feed_watchdog(&mut self);
+
+    /// Resets the device; returns on no board.
+    fn reboot(&mut self);
+}

@@ -1,0 +1,51 @@
+//! Keeps simulated time from running ahead of the clock on the wall.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+
+/// Milliseconds since power-up, wrapping.
+static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
+/// Control ticks a millisecond.
+const TICKS_PER_MS: u64 = 10;
+/// A simulation that is this late does not try to make up for it, ms.
+const LATE_MAX: u64 = 20;
+
+/// The body of the system timer's interrupt.
+pub fn count_millisecond() {
+    MILLISECONDS.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Compares ticks with milliseconds since an instant at which both were together.
+pub struct Pace {
+    tick: u64,
+    millisecond: u32,
+}
+
+impl Pace {
+    /// Starts the system timer, which interrupts once a millisecond.
+    pub fn start(mut timer: SYST) -> Self {
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(super::CLOCK_HZ / 1000 - 1);
+        timer.clear_current();
+        timer.enable_interrupt();
+        timer.enable_counter();
+        Self { tick: 0, millisecond: 0 }
+    }
+
+    /// Sleeps while `tick` is ahead of the clock.
+    pub fn wait_for(&mut self, tick: u64) {
+        loop {
+            let now = MILLISECONDS.load(Ordering::Relaxed);
+            let passed = u64::from(now.wrapping_sub(self.millisecond));
+            let due = tick.wrapping_sub(self.tick) / TICKS_PER_MS;
+            if due <= passed {
+                if passed - due > LATE_MAX {
+                    *self = Self { tick, millisecond: now };
+                }
+                return;
+            }
+            cortex_m::asm::wfi();
+        }
+    }
+}

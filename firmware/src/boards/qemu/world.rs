@@ -1,0 +1,142 @@
+//! The two sides of the board: a simulated motor and power stage, and an slcan adapter on the serial port.
+
+use super::pace::Pace;
+use super::uart::Uart;
+use super::watchdog::Watchdog;
+use super::{kept, stack};
+use crate::board::{BackgroundSide, TickSide};
+use cortex_m::peripheral::SCB;
+use cortex_m_semihosting::hprintln;
+use heapless::spsc::{Consumer, Producer};
+use narx_core::bus::Frame;
+use narx_core::motor::{PwmCommand, Samples};
+use narx_core::node::{Outputs, SlowInputs};
+use narx_sim::can::slcan::{Adapter, LINE_MAX};
+use narx_sim::plant::Plant;
+
+/// Bit rate of the drive's bus, bit/s (Table 2). An adapter set to another hears and says nothing.
+const BITRATE: u32 = 500_000;
+/// Control ticks a millisecond.
+const TICKS_PER_MS: u64 = 10;
+/// The stack is looked at this often, ticks: every ten seconds of the drive.
+const STACK_TICKS: u64 = 100_000;
+
+/// The interrupt's side: samples that the plant has left, and a command for it.
+pub struct Period {
+    /// From the plant.
+    pub samples: Consumer<'static, Samples>,
+    /// To the plant.
+    pub commands: Producer<'static, PwmCommand>,
+}
+
+impl TickSide for Period {
+    fn samples(&mut self) -> Option<Samples> {
+        self.samples.dequeue()
+    }
+
+    fn apply(&mut self, command: &PwmCommand) {
+        // The plant has taken the one before, or it would not have sampled again.
+        let _ = self.commands.enqueue(*command);
+    }
+}
+
+/// The background's side: it runs the world, and pends the control interrupt when a period was sampled.
+pub struct World {
+    /// Motor, power stage, supply and sensors.
+    pub plant: Plant,
+    /// To the interrupt.
+    pub samples: Producer<'static, Samples>,
+    /// From the interrupt.
+    pub commands: Consumer<'static, PwmCommand>,
+    /// Line to the host.
+    pub uart: Uart,
+    /// What speaks on it.
+    pub adapter: Adapter,
+    /// Holds time back.
+    pub pace: Pace,
+    /// Resets the machine when it is not fed.
+    pub watchdog: Watchdog,
+    /// Most of the stack that was seen used, bytes.
+    pub stack: usize,
+}
+
+impl World {
+    fn note_stack(&mut self) {
+        let used = stack::high_water();
+        if used > self.stack {
+            self.stack = used;
+            hprintln!("stack: {} bytes used at most", used);
+        }
+    }
+
+    fn is_on_bus(&self) -> bool {
+        self.adapter.bitrate() == BITRATE
+    }
+}
+
+impl BackgroundSide for World {
+    fn now(&self) -> u64 {
+        self.plant.tick()
+    }
+
+    fn wait(&mut self) {
+        // There is room: the interrupt takes samples as soon as they are there.
+        let _ = self.samples.enqueue(self.plant.sample());
+        SCB::set_pendsv();
+        // The interrupt strikes here.
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
+        let command = self.commands.dequeue().unwrap_or_default();
+        self.plant.finish_period(&command);
+        self.uart.pump();
+        let tick = self.plant.tick();
+        if tick.is_multiple_of(STACK_TICKS) {
+            self.note_stack();
+        }
+        self.pace.wait_for(tick);
+    }
+
+    fn receive(&mut self) -> Option<Frame> {
+        while let Some(byte) = self.uart.read() {
+            let Some(answer) = self.adapter.handle_byte(byte) else { continue };
+            kept::keep(self.adapter.settings());
+            // A host that reads nothing for thousands of bytes misses replies, too.
+            self.uart.write(&answer.reply);
+            if let Some(frame) = answer.frame.filter(|_| self.is_on_bus()) {
+                return Some(frame);
+            }
+        }
+        None
+    }
+
+    fn is_ready_to_send(&self) -> bool {
+        self.uart.room() >= LINE_MAX
+    }
+
+    fn send(&mut self, frame: &Frame) {
+        let line = self.adapter.handle_frame(frame, self.now() / TICKS_PER_MS);
+        if let Some(line) = line.filter(|_| self.is_on_bus())
+            && !self.uart.write(&line)
+        {
+            self.adapter.note_lost();
+        }
+    }
+
+    fn slow_inputs(&mut self) -> SlowInputs {
+        self.plant.slow_inputs()
+    }
+
+    fn apply(&mut self, _: Outputs) {
+        // Nothing hangs on the digital lines, and the simulated hall sensors are always supplied.
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.watchdog.feed();
+    }
+
+    fn reboot(&mut self) {
+        // The acknowledgement leaves first.
+        while self.uart.pump() {}
+        SCB::sys_reset();
+    }
+}

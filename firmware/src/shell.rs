@@ -1,0 +1,145 @@
+//! What every board does alike: the control interrupt and the background loop around the device's two halves.
+
+use crate::board::{BackgroundSide, TickSide};
+use core::sync::atomic::{AtomicU8, Ordering};
+use narx_core::device;
+use narx_core::node::Action;
+
+/// Slow inputs are read this often, ms.
+pub const INPUTS_MS: u64 = 10;
+/// Frames taken from the bus in one pass at most: more in an interval of 100 us do not fit any CAN bus.
+const FRAMES_A_PASS: usize = 16;
+
+/// Who has got on with his work since the watchdog was last fed.
+#[derive(Debug, Default)]
+pub struct Progress(AtomicU8);
+
+const CONTROL: u8 = 1 << 0;
+const CAN: u8 = 1 << 1;
+const BACKGROUND: u8 = 1 << 2;
+
+impl Progress {
+    /// Nobody yet.
+    pub const fn new() -> Self {
+        Self(AtomicU8::new(0))
+    }
+
+    fn note(&self, task: u8) {
+        self.0.fetch_or(task, Ordering::Relaxed);
+    }
+
+    /// Whether everybody has; then all begin anew.
+    fn take_complete(&self) -> bool {
+        let complete = self.0.load(Ordering::Relaxed) == CONTROL | CAN | BACKGROUND;
+        if complete {
+            self.0.store(0, Ordering::Relaxed);
+        }
+        complete
+    }
+}
+
+/// The control interrupt.
+pub struct Control<'a, B> {
+    tick: device::ControlTick<'a>,
+    board: B,
+    progress: &'a Progress,
+}
+
+impl<'a, B: TickSide> Control<'a, B> {
+    /// The interrupt's half of a device on its side of the board.
+    pub const fn new(tick: device::ControlTick<'a>, board: B, progress: &'a Progress) -> Self {
+        Self { tick, board, progress }
+    }
+
+    /// The body of the interrupt: once every PWM period, after its samples.
+    #[inline]
+    pub fn interrupt(&mut self) {
+        let Some(samples) = self.board.samples() else { return };
+        let command = self.tick.step(&samples);
+        self.board.apply(&command);
+        self.progress.note(CONTROL);
+    }
+}
+
+/// The background loop.
+pub struct Background<'a, B> {
+    device: device::Background<'a>,
+    board: B,
+    progress: &'a Progress,
+    ticks_per_inputs: u64,
+    inputs_due: u64,
+    seen: Option<u64>,
+}
+
+impl<'a, B: BackgroundSide> Background<'a, B> {
+    /// The background's half of a device on its side of the board.
+    pub fn new(mut device: device::Background<'a>, board: B, progress: &'a Progress) -> Self {
+        let ticks_per_ms = u64::from(device.node().board().tick_rate / 1000).max(1);
+        Self {
+            device,
+            board,
+            progress,
+            ticks_per_inputs: INPUTS_MS * ticks_per_ms,
+            inputs_due: 0,
+            seen: None,
+        }
+    }
+
+    /// Runs for ever.
+    pub fn run(mut self) -> ! {
+        loop {
+            self.pass();
+        }
+    }
+
+    /// One pass: lets time pass, then serves frames, inputs, outputs, the node's actions and the watchdog.
+    pub fn pass(&mut self) {
+        self.board.wait();
+        let now = self.board.now();
+        self.receive();
+        self.read_inputs(now);
+        self.device.run(now);
+        self.send();
+        self.board.apply(self.device.node().outputs());
+        if let Some(Action::Reboot) = self.device.node().poll_action() {
+            self.board.reboot();
+        }
+        // A loop whose time stands still is as good as hung.
+        if self.seen.replace(now) != Some(now) {
+            self.progress.note(BACKGROUND);
+        }
+        if self.progress.take_complete() {
+            self.board.feed_watchdog();
+        }
+    }
+
+    /// The board, to look at.
+    pub const fn board(&self) -> &B {
+        &self.board
+    }
+
+    fn receive(&mut self) {
+        for _ in 0..FRAMES_A_PASS {
+            let Some(frame) = self.board.receive() else { break };
+            self.device.node().handle_frame(&frame);
+        }
+    }
+
+    fn send(&mut self) {
+        while self.board.is_ready_to_send()
+            && let Some(frame) = self.device.node().poll_frame()
+        {
+            self.board.send(&frame);
+        }
+        // A bus that takes nothing is no fault of the drive: frames wait or are dropped, and control goes on.
+        self.progress.note(CAN);
+    }
+
+    fn read_inputs(&mut self, now: u64) {
+        if now >= self.inputs_due {
+            self.inputs_due = now.saturating_add(self.ticks_per_inputs);
+            let inputs = self.board.slow_inputs();
+            self.device.node().handle_inputs(inputs);
+        }
+    }
+}

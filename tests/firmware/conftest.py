@@ -1,0 +1,111 @@
+"""The virtual drive in the emulator, and a master on its bus: python-can's slcan through a TCP port."""
+
+import os
+import socket
+import subprocess
+import time
+
+import can
+import pytest
+
+WALL_SECONDS = 300
+"""Nothing takes longer, on however slow a machine."""
+BROADCAST_SECONDS = 0.05
+"""Between two status words (parameter 111), in the drive's time."""
+
+REQUEST_WORD, MOTOR_CMD, REBOOT = 0x0AAD5202, 0x0AAD5266, 0x0AAD5265
+PARAMETER_REQUEST, PARAMETER = 0x0AAD546E, 0x1552A86E
+REBOOT_ACKNOWLEDGED, STATUS_WORD, FAULT_WORD, MEASUREMENT_5 = 0x1552A865, 0x1552A803, 0x1552A804, 0x1552A8CD
+STATE = 261
+
+
+class Master:
+    """Sends request and set-point every 50 ms, and remembers what the drive says."""
+
+    def __init__(self, bus):
+        self.bus = bus
+        self.mode = None
+        """Motor mode of the request word; None sends nothing."""
+        self.rpm = 0
+        self.seen = {}
+        """The last data of every identifier."""
+        self.broadcasts = 0
+        self._due = 0.0
+        self._deadline = time.monotonic() + WALL_SECONDS
+
+    @property
+    def speed(self):
+        return int.from_bytes(self.seen[MEASUREMENT_5][0:2], "big", signed=True)
+
+    def send(self, identifier, *words):
+        data = b"".join(word.to_bytes(2, "big") for word in words)
+        self.bus.send(can.Message(arbitration_id=identifier, data=data.ljust(8, b"\0"), is_extended_id=True))
+
+    def pump(self):
+        """Keeps the drive informed, and takes a frame if there is one."""
+        assert time.monotonic() < self._deadline, f"{WALL_SECONDS} s are over"
+        if self.mode is not None and time.monotonic() >= self._due:
+            self._due = time.monotonic() + 0.05
+            self.send(MOTOR_CMD, self.rpm)
+            self.send(REQUEST_WORD, 0, self.mode)
+        message = self.bus.recv(0.01)
+        if message is not None:
+            self.seen[message.arbitration_id] = bytes(message.data)
+            self.broadcasts += message.arbitration_id == STATUS_WORD
+        return message
+
+    def wait(self, seconds, until, what):
+        """Until the condition holds, for at most so many seconds of the drive's time."""
+        start = self.broadcasts
+        while not until():
+            self.pump()
+            assert (self.broadcasts - start) * BROADCAST_SECONDS <= seconds, f"no {what} after {seconds} s of drive time"
+
+    def run(self, seconds):
+        """Lets the drive's time pass."""
+        start = self.broadcasts
+        while (self.broadcasts - start) * BROADCAST_SECONDS < seconds:
+            self.pump()
+
+    def parameter(self, number):
+        """Reads a parameter."""
+        self.seen.pop(PARAMETER, None)
+        self.send(PARAMETER_REQUEST, number)
+        self.wait(0.5, lambda: PARAMETER in self.seen, f"answer about parameter {number}")
+        answer = self.seen[PARAMETER]
+        assert int.from_bytes(answer[0:2], "big") == number and answer[6:8] == b"\0\0"
+        return int.from_bytes(answer[2:6], "big", signed=True)
+
+    def wait_for_state(self, state, seconds):
+        self.wait(seconds, lambda: self.parameter(STATE) == state, f"state {state}")
+
+
+@pytest.fixture
+def master():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    # A command with {port} in it, from the developer command that knows how to start an image.
+    command = os.environ["NARX_QEMU"].replace("{port}", str(port)).split("\n")
+    emulator = subprocess.Popen(command, stdin=subprocess.DEVNULL)
+    try:
+        bus = connect(port, emulator)
+        try:
+            yield Master(bus)
+        finally:
+            bus.shutdown()
+    finally:
+        emulator.kill()
+        emulator.wait()
+
+
+def connect(port, emulator):
+    deadline = time.monotonic() + 30
+    while True:
+        try:
+            channel = f"socket://127.0.0.1:{port}"
+            return can.Bus(interface="slcan", channel=channel, bitrate=500_000, sleep_after_open=0.0)
+        except can.CanInitializationError:
+            assert emulator.poll() is None, f"the emulator ended with {emulator.returncode}"
+            assert time.monotonic() < deadline, "the emulator opens no port"
+            time.sleep(0.05)

@@ -1,0 +1,59 @@
+"""The real firmware image, driven by an unmodified python-can through slcan."""
+
+from conftest import FAULT_WORD, MEASUREMENT_5, REBOOT, REBOOT_ACKNOWLEDGED, STATUS_WORD
+
+STANDBY_REQUEST, DRIVE_REQUEST = 0, 1
+INITIALIZATION, STANDBY, HALL_CLOSED_LOOP = 0, 1, 5
+
+
+def test_the_motor_starts_reaches_its_speed_and_stops(master):
+    master.wait(1.0, lambda: STATUS_WORD in master.seen and FAULT_WORD in master.seen, "broadcast after power-up")
+    assert MEASUREMENT_5 not in master.seen, "a drive without master sends no measurements"
+
+    master.mode = STANDBY_REQUEST
+    master.wait_for_state(STANDBY, 2.0)
+    master.wait(0.2, lambda: MEASUREMENT_5 in master.seen, "measurement")
+    assert master.speed == 0
+
+    master.mode, master.rpm = DRIVE_REQUEST, 2000
+    master.wait_for_state(HALL_CLOSED_LOOP, 0.2)
+    master.wait(1.0, lambda: abs(master.speed - 2000) <= 20, "set-point")
+    master.run(0.3)
+    assert abs(master.speed - 2000) <= 20
+    assert master.seen[STATUS_WORD][2:4] == b"\x03\x01", "hall closed loop, Drive"
+
+    master.mode = STANDBY_REQUEST
+    master.wait(2.0, lambda: master.speed == 0, "standstill")
+    master.wait_for_state(STANDBY, 0.1)
+    master.run(0.1)
+    assert master.seen[STATUS_WORD] == bytes(8), "Standby"
+    assert master.seen[FAULT_WORD] == bytes(8), "no fault"
+
+
+def test_a_reboot_closes_no_channel(master):
+    master.mode = STANDBY_REQUEST
+    master.wait_for_state(STANDBY, 2.0)
+    master.send(REBOOT, 0)
+    master.wait(0.2, lambda: REBOOT_ACKNOWLEDGED in master.seen, "acknowledgement")
+    assert master.seen[REBOOT_ACKNOWLEDGED][0:2] == b"\0\x01"
+    master.wait_for_state(INITIALIZATION, 0.4)
+    master.wait_for_state(STANDBY, 2.0)
+
+
+def test_the_adapter_tells_its_version_and_serial_number(master):
+    assert master.bus.get_version(30) == (10, 10)
+    assert master.bus.get_serial_number(30) == "NARX"
+
+
+def test_an_adapter_at_another_bitrate_hears_and_says_nothing(master):
+    master.wait(1.0, lambda: STATUS_WORD in master.seen, "broadcast after power-up")
+    master.bus.set_bitrate(250_000)
+    # The adapter still answers, and it does so behind every frame that was on its way.
+    assert master.bus.get_version(30) == (10, 10)
+    while master.bus.recv(0) is not None:
+        pass
+    for _ in range(100):
+        assert master.bus.recv(0.02) is None
+    master.seen.clear()
+    master.bus.set_bitrate(500_000)
+    master.wait(1.0, lambda: STATUS_WORD in master.seen, "broadcast")

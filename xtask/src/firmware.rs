@@ -1,0 +1,165 @@
+//! The firmware's images: built, measured, and run in the emulator.
+
+use crate::install::{self, Package};
+use crate::qemu;
+use crate::steps::{self, Outcome};
+use crate::test::rust::EMBEDDED;
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::{fs, io};
+
+/// What `firmware` is asked for.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Arguments {
+    /// The board
+    #[arg(long)]
+    board: Board,
+    /// Run the virtual drive: slcan on a TCP port of this machine
+    #[arg(long)]
+    run: bool,
+    /// The TCP port
+    #[arg(long, default_value_t = 2000, requires = "run")]
+    port: u16,
+    /// The motor on the board, by its preset's name
+    #[arg(long, requires = "run")]
+    motor: Option<String>,
+    /// Its supply, V
+    #[arg(long, requires = "run")]
+    supply: Option<u8>,
+}
+
+/// What an image is built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Board {
+    /// The emulated mps2-an386 with a simulated motor and power stage
+    Qemu,
+}
+
+/// An image of the board `qemu`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Image {
+    /// The virtual drive.
+    Drive,
+    /// Replays recordings.
+    Replay,
+    /// Counts the instructions of the control tick.
+    Count,
+    /// Counts the instructions of the simulated motor.
+    Plant,
+}
+
+impl Image {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Drive, Self::Replay, Self::Count, Self::Plant];
+
+    /// Its name, which is that of its file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Drive => "qemu",
+            Self::Replay => "replay",
+            Self::Count => "count",
+            Self::Plant => "plant",
+        }
+    }
+
+    /// Where [`build`] leaves it.
+    pub fn path(self, root: &Path) -> PathBuf {
+        install::target_directory(root).join(EMBEDDED).join("release").join(self.name())
+    }
+}
+
+/// Builds the images of a board and prints their sizes; with `--run` the virtual drive runs until it is interrupted.
+pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+    let Board::Qemu = arguments.board;
+    let built = build(root).and_then(|_| sizes(root)).and_then(|lines| {
+        lines.iter().for_each(|line| println!("{line}"));
+        if arguments.run { run(root, arguments) } else { Ok(lines) }
+    });
+    match built {
+        Ok(_) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("{reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Installs the target and builds all images.
+///
+/// # Errors
+/// What rustup or cargo said.
+pub fn build(root: &Path) -> Outcome {
+    install::rust_target(EMBEDDED)?;
+    let arguments = ["build", "--release", "-p", "narx-firmware", "--bins", "--target", EMBEDDED];
+    steps::run(Command::new("cargo").args(arguments).current_dir(root))
+}
+
+/// Installs the emulator.
+///
+/// # Errors
+/// How to get it.
+pub fn emulator() -> Outcome {
+    install::debian(&[Package { name: "qemu-system-arm", provides: qemu::PROGRAM }])
+}
+
+/// A line for each image: bytes of flash and of RAM without the stack.
+///
+/// # Errors
+/// An image that is not there or not an image.
+pub fn sizes(root: &Path) -> Outcome {
+    let line = |image: Image| {
+        let path = image.path(root);
+        let size = size(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(format!("{:<7} {:>7} bytes of flash, {:>7} of RAM", image.name(), size.flash, size.ram))
+    };
+    Image::ALL.into_iter().map(line).collect()
+}
+
+/// What an image occupies, bytes.
+struct Size {
+    flash: u32,
+    ram: u32,
+}
+
+/// Start of the RAM of a Cortex-M.
+const RAM: u32 = 0x2000_0000;
+
+/// Sums the segments of a 32-bit little-endian ELF file (System V ABI, chapter 5): what the file holds goes to flash, wherever it
+/// runs; what stands in RAM takes that, too.
+fn size(path: &Path) -> io::Result<Size> {
+    let file = fs::read(path)?;
+    let malformed = || io::Error::other("not a 32-bit ELF file");
+    let bytes = |at: usize, length: usize| file.get(at..at + length).ok_or_else(malformed);
+    let word = |at| bytes(at, 4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
+    let half = |at| bytes(at, 2).map(|half| usize::from(u16::from_le_bytes([half[0], half[1]])));
+    if bytes(0, 5)? != b"\x7fELF\x01" {
+        return Err(malformed());
+    }
+    let (table, entry, count) = (word(28)? as usize, half(42)?, half(44)?);
+    let mut size = Size { flash: 0, ram: 0 };
+    for header in (0..count).map(|index| table + index * entry) {
+        const LOAD: u32 = 1;
+        if word(header)? == LOAD {
+            size.flash += word(header + 16)?;
+            if word(header + 8)? >= RAM {
+                size.ram += word(header + 20)?;
+            }
+        }
+    }
+    Ok(size)
+}
+
+fn run(root: &Path, arguments: &Arguments) -> Outcome {
+    emulator()?;
+    let supply = arguments.supply.map(|supply| supply.to_string());
+    let mut options = Vec::new();
+    for (option, value) in [("--motor", &arguments.motor), ("--supply", &supply)] {
+        if let Some(value) = value {
+            options.extend([option, value.as_str()]);
+        }
+    }
+    let port = arguments.port.to_string();
+    println!("can.Bus(interface=\"slcan\", channel=\"socket://127.0.0.1:{port}\", bitrate=500000)");
+    steps::run(&mut qemu::with_serial_port(&Image::Drive.path(root), &options, &port))
+}
