@@ -90,7 +90,7 @@ impl Build {
             }
             CortexM4F => {
                 command.args(["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]);
-                command.args(["--specs=rdimon.specs", "-Wl,--gc-sections"]);
+                command.args(["--specs=rdimon.specs", "-Wl,--gc-sections,-z,noexecstack"]);
                 command.arg("-T").arg(tests.join("mps2.ld")).arg(tests.join("startup.c"));
             }
         }
