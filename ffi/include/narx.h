@@ -398,7 +398,7 @@
 #define NARX_PARAMETER_REJECTED_PARAMETER 285
 
 // 64-bit words of a drive on any processor.
-#define NARX_DRIVE_WORDS 1024
+#define NARX_DRIVE_WORDS 768
 
 // Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 #define NARX_DRIVE_SIZE (NARX_DRIVE_WORDS * 8)
