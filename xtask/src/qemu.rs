@@ -10,32 +10,32 @@ pub const PROGRAM: &str = "qemu-system-arm";
 /// The emulated machine: an MPS2 board with image AN386, a Cortex-M4F with flash at 0 and RAM at 2000_0000h, 4 MB each.
 const MACHINE: &str = "mps2-an386";
 
-/// A run of the image `elf` with `arguments` behind its own name. The image opens files of the host by the names that it is given, relative
-/// to the directory in which the emulator starts; what it prints is the emulator's standard output.
+/// A run of the image `elf` with `arguments` behind its own name. The image opens files of the host by the names that it
+/// is given, relative to the directory in which the emulator starts; what it prints is the emulator's standard output.
 ///
 /// The image gets its arguments as one line, split at spaces: an argument with a space or a quote arrives as something
 /// else.
-pub fn semihosting(elf: &Path, arguments: &[&str]) -> Command {
+pub fn semihosting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     machine(elf, arguments, "none")
 }
 
-/// The same with a TCP server of the host at the image's serial port; the machine starts when somebody connects. Prefix of the
-/// address: `127.0.0.1:`.
-pub fn with_serial_port(elf: &Path, arguments: &[&str], port: &str) -> Command {
+/// The same with a TCP server at the image's serial port, port `port` of this machine. The image starts when somebody
+/// connects.
+pub fn with_serial_port(elf: &Path, arguments: &[impl AsRef<str>], port: &str) -> Command {
     machine(elf, arguments, &format!("tcp:127.0.0.1:{port},server=on,wait=on,nodelay=on"))
 }
 
 /// A closed run in which one instruction takes exactly 2^7 ns of the machine's time, whatever the host does.
-pub fn counting(elf: &Path, arguments: &[&str]) -> Command {
+pub fn counting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     let mut command = semihosting(elf, arguments);
     command.args(["-icount", "shift=7,sleep=off"]);
     command
 }
 
-fn machine(elf: &Path, arguments: &[&str], serial: &str) -> Command {
+fn machine(elf: &Path, arguments: &[impl AsRef<str>], serial: &str) -> Command {
     let name = elf.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut config = String::from("enable=on,target=native,chardev=semihosting");
-    for argument in [name.as_str()].iter().chain(arguments) {
+    for argument in [name.as_str()].into_iter().chain(arguments.iter().map(AsRef::as_ref)) {
         // In the emulator's options a comma is written twice.
         config.push_str(",arg=");
         config.push_str(&argument.replace(',', ",,"));
