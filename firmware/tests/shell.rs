@@ -156,7 +156,7 @@ fn a_reboot_is_done_once_and_its_acknowledgement_goes_first() {
     assert_eq!(side.0.borrow().reboots, 1);
     let before = seen.unwrap();
     assert!(
-        before.iter().any(|frame| matches!(FromDrive::decode(frame), Ok(FromDrive::Reboot))),
+        before.iter().any(|frame| matches!(FromDrive::decode(frame), Ok((_, FromDrive::Reboot)))),
         "{before:?}"
     );
 }
