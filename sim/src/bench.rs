@@ -61,6 +61,8 @@ pub struct Bench {
     period_ns: u64,
     pole_pairs: f64,
     trace: Option<Trace>,
+    command: PwmCommand,
+    hall: u8,
     recorder: Option<Recorder<RecordingBuffer>>,
     label: String,
 }
@@ -116,6 +118,8 @@ impl Bench {
             period_ns: 1_000_000_000 / u64::from(board.tick_rate.max(1)),
             pole_pairs: f64::from(config.plant.motor.pole_pairs),
             trace: config.trace.then(|| Trace::new(&SIGNALS)),
+            command: PwmCommand::default(),
+            hall: 0,
             recorder: None,
             label: config.label.chars().take(60).collect(),
         };
@@ -161,7 +165,8 @@ impl Bench {
             self.node.handle_status(status);
         }
         self.background();
-        self.keep(&command, samples.hall);
+        (self.command, self.hall) = (command, samples.hall);
+        self.keep();
     }
 
     /// What the firmware's background loop does once a tick.
@@ -258,6 +263,17 @@ impl Bench {
         self.trace.clone().unwrap_or_else(|| Trace::new(&SIGNALS))
     }
 
+    /// The rows since the last call, or since power-up; empty if the bench keeps none.
+    pub fn take_trace(&mut self) -> Trace {
+        let empty = Trace::new(&SIGNALS);
+        self.trace.as_mut().map_or_else(|| empty.clone(), |trace| core::mem::replace(trace, empty.clone()))
+    }
+
+    /// The present value of every signal, in the order of [`SIGNALS`].
+    pub fn values(&self) -> [f64; SIGNALS.len()] {
+        self.row(&self.plant.observe(), &self.command, self.hall)
+    }
+
     /// Recording of the drive since it last booted.
     pub fn recording(&self) -> Vec<u8> {
         let finished = self.recorder.clone().and_then(|recorder| recorder.finish().ok());
@@ -273,12 +289,11 @@ impl Bench {
         f64::from(speed.to_bits()) / 65_536.0 * 60.0 / self.pole_pairs
     }
 
-    fn keep(&mut self, command: &PwmCommand, hall: u8) {
+    fn keep(&mut self) {
         if self.trace.is_none() {
             return;
         }
-        let seen = self.plant.observe();
-        let row = self.row(&seen, command, hall);
+        let row = self.values();
         if let Some(trace) = &mut self.trace {
             // As many values as signals: both stand in this file.
             let _ = trace.push(&row);

@@ -23,6 +23,20 @@ pub enum Mode {
     OpenLoop,
 }
 
+impl Mode {
+    /// Every mode.
+    pub const ALL: [Self; 3] = [Self::Hall, Self::Sensorless, Self::OpenLoop];
+
+    /// What users call it: `hall`, `sensorless`, `open-loop`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hall => "hall",
+            Self::Sensorless => "sensorless",
+            Self::OpenLoop => "open-loop",
+        }
+    }
+}
+
 /// What a motor's user knows of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Nameplate {

@@ -6,10 +6,12 @@ use std::process::{Command, ExitCode};
 use xtask::coverage;
 use xtask::demo;
 use xtask::firmware;
+use xtask::header;
 use xtask::instructions;
 use xtask::steps::{Step, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
+use xtask::web;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
@@ -41,14 +43,23 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
-    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots
+    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
+    /// C header, golden figures
     Generate,
+    /// Make ffi/include/narx.h anew: the C header
+    Header {
+        /// Write nothing; fail if the header differs from the code
+        #[arg(long)]
+        check: bool,
+    },
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
         /// Write nothing; fail if a recording differs from what its scenario gives
         #[arg(long)]
         check: bool,
     },
+    /// Build the WebAssembly packages and the page, into wasm/pkg and wasm/web/dist
+    Web(web::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -60,7 +71,9 @@ fn main() -> ExitCode {
         Job::Coverage { check } => coverage::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
+        Job::Header { check } => header::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
+        Job::Web(arguments) => web::command(root, arguments),
     }
 }
 
@@ -75,6 +88,7 @@ fn generate(root: &Path) -> ExitCode {
             run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
+        Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
     ])

@@ -63,8 +63,12 @@ pub fn run(command: &mut Command) -> Outcome {
             name.split(" (").next().unwrap_or(name).clone_into(&mut suite);
         } else if line.starts_with("test result:") && !line.contains(" 0 passed; 0 failed; 0 ignored") {
             closing.push(format!("{suite}: {line}"));
+        } else if line.contains(" passed, ") && line.ends_with(" failed") {
+            closing.push(line);
         } else if line.starts_with("==") && line.contains(" in ") {
             closing.push(line.trim_matches(['=', ' ']).to_owned());
+        } else if line.starts_with("# pass ") || line.starts_with("# fail ") {
+            closing.push(line.trim_start_matches("# ").to_owned());
         }
     }
     let status = child.wait().map_err(|error| format!("{program}: {error}"))?;

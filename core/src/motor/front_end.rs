@@ -53,6 +53,17 @@ pub struct Board {
 }
 
 impl Board {
+    /// Whether a controller can be built for these constants at all: 1 to 100 kHz, positive scales, zeros that the
+    /// converter can give.
+    pub const fn is_plausible(&self) -> bool {
+        const fn fits(channel: Channel) -> bool {
+            channel.micro_per_code > 0 && channel.zero <= FrontEnd::CODE_MAX
+        }
+        let FrontEnd { bus_voltage, phase_voltage, bus_current } = self.front_end;
+        let scaled = fits(bus_voltage) && fits(phase_voltage) && fits(bus_current);
+        scaled && self.tick_rate >= 1_000 && self.tick_rate <= 100_000
+    }
+
     /// The simulated board: 10 kHz (Table 2, switching frequency), a tick that takes at most 12.5 us, 500 ns dead time.
     pub const BENCH: Self = Self {
         tick_rate: 10_000,

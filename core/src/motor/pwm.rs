@@ -56,6 +56,7 @@ impl Commutations {
 
 /// How the current of a switched leg freewheels while its high side is off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
 pub enum Rectification {
     /// Through the low side's body diode. Current cannot reverse, so the motor cannot feed the bus.
     #[default]

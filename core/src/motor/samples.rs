@@ -36,6 +36,7 @@ pub struct Samples {
 
 /// Which part of the PWM cycle the phase voltages show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
 pub enum SampleMode {
     /// In the off-time: referred to ground or to the mean of the three phases.
     #[default]
@@ -46,6 +47,7 @@ pub enum SampleMode {
 
 /// What the bus current reading is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
 pub enum CurrentMode {
     /// Mean DC-link current over the last period.
     #[default]
@@ -67,6 +69,7 @@ pub struct Edge {
 
 /// Where an edge comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
 pub enum EdgeSource {
     /// A hall line.
     Hall,

@@ -38,6 +38,21 @@ impl State {
         Self::SensorlessAutoRestart,
     ];
 
+    /// The state's name in the specification (section 7).
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Initialization => "Initialization",
+            Self::Standby => "Standby",
+            Self::RotorLock => "Rotor lock",
+            Self::OpenLoop => "Open-loop",
+            Self::SensorlessClosedLoop => "Sensorless Closed-loop",
+            Self::HallClosedLoop => "Closed-loop Hall Effect Sensors",
+            Self::Fault => "Fault",
+            Self::SensorlessAutoRestart => "Sensorless Auto-Restart",
+        }
+    }
+
     /// PWMs are on (states 2, 3, 4, 5, 7).
     #[must_use]
     pub const fn is_driving(self) -> bool {

@@ -1,15 +1,46 @@
-//! The WebAssembly build.
+//! The WebAssembly build, in Node and in Chromium.
 
+use crate::install::{self, Package};
 use crate::parity::Replayer;
-use crate::steps::Step;
+use crate::steps::{self, Step};
+use crate::web;
 use std::path::Path;
+use std::process::Command;
 
 /// What is run, in order.
-pub fn steps(_root: &Path) -> Vec<Step<'_>> {
-    Vec::new()
+pub fn steps(root: &Path) -> Vec<Step<'_>> {
+    let mut steps = web::build(root);
+    steps.push(Step::new("type declarations", move || web::declarations(root, true)));
+    steps.push(Step::new("wasm in Node", move || node(root, &["recording", "bench", "size"])));
+    steps.push(Step::new("page in Chromium", move || {
+        // CHROMIUM names another browser.
+        if std::env::var_os("CHROMIUM").is_none() {
+            install::debian(&[CHROMIUM])?;
+        }
+        node(root, &["page"])
+    }));
+    steps
 }
 
 /// What replays recordings, once [`steps`] have built it.
-pub fn replayers(_root: &Path) -> Vec<Replayer> {
-    Vec::new()
+pub fn replayers(root: &Path) -> Vec<Replayer> {
+    let program = |name, script| {
+        let script = root.join("tests/wasm").join(script);
+        Replayer::new(name, move |arguments| {
+            let mut command = Command::new("node");
+            command.arg(&script).args(arguments);
+            command
+        })
+    };
+    vec![program("Node", "replay.mjs"), program("Chromium", "chromium.mjs")]
+}
+
+/// Without windows, which no test needs: a third of the whole browser.
+const CHROMIUM: Package = Package { name: "chromium-headless-shell", provides: "chromium-headless-shell" };
+
+/// Runs test files of `tests/wasm`.
+fn node(root: &Path, names: &[&str]) -> steps::Outcome {
+    let mut command = Command::new("node");
+    command.args(["--test", "--test-reporter=tap"]).current_dir(root);
+    steps::run(command.args(names.iter().map(|name| format!("tests/wasm/{name}.test.mjs"))))
 }

@@ -1,0 +1,87 @@
+//! The board's constants that the control core must know.
+
+use crate::pointer;
+use crate::status::narx_status_t;
+use narx_core::motor::{Board, Channel, FrontEnd};
+
+/// One channel of the converter: value = (code - zero) * micro_per_code / 1 000 000.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_channel_t {
+    /// Nominal code at 0 V or 0 A, 0 to 4095.
+    pub zero: u16,
+    /// Micro-units (uV or uA) of one code; positive.
+    pub micro_per_code: i32,
+}
+
+/// What a board promises the control core.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_board_t {
+    /// Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
+    pub tick_rate: u32,
+    /// First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
+    /// narx_drive_step has returned.
+    pub earliest: u16,
+    /// Both switches of a leg stay off this long between one and the other, ns.
+    pub dead_time_ns: u16,
+    /// Not 0: the hall lines have time-stamping input captures.
+    pub hall_capture: u8,
+    /// Bus voltage, uV per code.
+    pub bus_voltage: narx_channel_t,
+    /// Terminal voltages of the three phases against ground, uV per code.
+    pub phase_voltage: narx_channel_t,
+    /// DC-link current, uA per code; positive from the supply into the bridge.
+    pub bus_current: narx_channel_t,
+}
+
+/// The default board, to change what differs on yours: 10 kHz, a tick that takes at most 12.5 us, 500 ns dead time, 12-bit
+/// converters to 80 V and +-16.4 A.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_board_default(board: *mut narx_board_t) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe { pointer::write(board, Board::BENCH.into()) })
+}
+
+impl From<narx_channel_t> for Channel {
+    fn from(channel: narx_channel_t) -> Self {
+        Self { zero: channel.zero, micro_per_code: channel.micro_per_code }
+    }
+}
+
+impl From<Channel> for narx_channel_t {
+    fn from(Channel { zero, micro_per_code }: Channel) -> Self {
+        Self { zero, micro_per_code }
+    }
+}
+
+impl From<&narx_board_t> for Board {
+    fn from(board: &narx_board_t) -> Self {
+        Self {
+            tick_rate: board.tick_rate,
+            earliest: board.earliest,
+            dead_time_ns: board.dead_time_ns,
+            hall_capture: board.hall_capture != 0,
+            front_end: FrontEnd {
+                bus_voltage: board.bus_voltage.into(),
+                phase_voltage: board.phase_voltage.into(),
+                bus_current: board.bus_current.into(),
+            },
+        }
+    }
+}
+
+impl From<Board> for narx_board_t {
+    fn from(Board { tick_rate, earliest, dead_time_ns, hall_capture, front_end }: Board) -> Self {
+        let FrontEnd { bus_voltage, phase_voltage, bus_current } = front_end;
+        Self {
+            tick_rate,
+            earliest,
+            dead_time_ns,
+            hall_capture: hall_capture.into(),
+            bus_voltage: bus_voltage.into(),
+            phase_voltage: phase_voltage.into(),
+            bus_current: bus_current.into(),
+        }
+    }
+}

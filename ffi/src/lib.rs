@@ -1,0 +1,51 @@
+//! The narx control core for C. Every item here is for readers of `include/narx.h`, which is made from this crate;
+//! its files have the names that they have in `narx-core`, types are converted, and nothing else is done.
+//!
+//! ```text
+//!   status      what every call answers
+//!   board       the board's constants             narx_board_*
+//!   samples     what the tick reads               narx_samples_t
+//!   pwm         what the tick answers             narx_pwm_command_t
+//!   frame       CAN frames                        narx_frame_t
+//!   device      the drive in the caller's memory  narx_drive_*
+//!   recording   replay                            narx_replay*
+//! ```
+//!
+//! On a host the library brings `std`, for its panic handler alone; on bare metal it has its own.
+#![cfg_attr(target_os = "none", no_std)]
+#![allow(non_camel_case_types, reason = "types have the names that C knows them by")]
+#![allow(clippy::missing_safety_doc, reason = "one rule for all pointers stands at the head of narx.h")]
+
+mod board;
+mod device;
+mod frame;
+mod pointer;
+mod pwm;
+mod recording;
+mod samples;
+mod status;
+mod text;
+
+pub use board::{narx_board_default, narx_board_t, narx_channel_t};
+pub use device::{
+    NARX_DRIVE_SIZE, NARX_DRIVE_WORDS, narx_drive_align, narx_drive_get_parameter, narx_drive_handle_frame,
+    narx_drive_init, narx_drive_poll_frame, narx_drive_run, narx_drive_set_parameter, narx_drive_size,
+    narx_drive_step, narx_drive_t,
+};
+pub use frame::narx_frame_t;
+pub use pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t, narx_pwm_command_t};
+pub use recording::{NARX_OUTPUTS_TEXT_SIZE, narx_outcome_t, narx_replay, narx_replay_until};
+pub use samples::{
+    NARX_EDGES_MAX, NARX_LINE_DRIVER_FAULT, NARX_LINE_DSI1, NARX_LINE_DSI2, NARX_LINE_EMERGENCY, narx_edge_t,
+    narx_samples_t,
+};
+pub use status::{narx_status_t, narx_status_text, narx_version};
+
+/// The core does not panic. Should it ever, the caller's watchdog is what is left.
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {
+        core::hint::spin_loop();
+    }
+}

@@ -1,0 +1,53 @@
+//! The caller's pointers, checked as far as a callee can.
+
+use crate::status::narx_status_t::{self, *};
+
+/// What `pointer` shows.
+///
+/// # Safety
+/// NULL, misaligned, or readable as a `T` while the result lives.
+pub(crate) unsafe fn read<'a, T>(pointer: *const T) -> Result<&'a T, narx_status_t> {
+    check(pointer)?;
+    // SAFETY: neither NULL nor misaligned, so readable as the caller promises.
+    Ok(unsafe { &*pointer })
+}
+
+/// Writes where `pointer` shows; what stood there need not have been a `T`.
+///
+/// # Safety
+/// NULL, misaligned, or writable as a `T`.
+pub(crate) unsafe fn write<T: Copy>(pointer: *mut T, value: T) -> Result<(), narx_status_t> {
+    check(pointer)?;
+    // SAFETY: neither NULL nor misaligned, so writable as the caller promises.
+    unsafe { pointer.write(value) };
+    Ok(())
+}
+
+/// The bytes that `pointer` shows.
+///
+/// # Safety
+/// NULL, or `length` readable bytes while the result lives.
+pub(crate) unsafe fn bytes<'a>(pointer: *const u8, length: usize) -> Result<&'a [u8], narx_status_t> {
+    check(pointer)?;
+    if isize::try_from(length).is_err() {
+        return Err(NARX_ERROR_SIZE);
+    }
+    // SAFETY: not NULL, no longer than an object can be, readable as the caller promises.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, length) })
+}
+
+/// Neither NULL nor misaligned.
+pub(crate) fn check<T>(pointer: *const T) -> Result<(), narx_status_t> {
+    if pointer.is_null() {
+        Err(NARX_ERROR_NULL)
+    } else if !pointer.is_aligned() {
+        Err(NARX_ERROR_ALIGNMENT)
+    } else {
+        Ok(())
+    }
+}
+
+/// What a call answers that hands out nothing else.
+pub(crate) fn status(result: Result<(), narx_status_t>) -> narx_status_t {
+    result.err().unwrap_or(NARX_OK)
+}

@@ -1,0 +1,101 @@
+//! What the control tick reads.
+
+use crate::status::narx_status_t::{self, *};
+use narx_core::motor::samples::EDGES_MAX;
+use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
+
+/// Edges that one period can carry; more are counted in narx_samples_t.edges_lost.
+pub const NARX_EDGES_MAX: usize = 4;
+
+/// Bit of narx_samples_t.lines: the gate driver reports a fault.
+pub const NARX_LINE_DRIVER_FAULT: u8 = 1;
+/// Bit of narx_samples_t.lines: the hardware break input has tripped.
+pub const NARX_LINE_EMERGENCY: u8 = 2;
+/// Bit of narx_samples_t.lines: DSIO1 as an input.
+pub const NARX_LINE_DSI1: u8 = 4;
+/// Bit of narx_samples_t.lines: DSIO2 as an input.
+pub const NARX_LINE_DSI2: u8 = 8;
+
+// C has these as plain numbers; the core decides what they are.
+const _: () = {
+    assert!(NARX_EDGES_MAX == EDGES_MAX);
+    assert!(NARX_LINE_DRIVER_FAULT == Lines::DRIVER_FAULT.bits());
+    assert!(NARX_LINE_EMERGENCY == Lines::EMERGENCY.bits());
+    assert!(NARX_LINE_DSI1 == Lines::DSI1.bits());
+    assert!(NARX_LINE_DSI2 == Lines::DSI2.bits());
+};
+
+/// One time-stamped edge.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_edge_t {
+    /// When, in 1/65 536 of the period that has just ended.
+    pub instant: u16,
+    /// What changed: a narx_edge_source_t.
+    pub source: u8,
+    /// The three lines after the edge: bit 0 = A, bit 1 = B, bit 2 = C.
+    pub code: u8,
+}
+
+/// Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the command before
+/// asked for.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_samples_t {
+    /// Number of this PWM period since power-up.
+    pub tick: u64,
+    /// Terminal voltages of phases A, B, C against ground, converter codes.
+    pub phase_voltage: [u16; 3],
+    /// Bus voltage, converter code.
+    pub bus_voltage: u16,
+    /// Bus current, converter code; see current_mode.
+    pub bus_current: u16,
+    /// From the bus voltage's conversion to phase C's, in 1/65 536 of a period (A and B lie evenly between).
+    pub skew: u16,
+    /// Where in the period the phase voltages were sampled: a narx_sample_mode_t.
+    pub sample_mode: u8,
+    /// What bus_current is: a narx_current_mode_t.
+    pub current_mode: u8,
+    /// Hall lines at the sampling instant: bit 0 = A, bit 1 = B, bit 2 = C.
+    pub hall: u8,
+    /// Digital inputs at the sampling instant: sum of NARX_LINE_*, a bit is set while the input is asserted.
+    pub lines: u8,
+    /// How many of `edges` count.
+    pub edge_count: u8,
+    /// Edges of period `tick` - 1 that found no room.
+    pub edges_lost: u8,
+    /// Edges captured during the whole of period `tick` - 1, oldest first.
+    pub edges: [narx_edge_t; NARX_EDGES_MAX],
+}
+
+impl TryFrom<&narx_samples_t> for Samples {
+    type Error = narx_status_t;
+
+    fn try_from(samples: &narx_samples_t) -> Result<Self, narx_status_t> {
+        let mut converted = Self {
+            tick: samples.tick,
+            phase_voltage: samples.phase_voltage,
+            bus_voltage: samples.bus_voltage,
+            bus_current: samples.bus_current,
+            sample_mode: one_of([SampleMode::OffTime, SampleMode::OnTime], samples.sample_mode)?,
+            current_mode: one_of([CurrentMode::Average, CurrentMode::OnTime], samples.current_mode)?,
+            skew: samples.skew,
+            hall: samples.hall,
+            edges_lost: samples.edges_lost,
+            lines: Lines::from_bits_retain(samples.lines),
+            ..Self::default()
+        };
+        let edges = samples.edges.get(..samples.edge_count.into()).ok_or(NARX_ERROR_SAMPLES)?;
+        for edge in edges {
+            let source = one_of([EdgeSource::Hall, EdgeSource::Comparator], edge.source)?;
+            let edge = Edge { instant: edge.instant, source, code: edge.code };
+            converted.edges.push(edge).map_err(|_| NARX_ERROR_SAMPLES)?;
+        }
+        Ok(converted)
+    }
+}
+
+/// The value of an enumeration in the order of its numbers.
+fn one_of<T: Copy>(values: [T; 2], number: u8) -> Result<T, narx_status_t> {
+    values.get(usize::from(number)).copied().ok_or(NARX_ERROR_SAMPLES)
+}

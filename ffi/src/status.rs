@@ -1,0 +1,160 @@
+//! What every call answers.
+
+use core::ffi::{CStr, c_char};
+use narx_core::bus::narmotion::ParameterStatus;
+use narx_core::recording::{ReadError, ReplayError};
+
+/// What every call answers: 0 or more when it did its work, negative when it did nothing.
+/// cbindgen:rename-all=None
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum narx_status_t {
+    /// Done.
+    NARX_OK = 0,
+    /// Done, and there is nothing to hand out.
+    NARX_NOTHING = 1,
+    /// A pointer is NULL that must not be.
+    NARX_ERROR_NULL = -1,
+    /// A pointer is not aligned as its type asks for.
+    NARX_ERROR_ALIGNMENT = -2,
+    /// The storage is too small: see narx_drive_size.
+    NARX_ERROR_SIZE = -3,
+    /// The storage holds no drive: narx_drive_init did not run, or the storage was moved since.
+    NARX_ERROR_UNINITIALISED = -4,
+    /// The board's constants lead to no working controller.
+    NARX_ERROR_BOARD = -5,
+    /// A field of the samples has a value that does not exist.
+    NARX_ERROR_SAMPLES = -6,
+    /// Not a CAN frame: identifier or length out of range.
+    NARX_ERROR_FRAME = -7,
+    /// No parameter has this number.
+    NARX_ERROR_UNKNOWN_PARAMETER = -8,
+    /// The drive alone writes this parameter.
+    NARX_ERROR_READ_ONLY = -9,
+    /// The value is outside the parameter's range (PROTOCOL.md).
+    NARX_ERROR_OUT_OF_RANGE = -10,
+    /// The parameter cannot be written in this state.
+    NARX_ERROR_WRONG_STATE = -11,
+    /// The parameter store is missing, busy or failed.
+    NARX_ERROR_STORAGE = -12,
+    /// The bytes do not begin as a recording does.
+    NARX_ERROR_NOT_A_RECORDING = -13,
+    /// The recording's container has another version.
+    NARX_ERROR_CONTAINER_VERSION = -14,
+    /// The recording holds a drive of another layout.
+    NARX_ERROR_LAYOUT_VERSION = -15,
+    /// The recording is not one of a drive.
+    NARX_ERROR_KIND = -16,
+    /// The recording ends too early.
+    NARX_ERROR_TRUNCATED = -17,
+    /// Bytes of the recording were changed, lost or moved.
+    NARX_ERROR_CHECKSUM = -18,
+    /// The recording has a field that no recorder writes.
+    NARX_ERROR_MALFORMED = -19,
+    /// The recording's initial state is not one of this drive.
+    NARX_ERROR_STATE = -20,
+}
+
+use narx_status_t::*;
+
+/// Version of the library, "major.minor.patch". A constant string.
+#[unsafe(no_mangle)]
+pub extern "C" fn narx_version() -> *const c_char {
+    const VERSION: &CStr =
+        match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+            Ok(version) => version,
+            Err(_) => c"",
+        };
+    VERSION.as_ptr()
+}
+
+/// A status in words, for a log: a constant string, never NULL, whatever the number.
+#[unsafe(no_mangle)]
+pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
+    let known = ALL.iter().find(|known| **known as i32 == status);
+    known.map_or(c"unknown status", |known| text(*known)).as_ptr()
+}
+
+const ALL: [narx_status_t; 22] = [
+    NARX_OK,
+    NARX_NOTHING,
+    NARX_ERROR_NULL,
+    NARX_ERROR_ALIGNMENT,
+    NARX_ERROR_SIZE,
+    NARX_ERROR_UNINITIALISED,
+    NARX_ERROR_BOARD,
+    NARX_ERROR_SAMPLES,
+    NARX_ERROR_FRAME,
+    NARX_ERROR_UNKNOWN_PARAMETER,
+    NARX_ERROR_READ_ONLY,
+    NARX_ERROR_OUT_OF_RANGE,
+    NARX_ERROR_WRONG_STATE,
+    NARX_ERROR_STORAGE,
+    NARX_ERROR_NOT_A_RECORDING,
+    NARX_ERROR_CONTAINER_VERSION,
+    NARX_ERROR_LAYOUT_VERSION,
+    NARX_ERROR_KIND,
+    NARX_ERROR_TRUNCATED,
+    NARX_ERROR_CHECKSUM,
+    NARX_ERROR_MALFORMED,
+    NARX_ERROR_STATE,
+];
+
+const fn text(status: narx_status_t) -> &'static CStr {
+    match status {
+        NARX_OK => c"done",
+        NARX_NOTHING => c"nothing to hand out",
+        NARX_ERROR_NULL => c"a pointer is NULL",
+        NARX_ERROR_ALIGNMENT => c"a pointer is misaligned",
+        NARX_ERROR_SIZE => c"the storage is too small",
+        NARX_ERROR_UNINITIALISED => c"the storage holds no drive, or was moved",
+        NARX_ERROR_BOARD => c"the board's constants lead to no working controller",
+        NARX_ERROR_SAMPLES => c"a field of the samples has a value that does not exist",
+        NARX_ERROR_FRAME => c"not a CAN frame: identifier or length out of range",
+        NARX_ERROR_UNKNOWN_PARAMETER => c"no parameter has this number",
+        NARX_ERROR_READ_ONLY => c"the drive alone writes this parameter",
+        NARX_ERROR_OUT_OF_RANGE => c"the value is outside the parameter's range",
+        NARX_ERROR_WRONG_STATE => c"the parameter cannot be written in this state",
+        NARX_ERROR_STORAGE => c"the parameter store is missing, busy or failed",
+        NARX_ERROR_NOT_A_RECORDING => c"not a narx recording",
+        NARX_ERROR_CONTAINER_VERSION => c"a recording in a container of another version",
+        NARX_ERROR_LAYOUT_VERSION => c"a recording of a drive with another layout",
+        NARX_ERROR_KIND => c"not a recording of a drive",
+        NARX_ERROR_TRUNCATED => c"the recording ends too early",
+        NARX_ERROR_CHECKSUM => c"the recording is corrupt: a check value differs",
+        NARX_ERROR_MALFORMED => c"the recording is corrupt: a field that no recorder writes",
+        NARX_ERROR_STATE => c"the recording's initial state is not one of this drive",
+    }
+}
+
+impl From<ParameterStatus> for narx_status_t {
+    fn from(status: ParameterStatus) -> Self {
+        match status {
+            ParameterStatus::Done => NARX_OK,
+            ParameterStatus::UnknownNumber => NARX_ERROR_UNKNOWN_PARAMETER,
+            ParameterStatus::ReadOnly => NARX_ERROR_READ_ONLY,
+            ParameterStatus::OutOfRange => NARX_ERROR_OUT_OF_RANGE,
+            ParameterStatus::WrongState => NARX_ERROR_WRONG_STATE,
+            ParameterStatus::Storage => NARX_ERROR_STORAGE,
+        }
+    }
+}
+
+impl From<ReplayError> for narx_status_t {
+    fn from(error: ReplayError) -> Self {
+        match error {
+            ReplayError::State => NARX_ERROR_STATE,
+            ReplayError::Read(error) => match error {
+                ReadError::NotARecording => NARX_ERROR_NOT_A_RECORDING,
+                ReadError::ContainerVersion { .. } => NARX_ERROR_CONTAINER_VERSION,
+                ReadError::LayoutVersion { .. } => NARX_ERROR_LAYOUT_VERSION,
+                ReadError::Kind { .. } => NARX_ERROR_KIND,
+                ReadError::Truncated { .. } => NARX_ERROR_TRUNCATED,
+                ReadError::Checksum { .. } => NARX_ERROR_CHECKSUM,
+                ReadError::Malformed { .. }
+                | ReadError::TickCount { .. }
+                | ReadError::TrailingBytes { .. } => NARX_ERROR_MALFORMED,
+            },
+        }
+    }
+}

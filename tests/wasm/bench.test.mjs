@@ -1,0 +1,117 @@
+// Motors, the bench and its traces in Node.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Bench, Motor } from "../../wasm/pkg/node/narx.js";
+
+const DATA = { polePairs: 4, resistance: 0.36, inductance: 2e-4, torqueConstant: 0.036, inertia: 4.8e-6 };
+
+function bench(options) {
+    return new Bench(Motor.preset("bly172s-24v"), { supplyVoltage: 24, ...options });
+}
+
+function mean(values) {
+    return values.reduce((sum, value) => sum + value, 0) / values.length;
+}
+
+test("a preset starts, holds its speed and stops", () => {
+    const drive = bench();
+    drive.run(0.6);
+    assert.equal(drive.state, 1);
+    drive.start(2000);
+    drive.run(1.4);
+    const trace = drive.run(0.5);
+    assert.equal(trace.length, 5000);
+    assert.equal(drive.state, 5);
+    assert.equal(drive.stateName, "Closed-loop Hall Effect Sensors");
+    const speed = mean(trace.column("speed"));
+    assert.ok(Math.abs(speed - 2000) < 10, `${speed} rpm`);
+    drive.setSpeed(1000);
+    drive.run(1);
+    assert.ok(Math.abs(drive.value("speed") - 1000) < 20);
+    drive.stop();
+    drive.run(0.1);
+    assert.equal(drive.state, 1);
+    assert.deepEqual(drive.faults, []);
+    assert.equal(drive.fault, undefined);
+});
+
+test("reverse is a negative speed", () => {
+    const drive = bench();
+    drive.run(0.6);
+    drive.start(-1500);
+    drive.run(1.4);
+    assert.ok(Math.abs(drive.value("speed") + 1500) < 20);
+});
+
+test("a trace has an array for each signal, and each run its own rows", () => {
+    const drive = bench();
+    drive.run(0.1);
+    const trace = drive.run(0.01);
+    assert.equal(trace.length, 100);
+    assert.deepEqual(trace.signals, Bench.signals());
+    assert.ok(trace.time instanceof Float64Array);
+    assert.ok(trace.column("speed") instanceof Float32Array);
+    assert.ok(Math.abs(trace.time.at(-1) - drive.time) < 1e-9);
+    assert.equal(trace.column("bus_voltage").at(-1), Math.fround(drive.value("bus_voltage")));
+    assert.deepEqual([...drive.values()], trace.signals.map(({ name }) => drive.value(name)));
+    assert.throws(() => trace.column("sped"), { name: "TypeError", message: /signal "sped": no such signal; one of time, setpoint/ });
+});
+
+test("same options, same bits; another seed, other noise", () => {
+    const [one, two, three] = [{}, {}, { seed: 2 }].map((options) => {
+        const drive = bench(options);
+        drive.run(0.2);
+        return drive.recording();
+    });
+    assert.deepEqual(one, two);
+    assert.notDeepEqual(one, three);
+});
+
+test("a fault has a name and a meaning", () => {
+    const drive = bench({ parameters: { "Over-voltage HV threshold": 20 } });
+    drive.run(0.6);
+    assert.equal(drive.state, 6);
+    assert.deepEqual(drive.faults, ["over_voltage"]);
+    assert.equal(drive.fault.code, 0x0201);
+    assert.match(drive.fault.meaning, /bus voltage above/);
+});
+
+test("a motor of one's own", () => {
+    const motor = new Motor({ ...DATA, backEmf: "sinusoidal", ratedCurrent: 4 });
+    assert.equal(motor.polePairs, 4);
+    assert.equal(motor.maker, undefined);
+    const drive = new Bench(motor, { supplyVoltage: 24, load: { constant: 0.01 } });
+    assert.ok(drive.speedMin < drive.speedMax);
+    drive.run(0.6);
+    drive.start(1000);
+    drive.run(1);
+    assert.ok(Math.abs(drive.value("speed") - 1000) < 20);
+});
+
+test("options that cannot be are named with what can", () => {
+    const cases = [
+        [() => new Motor(), "TypeError", "Motor: polePairs is missing"],
+        [() => new Motor(7), "TypeError", "Motor: options must be an object, not 7"],
+        [() => new Motor({ ...DATA, polePairs: 2.5 }), "RangeError", "Motor: polePairs 2.5: must be a whole number from 1 to 255"],
+        [() => new Motor({ ...DATA, inertia: "heavy" }), "TypeError", 'Motor: inertia "heavy": must be a finite number'],
+        [() => new Motor({ ...DATA, staticFriction: -1 }), "RangeError", "Motor: staticFriction -1: must be 0 or more"],
+        [() => new Motor({ ...DATA, backEmf: "square" }), "TypeError", 'Motor: backEmf "square": must be one of trapezoidal, sinusoidal'],
+        [() => new Motor({ ...DATA, poles: 4 }), "TypeError", /^Motor: no option poles; one of polePairs, resistance/],
+        [() => Motor.preset("mn7005"), "TypeError", /^motor "mn7005": no such preset; one of ec45-flat-50w-18v/],
+        [() => bench({ supplyVoltage: 12 }), "RangeError", "supply voltage 12 V is outside 18 to 60 V"],
+        [() => new Bench(new Motor({ ...DATA, resistance: 0 }), { supplyVoltage: 24 }), "RangeError", "motor resistance 0 must be greater than 0"],
+        [() => bench({ mode: "foc" }), "TypeError", 'Bench: mode "foc": must be one of hall, sensorless, open-loop'],
+        [() => bench({ seed: -1 }), "RangeError", "Bench: seed -1: must be a whole number from 0 to 9007199254740991"],
+        [() => bench({ load: 1 }), "TypeError", "load: options must be an object, not 1"],
+        [() => bench({ parameters: { 9999: 1 } }), "RangeError", "there is no parameter 9999"],
+        [() => bench({ parameters: { speed: 1 } }), "TypeError", 'there is no parameter "speed"'],
+        [() => bench({ parameters: { 118: -1 } }), "RangeError", /^parameter 118 ".*": -1.* is outside /],
+        [() => bench().start(1.5), "RangeError", "start 1.5: must be a whole number from -65535 to 65535 rpm"],
+        [() => bench().setSpeed(-1), "RangeError", "setSpeed -1: must be a whole number from 0 to 65535 rpm"],
+        [() => bench().run(NaN), "RangeError", "run NaN: must be 0 to 3600 s"],
+    ];
+    for (const [call, name, message] of cases) {
+        assert.throws(call, { name, message });
+    }
+});

@@ -1,0 +1,51 @@
+// Replay in Node.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { Bench, Motor, replay } from "../../wasm/pkg/node/narx.js";
+import { VECTORS } from "./vectors.mjs";
+
+const bytes = readFileSync(VECTORS[0]);
+
+test("every vector replays to its digest", () => {
+    assert.ok(VECTORS.length > 30);
+    for (const file of VECTORS) {
+        const { ticks, digest, recordedDigest } = replay(readFileSync(file));
+        assert.match(digest, /^[0-9a-f]{16}$/);
+        assert.equal(digest, recordedDigest, file);
+        assert.ok(ticks > 0);
+    }
+});
+
+test("a prefix tells its last outputs", () => {
+    const { ticks, digest, recordedDigest, outputs } = replay(bytes, 17);
+    assert.equal(ticks, 17);
+    assert.equal(recordedDigest, undefined);
+    assert.match(outputs, /^tick \d+: duty \d+, rectification/);
+    assert.notEqual(digest, replay(bytes, 16).digest);
+    assert.equal(replay(bytes, 0).outputs, undefined);
+    const whole = replay(bytes);
+    assert.equal(replay(bytes, whole.ticks + 1).digest, whole.digest);
+});
+
+test("damage is named, never replayed", () => {
+    assert.throws(() => replay(new Uint8Array()), { name: "Error", message: /not a narx recording|truncated/ });
+    assert.throws(() => replay(bytes.subarray(0, 1000)), /truncated: the file ends at byte 1000/);
+    const changed = Uint8Array.from(bytes);
+    changed[changed.length / 2 | 0] ^= 1;
+    assert.throws(() => replay(changed), /corrupt: the check value at byte \d+/);
+    for (const until of [-1, 0.5, NaN, Infinity]) {
+        assert.throws(() => replay(bytes, until), { name: "RangeError", message: `until ${until}: must be a whole number of ticks, 0 or more` });
+    }
+});
+
+test("a run's own recording replays", () => {
+    const bench = new Bench(Motor.preset("bly172s-24v"), { supplyVoltage: 24 });
+    bench.run(0.6);
+    bench.start(1000);
+    bench.run(0.4);
+    const { ticks, digest, recordedDigest } = replay(bench.recording());
+    assert.equal(ticks, 10_000);
+    assert.equal(digest, recordedDigest);
+});

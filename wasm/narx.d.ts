@@ -1,0 +1,395 @@
+/* tslint:disable */
+/* eslint-disable */
+
+/** A load on the shaft. All torques oppose the motion; the constant one also holds at standstill. All default to 0. */
+export interface LoadOptions {
+    /** N m. */
+    constant?: number;
+    /** N m s/rad. */
+    viscous?: number;
+    /** N m s2/rad2. */
+    quadratic?: number;
+    /** kg m2, rigidly coupled. */
+    inertia?: number;
+}
+
+/** What is on the bench, and how the drive is set up. */
+export interface BenchOptions {
+    /** V. */
+    supplyVoltage: number;
+    load?: LoadOptions;
+    /** Control mode; default "hall". */
+    mode?: Mode;
+    /** Speed of the mode "open-loop", rpm; default the slowest closed-loop speed. */
+    openLoopSpeed?: number;
+    /** Parameters of the drive by name or number, in their units; they win over those of commissioning. */
+    parameters?: Record<string | number, number>;
+    /** Degrees Celsius; default 25. */
+    ambient?: number;
+    /** Seed of all noise, a whole number; default 1. */
+    seed?: number;
+}
+
+/** Why the drive stopped. */
+export interface Fault {
+    /** Extended fault code. */
+    readonly code: number;
+    readonly meaning: string;
+}
+
+
+
+/** Name and unit of a signal; the unit of a plain number is empty. */
+export interface Signal {
+    readonly name: SignalName;
+    readonly unit: string;
+}
+
+
+
+/** Shape of the phase back-EMF against the rotor's angle. */
+export type BackEmf = "trapezoidal" | "sinusoidal";
+
+/** A star-connected three-phase motor with equal phases; resistance and inductance line to line, as data sheets print them. */
+export interface MotorOptions {
+    /** 1 to 255. */
+    polePairs: number;
+    /** Line to line, ohm. */
+    resistance: number;
+    /** Line to line, H. */
+    inductance: number;
+    /** Mean torque per DC ampere in ideal six-step, N m/A: 60 / (2 pi speed constant in rpm/V). */
+    torqueConstant: number;
+    /** Rotor, kg m2. */
+    inertia: number;
+    /** Coulomb friction, N m; default 0. */
+    staticFriction?: number;
+    /** Viscous friction, N m s/rad; default 0. */
+    viscousFriction?: number;
+    /** Default "trapezoidal", with a flat top of 120 degrees. */
+    backEmf?: BackEmf;
+    /** Rated DC current, A, from which commissioning takes the current that the motor needs; default the drive's 6 A. */
+    ratedCurrent?: number;
+}
+
+
+
+/** What a replay found. Digests are 16 lower-case hexadecimal digits. */
+export interface Replay {
+    /** Ticks run. */
+    readonly ticks: number;
+    /** Digest of the outputs now. */
+    readonly digest: string;
+    /** Digest of the outputs when they were recorded; absent for a prefix. */
+    readonly recordedDigest?: string;
+    /** The recorder's behaviour version, where it is another one than ours: digests may then rightly differ. */
+    readonly otherBehaviour?: number;
+    /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
+    readonly outputs?: string;
+}
+
+
+
+/**
+ * A drive with its motor on a simulated bench. Same options and calls, same bits.
+ */
+export class Bench {
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * Control modes.
+     */
+    static modes(): Mode[];
+    /**
+     * Commissions the drive for the motor and powers it up; it stays in Standby until `start`. Throws where an
+     * option cannot be.
+     */
+    constructor(motor: Motor, options: BenchOptions);
+    /**
+     * Recording of the drive since it last booted: what `replay` takes, and a `.narxrec` file holds.
+     */
+    recording(): Uint8Array;
+    /**
+     * Lets time run, to the nearest control tick, and returns the rows of this run.
+     */
+    run(seconds: number): Trace;
+    /**
+     * The operator asks for another speed, rpm, in the direction of `start`.
+     */
+    setSpeed(rpm: number): void;
+    /**
+     * Signals of every trace, and of `value`.
+     */
+    static signals(): Signal[];
+    /**
+     * The operator asks for a speed, mechanical rpm, negative in reverse, and repeats it while time runs.
+     */
+    start(rpm: number): void;
+    /**
+     * The operator asks for Standby.
+     */
+    stop(): void;
+    /**
+     * The present value of a signal.
+     */
+    value(name: SignalName): number;
+    /**
+     * The present value of every signal, in the order of `signals()`.
+     */
+    values(): Float64Array;
+    /**
+     * Why the drive stopped, if it did.
+     */
+    readonly fault: Fault | undefined;
+    /**
+     * Names of the bits of the fault word that are set.
+     */
+    readonly faults: FaultName[];
+    /**
+     * Where a limit of the drive holds the motor back, in words.
+     */
+    readonly notes: string[];
+    /**
+     * Largest set-point that commissioning gave the drive, rpm.
+     */
+    readonly speedMax: number;
+    /**
+     * Smallest set-point that commissioning gave the drive, rpm.
+     */
+    readonly speedMin: number;
+    /**
+     * Name of the state in the specification.
+     */
+    readonly stateName: string;
+    /**
+     * State of the drive's state machine, 0 to 7.
+     */
+    readonly state: number;
+    /**
+     * Time since power-up, s.
+     */
+    readonly time: number;
+}
+
+/**
+ * A motor, for one or more benches.
+ */
+export class Motor {
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * A motor from its data sheet. Throws where a figure is missing or cannot be.
+     */
+    constructor(options: MotorOptions);
+    /**
+     * A real motor by its name; every figure's source is in `sim/src/presets.rs`.
+     */
+    static preset(name: MotorName): Motor;
+    /**
+     * Names of the real motors that `preset` knows.
+     */
+    static presets(): MotorName[];
+    /**
+     * Line to line, H.
+     */
+    readonly inductance: number;
+    /**
+     * Rotor, kg m2.
+     */
+    readonly inertia: number;
+    /**
+     * Maker of a preset.
+     */
+    readonly maker: string | undefined;
+    /**
+     * Nominal voltage of a preset, V.
+     */
+    readonly nominalVoltage: number | undefined;
+    /**
+     * Part or order number of a preset.
+     */
+    readonly part: string | undefined;
+    /**
+     * Pole pairs.
+     */
+    readonly polePairs: number;
+    /**
+     * Rated DC current, A.
+     */
+    readonly ratedCurrent: number | undefined;
+    /**
+     * Line to line, ohm.
+     */
+    readonly resistance: number;
+    /**
+     * Mean torque per DC ampere in ideal six-step, N m/A.
+     */
+    readonly torqueConstant: number;
+}
+
+/**
+ * Named signals, one row per control tick.
+ */
+export class Trace {
+    private constructor();
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * The values of one signal: 64 bits for time and counts, 32 for what is measured. A copy.
+     */
+    column(name: SignalName): Float32Array | Float64Array;
+    /**
+     * Rows.
+     */
+    readonly length: number;
+    /**
+     * The signals in the order of the columns of `run.csv`.
+     */
+    readonly signals: Signal[];
+    /**
+     * Time of each row since power-up, s.
+     */
+    readonly time: Float64Array;
+}
+
+/**
+ * Runs a recording again, bit for bit: all of it, or its first `until` ticks.
+ *
+ * Throws an `Error` that names the byte where a damaged recording is wrong, and a `RangeError` for an `until`
+ * that is not a count of ticks.
+ */
+export function replay(bytes: Uint8Array | number[], until?: number | null): Replay;
+
+export type InitInput = RequestInfo | URL | Response | BufferSource | WebAssembly.Module;
+
+export interface InitOutput {
+    readonly memory: WebAssembly.Memory;
+    readonly __wbg_bench_free: (a: number, b: number) => void;
+    readonly __wbg_motor_free: (a: number, b: number) => void;
+    readonly __wbg_trace_free: (a: number, b: number) => void;
+    readonly bench_fault: (a: number) => any;
+    readonly bench_faults: (a: number) => [number, number];
+    readonly bench_modes: () => [number, number];
+    readonly bench_new: (a: number, b: any) => [number, number, number];
+    readonly bench_notes: (a: number) => [number, number];
+    readonly bench_recording: (a: number) => [number, number];
+    readonly bench_run: (a: number, b: number) => [number, number, number];
+    readonly bench_setSpeed: (a: number, b: number) => [number, number];
+    readonly bench_signals: () => any;
+    readonly bench_speedMax: (a: number) => number;
+    readonly bench_speedMin: (a: number) => number;
+    readonly bench_start: (a: number, b: number) => [number, number];
+    readonly bench_state: (a: number) => number;
+    readonly bench_stateName: (a: number) => [number, number];
+    readonly bench_stop: (a: number) => void;
+    readonly bench_time: (a: number) => number;
+    readonly bench_value: (a: number, b: any) => [number, number, number];
+    readonly bench_values: (a: number) => [number, number];
+    readonly motor_inductance: (a: number) => number;
+    readonly motor_inertia: (a: number) => number;
+    readonly motor_maker: (a: number) => [number, number];
+    readonly motor_new: (a: any) => [number, number, number];
+    readonly motor_nominalVoltage: (a: number) => [number, number];
+    readonly motor_part: (a: number) => [number, number];
+    readonly motor_polePairs: (a: number) => number;
+    readonly motor_preset: (a: any) => [number, number, number];
+    readonly motor_presets: () => [number, number];
+    readonly motor_ratedCurrent: (a: number) => [number, number];
+    readonly motor_resistance: (a: number) => number;
+    readonly motor_torqueConstant: (a: number) => number;
+    readonly replay: (a: number, b: number, c: number, d: number) => [number, number, number];
+    readonly trace_column: (a: number, b: any) => [number, number, number];
+    readonly trace_length: (a: number) => number;
+    readonly trace_signals: (a: number) => any;
+    readonly trace_time: (a: number) => [number, number, number];
+    readonly __wbindgen_malloc: (a: number, b: number) => number;
+    readonly __wbindgen_realloc: (a: number, b: number, c: number, d: number) => number;
+    readonly __wbindgen_free: (a: number, b: number, c: number) => void;
+    readonly __wbindgen_exn_store: (a: number) => void;
+    readonly __externref_table_alloc: () => number;
+    readonly __wbindgen_externrefs: WebAssembly.Table;
+    readonly __externref_drop_slice: (a: number, b: number) => void;
+    readonly __externref_table_dealloc: (a: number) => void;
+    readonly __wbindgen_start: () => void;
+}
+
+export type SyncInitInput = BufferSource | WebAssembly.Module;
+
+/**
+ * Instantiates the given `module`, which can either be bytes or
+ * a precompiled `WebAssembly.Module`.
+ *
+ * @param {{ module: SyncInitInput }} module - Passing `SyncInitInput` directly is deprecated.
+ *
+ * @returns {InitOutput}
+ */
+export function initSync(module: { module: SyncInitInput } | SyncInitInput): InitOutput;
+
+/**
+ * If `module_or_path` is {RequestInfo} or {URL}, makes a request and
+ * for everything else, calls `WebAssembly.instantiate` directly.
+ *
+ * @param {{ module_or_path: InitInput | Promise<InitInput> }} module_or_path - Passing `InitInput` directly is deprecated.
+ *
+ * @returns {Promise<InitOutput>}
+ */
+export default function __wbg_init (module_or_path?: { module_or_path: InitInput | Promise<InitInput> } | InitInput | Promise<InitInput>): Promise<InitOutput>;
+
+/** Signals of a trace. */
+export type SignalName =
+    | "time"
+    | "setpoint"
+    | "speed"
+    | "speed_estimated"
+    | "state"
+    | "sector"
+    | "duty"
+    | "current_a"
+    | "current_b"
+    | "current_c"
+    | "bus_current"
+    | "bus_voltage"
+    | "torque"
+    | "voltage_a"
+    | "voltage_b"
+    | "voltage_c"
+    | "angle"
+    | "hall"
+    | "step"
+    | "limiter"
+    | "faults"
+    | "position"
+    | "energy_in"
+    | "energy_shaft"
+    | "winding_temperature"
+    | "peak_current";
+
+/** Real motors. */
+export type MotorName =
+    | "ec45-flat-50w-18v"
+    | "ec-max40-120w-48v"
+    | "ec90-flat-90w-24v"
+    | "bly172s-24v";
+
+/** Control modes. */
+export type Mode =
+    | "hall"
+    | "sensorless"
+    | "open-loop";
+
+/** Bits of the fault word. */
+export type FaultName =
+    | "temperature_warning"
+    | "over_temperature"
+    | "over_voltage"
+    | "under_voltage"
+    | "over_current"
+    | "legs_driver"
+    | "hall_sensors"
+    | "over_pressure"
+    | "store_mismatch"
+    | "emergency_shutdown"
+    | "external_shutdown"
+    | "device_timeout"
+    | "store_absent"
+    | "store_version";

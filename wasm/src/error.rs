@@ -1,0 +1,43 @@
+//! Errors of the kinds that JavaScript programmers expect: `TypeError`, `RangeError`, `Error`.
+
+use core::fmt::Display;
+use js_sys::{Error, Number, RangeError, TypeError};
+use wasm_bindgen::JsValue;
+
+/// A value of another type than was asked for, or a name that does not exist.
+pub(crate) fn type_error(message: &str) -> JsValue {
+    TypeError::new(message).into()
+}
+
+/// A value that the drive or the bench cannot have.
+pub(crate) fn range_error(message: &dyn Display) -> JsValue {
+    RangeError::new(&message.to_string()).into()
+}
+
+/// What could not be done.
+pub(crate) fn error(message: &dyn Display) -> JsValue {
+    Error::new(&message.to_string()).into()
+}
+
+/// A value as its user wrote it; of what is neither text nor a number the type. The engine formats numbers, which
+/// saves carrying a formatter.
+pub(crate) fn shown(value: &JsValue) -> String {
+    if let Some(text) = value.as_string() {
+        return format!("\"{text}\"");
+    }
+    let number = value.as_f64().and_then(|number| Number::from(number).to_string_with_radix(10).ok());
+    let kind = || value.js_typeof().as_string().unwrap_or_default();
+    number.map_or_else(kind, String::from)
+}
+
+/// `a, b, c`
+pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let mut text = String::new();
+    for name in names {
+        if !text.is_empty() {
+            text.push_str(", ");
+        }
+        text.push_str(name);
+    }
+    text
+}

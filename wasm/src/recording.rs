@@ -1,0 +1,69 @@
+//! Running a recording again.
+
+use crate::error::{error, range_error, shown};
+use crate::options::set;
+use js_sys::Object;
+use narx_core::motor::Drive;
+use narx_core::recording::{self, Recording};
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** What a replay found. Digests are 16 lower-case hexadecimal digits. */
+export interface Replay {
+    /** Ticks run. */
+    readonly ticks: number;
+    /** Digest of the outputs now. */
+    readonly digest: string;
+    /** Digest of the outputs when they were recorded; absent for a prefix. */
+    readonly recordedDigest?: string;
+    /** The recorder's behaviour version, where it is another one than ours: digests may then rightly differ. */
+    readonly otherBehaviour?: number;
+    /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
+    readonly outputs?: string;
+}
+"#;
+
+/// Runs a recording again, bit for bit: all of it, or its first `until` ticks.
+///
+/// Throws an `Error` that names the byte where a damaged recording is wrong, and a `RangeError` for an `until`
+/// that is not a count of ticks.
+#[wasm_bindgen(unchecked_return_type = "Replay")]
+pub fn replay(bytes: &[u8], until: Option<f64>) -> Result<JsValue, JsValue> {
+    let file = Recording::open(bytes).map_err(|refused| error(&refused))?;
+    let found = Object::new();
+    match until {
+        None => {
+            let outcome = recording::replay::<Drive>(&file).map_err(|refused| error(&refused))?;
+            set(&found, "ticks", outcome.ticks as f64);
+            set(&found, "digest", hex(outcome.digest));
+            set(&found, "recordedDigest", hex(outcome.recorded_digest));
+            if let Some(version) = outcome.other_behaviour {
+                set(&found, "otherBehaviour", version);
+            }
+        }
+        Some(until) => {
+            let prefix = recording::replay_until::<Drive>(&file, count(until)?);
+            let prefix = prefix.map_err(|refused| error(&refused))?;
+            set(&found, "ticks", prefix.ticks as f64);
+            set(&found, "digest", hex(prefix.digest));
+            if let Some(outputs) = prefix.last {
+                set(&found, "outputs", outputs.to_string());
+            }
+        }
+    }
+    Ok(found.into())
+}
+
+fn count(until: f64) -> Result<u64, JsValue> {
+    // Above 2^53 a number no longer counts one by one.
+    if until >= 0.0 && until <= js_sys::Number::MAX_SAFE_INTEGER && until.fract() == 0.0 {
+        return Ok(until as u64);
+    }
+    let until = shown(&until.into());
+    Err(range_error(&format!("until {until}: must be a whole number of ticks, 0 or more")))
+}
+
+fn hex(digest: u64) -> String {
+    format!("{digest:016x}")
+}

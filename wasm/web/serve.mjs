@@ -1,0 +1,51 @@
+// Serves folders on this computer only: `node serve.mjs [PORT]` the built page.
+
+import { createReadStream } from "node:fs";
+import { stat } from "node:fs/promises";
+import { createServer } from "node:http";
+import { extname, join, normalize, sep } from "node:path";
+import { argv } from "node:process";
+import { fileURLToPath } from "node:url";
+
+const TYPES = {
+    ".css": "text/css; charset=utf-8",
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".wasm": "application/wasm",
+};
+
+/** The built page. */
+export const PAGE = fileURLToPath(new URL("dist", import.meta.url));
+
+/** Serves each prefix, "/" among them, from its folder on 127.0.0.1; port 0 is any. Resolves to the server once it listens. */
+export function serve(folders, port = 0) {
+    const server = createServer((request, response) => {
+        answer(folders, request, response).catch(() => response.writeHead(500).end());
+    });
+    return new Promise((resolve, reject) => {
+        server.once("error", reject);
+        server.listen(port, "127.0.0.1", () => resolve(server));
+    });
+}
+
+async function answer(folders, request, response) {
+    const path = decodeURIComponent(new URL(request.url, "http://localhost").pathname);
+    // The longest prefix that fits.
+    const prefix = Object.keys(folders).filter((name) => path.startsWith(name)).sort((a, b) => b.length - a.length)[0];
+    const rest = path.slice(prefix?.length ?? 0);
+    const file = join(folders[prefix] ?? "", normalize(`/${rest === "" || rest.endsWith("/") ? `${rest}index.html` : rest}`));
+    const found = prefix !== undefined && file.startsWith(normalize(folders[prefix]) + sep) && (await stat(file).catch(() => undefined));
+    if (!found || !found.isFile()) {
+        return response.writeHead(404).end();
+    }
+    response.writeHead(200, { "Content-Type": TYPES[extname(file)] ?? "application/octet-stream", "Content-Length": found.size });
+    createReadStream(file).pipe(response);
+}
+
+if (argv[1] === fileURLToPath(import.meta.url)) {
+    const server = await serve({ "/": PAGE }, Number(argv[2] ?? 8080)).catch((error) => {
+        console.error(error.message);
+        process.exit(1);
+    });
+    console.log(`http://127.0.0.1:${server.address().port}/ (ends with Ctrl-C)`);
+}

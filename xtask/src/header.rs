@@ -1,0 +1,87 @@
+//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and the dictionary's numbers.
+
+use crate::steps::Outcome;
+use cbindgen::{Builder, Config};
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// `cargo xtask header [--check]`.
+pub fn command(root: &Path, check: bool) -> ExitCode {
+    match regenerate(root, check) {
+        Ok(lines) => {
+            lines.iter().for_each(|line| println!("{line}"));
+            ExitCode::SUCCESS
+        }
+        Err(reason) => {
+            eprintln!("{reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Writes the header, or with `check` only compares it with the one that is there.
+pub fn regenerate(root: &Path, check: bool) -> Outcome {
+    let path = root.join(HEADER);
+    let wanted = header(root)?;
+    if fs::read_to_string(&path).is_ok_and(|there| there == wanted) {
+        return Ok(vec![format!("{HEADER} is up to date")]);
+    }
+    if check {
+        return Err(format!("{HEADER} differs from the code: cargo xtask header"));
+    }
+    fs::write(&path, wanted).map_err(|error| format!("{HEADER}: {error}"))?;
+    Ok(vec![format!("{HEADER} written")])
+}
+
+const HEADER: &str = "ffi/include/narx.h";
+
+/// Where the enumerations stand that the header takes from the core.
+const ENUMERATIONS: [&str; 4] = [
+    "core/src/motor/commutation.rs",
+    "core/src/motor/pwm.rs",
+    "core/src/motor/samples.rs",
+    "core/src/motor/state.rs",
+];
+
+/// Where the parameters' numbers stand.
+const NUMBERS: &str = "core/src/dictionary/number.rs";
+
+fn header(root: &Path) -> Result<String, String> {
+    let config = Config::from_file(root.join("ffi/cbindgen.toml"))?;
+    let mut builder =
+        Builder::new().with_config(config).with_crate(root.join("ffi")).with_after_include(numbers(root)?);
+    for file in ENUMERATIONS {
+        builder = builder.with_src(root.join(file));
+    }
+    // Types end in _t, their enumerators need not.
+    Ok(without_lists(&text(builder)?).replace("_T_", "_"))
+}
+
+/// An enumeration's list of itself (`ALL`) is written in names that C does not have: left out, with its comment.
+fn without_lists(text: &str) -> String {
+    let mut lines: Vec<&str> = Vec::new();
+    for line in text.lines() {
+        if line.starts_with("#define narx_") {
+            while lines.pop_if(|comment| comment.starts_with("//")).is_some() {}
+        } else if !(line.is_empty() && lines.last().is_none_or(|before| before.is_empty())) {
+            lines.push(line);
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+/// The parameters' numbers as `NARX_PARAMETER_NAME`.
+fn numbers(root: &Path) -> Result<String, String> {
+    let mut config = Config { no_includes: true, language: cbindgen::Language::C, ..Config::default() };
+    config.documentation_style = cbindgen::DocumentationStyle::C99;
+    config.export.prefix = Some(String::from("NARX_PARAMETER_"));
+    text(Builder::new().with_config(config).with_src(root.join(NUMBERS)))
+}
+
+fn text(builder: Builder) -> Result<String, String> {
+    let bindings = builder.generate().map_err(|error| format!("cbindgen: {error}"))?;
+    let mut bytes = Vec::new();
+    bindings.write(&mut bytes);
+    String::from_utf8(bytes).map_err(|error| format!("{HEADER}: {error}"))
+}

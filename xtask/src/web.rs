@@ -1,0 +1,136 @@
+//! The WebAssembly build: module, packages for the web and for Node, and the page.
+
+use crate::install::{self, target_directory};
+use crate::steps::{self, Outcome, Step, run_all};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::{env, fs};
+
+/// What browsers run.
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// What rustc and wasm-bindgen use, and Node 20 and browsers of 2022 know; `--all-features` makes modules that only the
+/// newest engines load.
+const FEATURES: [&str; 8] = [
+    "--enable-bulk-memory",
+    "--enable-bulk-memory-opt",
+    "--enable-call-indirect-overlong",
+    "--enable-multivalue",
+    "--enable-mutable-globals",
+    "--enable-nontrapping-float-to-int",
+    "--enable-reference-types",
+    "--enable-sign-ext",
+];
+
+/// Arguments of `web`.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub struct Arguments {
+    /// Serve the page on this computer when it is built
+    #[arg(long)]
+    serve: bool,
+    /// Port to serve on
+    #[arg(long, default_value_t = 8080)]
+    port: u16,
+}
+
+/// Builds the page, and serves it if asked.
+pub fn command(root: &Path, arguments: Arguments) -> ExitCode {
+    let built = run_all(build(root));
+    if arguments.serve && built == ExitCode::SUCCESS {
+        let mut serve = Command::new("node");
+        serve.arg(root.join("wasm/web/serve.mjs")).arg(arguments.port.to_string());
+        return if serve.status().is_ok_and(|status| status.success()) {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        };
+    }
+    built
+}
+
+/// The steps that build everything: packages in `wasm/pkg`, the page in `wasm/web/dist`.
+pub fn build(root: &Path) -> Vec<Step<'_>> {
+    vec![
+        Step::new("wasm tools", move || {
+            install::rust_target(TARGET)?;
+            install::npm(&root.join("wasm/web"))
+        }),
+        Step::new("wasm module", move || module(root)),
+        Step::new("wasm packages", move || packages(root)),
+        Step::new("web page", move || {
+            steps::run(
+                Command::new("npm").args(["run", "--silent", "build"]).current_dir(root.join("wasm/web")),
+            )
+        }),
+    ]
+}
+
+/// Type declarations, committed so that they are reviewed; with `check`, that they are what the code gives.
+///
+/// # Errors
+/// What is out of date, or what could not be read.
+pub fn declarations(root: &Path, check: bool) -> Outcome {
+    let (made, kept) = (root.join("wasm/pkg/web/narx.d.ts"), root.join("wasm/narx.d.ts"));
+    let text = fs::read_to_string(&made).map_err(|error| format!("{}: {error}", made.display()))?;
+    if check {
+        let same = fs::read_to_string(&kept).is_ok_and(|kept| kept == text);
+        let advice = || "wasm/narx.d.ts is out of date: cargo xtask generate writes it anew".to_owned();
+        return same.then(Vec::new).ok_or_else(advice);
+    }
+    fs::write(&kept, text).map_err(|error| format!("{}: {error}", kept.display()))?;
+    Ok(Vec::new())
+}
+
+/// What is generated and committed: type declarations and golden sizes, from a fresh build.
+///
+/// # Errors
+/// What could not be built.
+pub fn generate(root: &Path) -> Outcome {
+    install::rust_target(TARGET)?;
+    install::npm(&root.join("wasm/web"))?;
+    module(root)?;
+    packages(root)?;
+    declarations(root, false)?;
+    steps::run(
+        Command::new("node")
+            .args(["--test", "tests/wasm/size.test.mjs"])
+            .current_dir(root)
+            .env("UPDATE", "1"),
+    )
+}
+
+/// The module as the compiler leaves it. Names of folders outside the project would differ on every machine.
+fn module(root: &Path) -> Outcome {
+    let mut flags = vec![format!("--remap-path-prefix={}=narx", root.display())];
+    if let Some(cargo) = cargo_home() {
+        flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
+    }
+    steps::run(
+        Command::new("cargo")
+            .args(["build", "-p", "narx-wasm", "--profile", "wasm", "--target", TARGET])
+            .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"))
+            .current_dir(root),
+    )
+}
+
+/// JavaScript around the module, and the module made small.
+fn packages(root: &Path) -> Outcome {
+    let module = target_directory(root).join(TARGET).join("wasm/narx_wasm.wasm");
+    let directory = root.join("wasm/pkg");
+    let mut pack = Command::new("cargo");
+    pack.args(["run", "--quiet", "--profile", "tool", "-p", "narx-wasm-pack", "--"]);
+    steps::run(pack.arg(&module).arg(&directory).current_dir(root))?;
+    for package in ["web", "node"] {
+        let file = directory.join(package).join("narx_bg.wasm");
+        let mut optimise = Command::new(root.join("wasm/web/node_modules/.bin/wasm-opt"));
+        optimise.arg("-Os").args(FEATURES).arg(&file).arg("-o").arg(&file);
+        steps::run(&mut optimise)?;
+    }
+    Ok(Vec::new())
+}
+
+fn cargo_home() -> Option<PathBuf> {
+    env::var_os("CARGO_HOME")
+        .map(PathBuf::from)
+        .or_else(|| Some(PathBuf::from(env::var_os("HOME")?).join(".cargo")))
+}
