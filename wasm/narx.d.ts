@@ -367,9 +367,23 @@ export type SignalName =
 /** Real motors. */
 export type MotorName =
     | "ec45-flat-50w-18v"
-    | "ec-max40-120w-48v"
+    | "ec45-flat-50w-36v"
+    | "ec45-flat-70w-36v"
+    | "ec45-flat-70w-60v"
     | "ec90-flat-90w-24v"
-    | "bly172s-24v";
+    | "ec-max40-120w-48v"
+    | "ec4pole30-200w-36v"
+    | "ec-i40-100w-48v"
+    | "4221g018bxth-18v"
+    | "4221g024bxth-24v"
+    | "bly172s-24v"
+    | "bly171d-24v"
+    | "qbl5704-36v"
+    | "dma0204024b101-24v"
+    | "bldc-1-25-058-201-24v"
+    | "db42m03-24v"
+    | "bm-180e-24v"
+    | "am8112-0f21-48v";
 
 /** Control modes. */
 export type Mode =

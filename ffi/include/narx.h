@@ -398,7 +398,7 @@
 #define NARX_PARAMETER_REJECTED_PARAMETER 285
 
 // 64-bit words of a drive on any processor.
-#define NARX_DRIVE_WORDS 1024
+#define NARX_DRIVE_WORDS 768
 
 // Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 #define NARX_DRIVE_SIZE (NARX_DRIVE_WORDS * 8)
@@ -633,7 +633,7 @@ typedef uint8_t narx_edge_source_t;
 
 // One channel of the converter: value = (code - zero) * micro_per_code / 1 000 000.
 typedef struct narx_channel_t {
-    // Nominal code at 0 V or 0 A.
+    // Nominal code at 0 V or 0 A, 0 to 4095.
     uint16_t zero;
     // Micro-units (uV or uA) of one code; positive.
     int32_t micro_per_code;
@@ -641,7 +641,7 @@ typedef struct narx_channel_t {
 
 // What a board promises the control core.
 typedef struct narx_board_t {
-    // Control ticks, and PWM periods, per second (Hz).
+    // Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
     uint32_t tick_rate;
     // First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
     // narx_drive_step has returned.

@@ -17,7 +17,7 @@ use narx_core::motor::{Board, PwmCommand, Samples};
 use narx_core::node::Identity;
 
 /// 64-bit words of a drive on any processor.
-pub const NARX_DRIVE_WORDS: usize = 1024;
+pub const NARX_DRIVE_WORDS: usize = 768;
 
 /// Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 pub const NARX_DRIVE_SIZE: usize = NARX_DRIVE_WORDS * 8;
@@ -216,7 +216,7 @@ const NONE_REJECTED: i32 = u16::MAX as i32;
 unsafe fn tick<'a>(drive: *mut narx_drive_t) -> Result<&'a mut ControlTick<'static>, narx_status_t> {
     let device = initialised(drive)?;
     // SAFETY: the mark says that it was written; a reference to this part only.
-    Ok(unsafe { &mut *(&raw mut (*device).tick) })
+    Ok(unsafe { &mut (*device).tick })
 }
 
 /// The background half.
@@ -226,7 +226,7 @@ unsafe fn tick<'a>(drive: *mut narx_drive_t) -> Result<&'a mut ControlTick<'stat
 unsafe fn background<'a>(drive: *mut narx_drive_t) -> Result<&'a mut Background<'static>, narx_status_t> {
     let device = initialised(drive)?;
     // SAFETY: the mark says that it was written; a reference to this part only.
-    Ok(unsafe { &mut *(&raw mut (*device).background) })
+    Ok(unsafe { &mut (*device).background })
 }
 
 fn initialised(drive: *mut narx_drive_t) -> Result<*mut Device, narx_status_t> {

@@ -1,11 +1,20 @@
-/* Vector table and first instructions for a Cortex-M4F; newlib's start-up does the rest. */
+/* Vector table and start-up of a Cortex-M4F program with semihosting. newlib's own start-up takes command lines of 255
+ * characters, and all vectors by name are longer. */
 
 #include <stdint.h>
 #include <stdlib.h>
 
 extern uint32_t __stack;
-extern void _start(void);
+extern uint32_t __bss_start__;
+extern uint32_t __bss_end__;
+extern void initialise_monitor_handles(void);
+extern int main(int argc, char **argv);
 void reset(void);
+
+enum { SYS_GET_CMDLINE = 0x15, ARGUMENTS_MAX = 1023 };
+
+static char line[65536];
+static char *arguments[ARGUMENTS_MAX + 1];
 
 /* Any exception ends the program: it uses none. */
 static void fault(void)
@@ -23,11 +32,56 @@ __attribute__((section(".vectors"), used)) static const union vector vectors[16]
     {.handler = fault},  {.handler = fault}, {.handler = fault},
 };
 
+static int semihosting(int operation, void *block)
+{
+    register int r0 __asm__("r0") = operation;
+    register void *r1 __asm__("r1") = block;
+
+    __asm__ volatile("bkpt 0xAB" : "+r"(r0) : "r"(r1) : "memory");
+    return r0;
+}
+
+/* The command line cut at its spaces. */
+static int split(char *rest)
+{
+    int count = 0;
+
+    while (*rest != '\0' && count < ARGUMENTS_MAX) {
+        arguments[count++] = rest;
+        while (*rest != '\0' && *rest != ' ') {
+            rest++;
+        }
+        while (*rest == ' ') {
+            *rest++ = '\0';
+        }
+    }
+    return count;
+}
+
+static void start(void)
+{
+    struct {
+        char *text;
+        uint32_t size;
+    } block = {line, sizeof line};
+    uint32_t *word;
+
+    for (word = &__bss_start__; word < &__bss_end__; word++) {
+        *word = 0;
+    }
+    initialise_monitor_handles();
+    if (semihosting(SYS_GET_CMDLINE, &block) != 0) {
+        _Exit(71);
+    }
+    exit(main(split(line), arguments));
+}
+
 /* The floating-point unit is off after reset (CPACR), and the calling convention passes arguments in it. */
 void reset(void)
 {
     volatile uint32_t *const cpacr = (volatile uint32_t *)0xE000ED88u;
+
     *cpacr |= 0xFu << 20;
     __asm__ volatile("dsb\n\tisb");
-    _start();
+    start();
 }

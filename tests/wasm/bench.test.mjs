@@ -36,6 +36,19 @@ test("a preset starts, holds its speed and stops", () => {
     assert.equal(drive.fault, undefined);
 });
 
+test("every preset reaches the middle of its range", () => {
+    for (const name of Motor.presets()) {
+        const motor = Motor.preset(name);
+        const drive = new Bench(motor, { supplyVoltage: motor.nominalVoltage ?? 24 });
+        const rpm = Math.round((drive.speedMin + drive.speedMax) / 2);
+        drive.run(0.6);
+        drive.start(rpm);
+        drive.run(2.5);
+        const speed = mean(drive.run(0.5).column("speed"));
+        assert.ok(Math.abs(speed - rpm) < 0.01 * rpm, `${name}: ${speed} of ${rpm} rpm`);
+    }
+});
+
 test("reverse is a negative speed", () => {
     const drive = bench();
     drive.run(0.6);

@@ -26,12 +26,13 @@ function isDrawn(page) {
     });
 }
 
-test("every preset spins up to its set-point and stops", async () => {
+test("motors spin up to their set-point and stop", async () => {
     const { page, complaints } = await browser.open();
     await page.waitForSelector("#motor option", { state: "attached" });
     const names = await page.locator("#motor option").evaluateAll((options) => options.map((option) => option.value));
     assert.ok(names.length >= 4);
-    for (const name of names) {
+    // In real time: some of them. bench.test.mjs turns them all.
+    for (const name of [names[0], names[names.length >> 1], names.at(-1)]) {
         await page.locator("#motor").selectOption(name);
         await page.locator("#start:enabled").waitFor();
         const rpm = Number(await page.locator("#setpoint").inputValue());

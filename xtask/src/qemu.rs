@@ -19,9 +19,9 @@ pub fn semihosting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     machine(elf, arguments, "none")
 }
 
-/// The same with a TCP server of the host at the image's serial port; the machine starts when somebody connects. Prefix of the
-/// address: `127.0.0.1:`.
-pub fn with_serial_port(elf: &Path, arguments: &[&str], port: &str) -> Command {
+/// The same with a TCP server at the image's serial port, port `port` of this machine. The image starts when somebody
+/// connects.
+pub fn with_serial_port(elf: &Path, arguments: &[impl AsRef<str>], port: &str) -> Command {
     machine(elf, arguments, &format!("tcp:127.0.0.1:{port},server=on,wait=on,nodelay=on"))
 }
 

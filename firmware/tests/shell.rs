@@ -1,0 +1,162 @@
+//! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
+
+use narx_core::bus::Frame;
+use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, ToDrive};
+use narx_core::device::Queues;
+use narx_core::dictionary::Parameters;
+use narx_core::motor::{Board, PwmCommand, Samples, Step};
+use narx_core::node::{Identity, Node, Outputs, SlowInputs};
+use narx_firmware::board::{BackgroundSide, TickSide};
+use narx_firmware::shell::{Background, Control, INPUTS_MS, Progress};
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+/// What has happened on the board.
+#[derive(Default)]
+struct Paper {
+    now: u64,
+    clock_stopped: bool,
+    arriving: VecDeque<Frame>,
+    sent: Vec<Frame>,
+    bus_full: bool,
+    inputs_read: u64,
+    fed: u64,
+    reboots: u64,
+    commands: Vec<PwmCommand>,
+}
+
+#[derive(Clone, Default)]
+struct Side(Rc<RefCell<Paper>>);
+
+impl TickSide for Side {
+    fn samples(&mut self) -> Option<Samples> {
+        // 24 V and no current.
+        let now = self.0.borrow().now;
+        Some(Samples { tick: now, bus_voltage: 1_229, bus_current: 2_048, hall: 0b101, ..Samples::default() })
+    }
+
+    fn apply(&mut self, command: &PwmCommand) {
+        self.0.borrow_mut().commands.push(*command);
+    }
+}
+
+impl BackgroundSide for Side {
+    fn now(&self) -> u64 {
+        self.0.borrow().now
+    }
+
+    fn wait(&mut self) {
+        let mut paper = self.0.borrow_mut();
+        paper.now += u64::from(!paper.clock_stopped);
+    }
+
+    fn receive(&mut self) -> Option<Frame> {
+        self.0.borrow_mut().arriving.pop_front()
+    }
+
+    fn is_ready_to_send(&self) -> bool {
+        !self.0.borrow().bus_full
+    }
+
+    fn send(&mut self, frame: &Frame) {
+        self.0.borrow_mut().sent.push(*frame);
+    }
+
+    fn slow_inputs(&mut self) -> SlowInputs {
+        self.0.borrow_mut().inputs_read += 1;
+        SlowInputs::default()
+    }
+
+    fn apply(&mut self, _: Outputs) {}
+
+    fn feed_watchdog(&mut self) {
+        self.0.borrow_mut().fed += 1;
+    }
+
+    fn reboot(&mut self) {
+        self.0.borrow_mut().reboots += 1;
+    }
+}
+
+/// Runs a device for `ticks` periods; `each` sees the board before each and says whether the control interrupt comes.
+fn run(ticks: u64, mut each: impl FnMut(u64, &mut Paper) -> bool) -> Side {
+    let side = Side::default();
+    let progress = Progress::new();
+    let mut queues = Queues::new();
+    let (tick, device) = queues.power_up(Identity::default(), Board::BENCH, Parameters::new());
+    let mut control = Control::new(tick, side.clone(), &progress);
+    let mut background = Background::new(device, side.clone(), &progress);
+    for number in 0..ticks {
+        if each(number, &mut side.0.borrow_mut()) {
+            control.interrupt();
+        }
+        background.pass();
+    }
+    side
+}
+
+fn request(mode: MotorMode) -> Frame {
+    let addresses = Node::new(Identity::default(), Board::BENCH).addresses();
+    ToDrive::RequestWord(RequestWord { mode }).encode(addresses)
+}
+
+#[test]
+fn every_part_is_served_and_the_watchdog_fed() {
+    let side = run(10_000, |_, _| true);
+    let paper = side.0.borrow();
+    assert_eq!(paper.commands.len(), 10_000, "a command for every period");
+    assert!(paper.commands.iter().all(|command| command.step == Step::Coast), "nobody asked for more");
+    assert_eq!(paper.inputs_read, 1_000 / INPUTS_MS);
+    assert!(paper.sent.len() > 20, "broadcasts: {}", paper.sent.len());
+    assert_eq!(paper.fed, 10_000);
+}
+
+#[test]
+fn without_control_interrupt_the_watchdog_is_not_fed() {
+    let side = run(2_000, |tick, _| tick < 1_000);
+    assert_eq!(side.0.borrow().fed, 1_000);
+}
+
+#[test]
+fn when_the_background_sees_no_time_pass_the_watchdog_is_not_fed() {
+    let side = run(2_000, |tick, paper| {
+        paper.clock_stopped = tick >= 1_000;
+        true
+    });
+    assert_eq!(side.0.borrow().fed, 1_000);
+}
+
+#[test]
+fn a_bus_that_takes_nothing_and_one_that_floods_stop_neither_control_nor_watchdog() {
+    let side = run(10_000, |_, paper| {
+        paper.bus_full = true;
+        paper.arriving.extend([request(MotorMode::Standby); 20]);
+        true
+    });
+    let paper = side.0.borrow();
+    assert!(paper.sent.is_empty());
+    assert_eq!((paper.commands.len(), paper.fed), (10_000, 10_000));
+}
+
+#[test]
+fn a_reboot_is_done_once_and_its_acknowledgement_goes_first() {
+    let addresses = Node::new(Identity::default(), Board::BENCH).addresses();
+    let mut seen = None;
+    let side = run(8_000, |tick, paper| {
+        if tick == 7_000 {
+            paper.sent.clear();
+            paper.arriving.push_back(ToDrive::Reboot.encode(addresses));
+        }
+        if paper.reboots == 1 && seen.is_none() {
+            seen = Some(paper.sent.clone());
+        }
+        true
+    });
+    assert_eq!(side.0.borrow().reboots, 1);
+    let before = seen.unwrap();
+    assert!(
+        before.iter().any(|frame| matches!(FromDrive::decode(frame), Ok((_, FromDrive::Reboot)))),
+        "{before:?}"
+    );
+}
