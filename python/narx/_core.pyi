@@ -1,11 +1,14 @@
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from enum import IntEnum
 from os import PathLike
-from typing import Any, Literal, final
+from typing import Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
 from pandas import DataFrame
+from typing_extensions import disjoint_base
+
+__all__ = ["Bench", "Drive", "Load", "Motor", "Replay", "State", "Trace", "replay"]
 
 @final
 class Bench:
@@ -15,7 +18,7 @@ class Bench:
         supply_voltage: float = 48.0,
         load: Load | None = None,
         mode: Literal["sensorless", "hall", "open-loop"] = "sensorless",
-        parameters: dict[str, float] | dict[int, float] | dict[str | int, float] | None = None,
+        parameters: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float] | None = None,
         ambient: float = 25.0,
         seed: int = 1,
     ) -> Bench: ...
@@ -95,6 +98,7 @@ class Load:
     @property
     def inertia(self) -> float: ...
 
+@disjoint_base
 class Trace:
     @property
     def time(self) -> NDArray[np.float64]: ...

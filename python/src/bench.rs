@@ -8,7 +8,7 @@ use crate::trace::Trace;
 use narx_core::dictionary::Dictionary;
 use narx_sim::session::Session;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyMapping};
 
 /// A virtual drive with its motor on a simulated bench, commanded over its CAN bus. Same arguments and calls, same bits.
 #[pyclass(module = "narx", frozen)]
@@ -28,7 +28,7 @@ impl Bench {
         supply_voltage: f64,
         load: Option<&Load>,
         mode: &str,
-        parameters: Option<&Bound<'_, PyDict>>,
+        parameters: Option<&Bound<'_, PyMapping>>,
         ambient: f64,
         seed: i128,
     ) -> PyResult<Self> {
@@ -76,10 +76,12 @@ impl Bench {
 }
 
 /// Parameters by number; a key that is a string is a name of the dictionary.
-fn numbered(parameters: &Bound<'_, PyDict>) -> PyResult<Vec<(u16, f64)>> {
+fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, f64)>> {
     parameters
+        .items()?
         .iter()
-        .map(|(key, value)| {
+        .map(|item| {
+            let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
             let number = match key.extract::<String>() {
                 Ok(name) => number(key.py(), &name)?,
                 Err(_) => key.extract().map_err(|_| no_parameter(&key, ""))?,

@@ -1,7 +1,9 @@
 """The bench: motors reach their speed, the same call gives the same bits."""
 
+import _thread
 import threading
 import time
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
@@ -58,16 +60,20 @@ def test_same_arguments_same_bits(motor: narx.Motor) -> None:
     assert digest(5) == digest(5) != digest(6)
 
 
+def state(bench: narx.Bench) -> narx.State:
+    return bench.drive.state
+
+
 def test_commands(bench: narx.Bench) -> None:
     bench.drive.start(2000)
     bench.drive.set_speed(1500)
     assert bench.run(1.5)["speed"][-1] == pytest.approx(1500, rel=0.02)
     bench.drive.start(-1200)
-    assert bench.drive.state is narx.State.HALL_CLOSED_LOOP
+    assert state(bench) is narx.State.HALL_CLOSED_LOOP
     assert bench.run(1.5)["speed"][-1] == pytest.approx(-1200, rel=0.02)
     bench.drive.stop()
     bench.run(0.1)
-    assert bench.drive.state is narx.State.STANDBY
+    assert state(bench) is narx.State.STANDBY
     assert bench.run(0.1)["duty"].max() == 0.0
     bench.drive.start(1000)
     assert bench.run(1.0)["speed"][-1] == pytest.approx(1000, rel=0.02)
@@ -91,8 +97,9 @@ def test_load_takes_torque(motor: narx.Motor) -> None:
 
 def test_explicit_parameters_win(motor: narx.Motor) -> None:
     name = "Speed setpoint max saturation HES"
-    number = 104
-    for parameters in ({name: 1200}, {name.lower(): 1200.0}, {number: 1200}):
+    number = 103
+    choices: list[Mapping[str | int, float]] = [{name: 1200}, {name.lower(): 1200.0}, {number: 1200}]
+    for parameters in choices:
         bench = narx.Bench(motor, supply_voltage=24.0, mode="hall", parameters=parameters)
         bench.drive.start(3000)
         assert bench.run(2.0)["speed"][-1] == pytest.approx(1200, rel=0.02)
@@ -141,3 +148,14 @@ def test_other_threads_run_while_the_bench_does(bench: narx.Bench) -> None:
         over.set()
         thread.join()
     assert ran >= 20 and replayed >= 5, (ran, replayed)
+
+
+def test_ctrl_c_ends_a_long_run(bench: narx.Bench) -> None:
+    threading.Timer(0.2, _thread.interrupt_main).start()
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        bench.run(600.0)
+    assert time.monotonic() - begin < 5.0
+    # The bench goes on where it stopped.
+    stopped = bench.time
+    assert len(bench.run(0.1)) == 1000 and bench.time == pytest.approx(stopped + 0.1)

@@ -18,7 +18,8 @@ def motor(**figures: Any) -> narx.Motor:
 
 
 def bench(**options: Any) -> narx.Bench:
-    return narx.Bench(MOTOR, **{"supply_voltage": 24.0, "mode": "hall"} | options)
+    given: dict[str, Any] = {"supply_voltage": 24.0, "mode": "hall"} | options
+    return narx.Bench(MOTOR, **given)
 
 
 REFUSALS: list[tuple[Callable[[], object], str]] = [
@@ -57,14 +58,15 @@ def test_refusal(call: Callable[[], object], message: str) -> None:
     assert isinstance(caught.value, narx.NarxError) and isinstance(caught.value, ValueError)
 
 
-def test_what_keeps_a_motor_from_starting_is_told() -> None:
-    # Forward hall order on reversed lines: the rotor turns against its torque.
-    drive = bench(parameters={"Hall polarity mask": 7}).drive
-    with pytest.raises(narx.StartError, match="the drive is in Fault: hall .*hall_sensors") as caught:
-        drive.start(1500)
-        raise AssertionError(drive.state)
+def test_a_fault_is_told() -> None:
+    # Every hall line inverted: the torque points the other way.
+    bad = bench(parameters={"Hall polarity mask": 7})
+    bad.drive.start(1500)
+    bad.run(1.0)
+    assert bad.drive.state is narx.State.FAULT and bad.drive.faults == {"hall_sensors"}
+    with pytest.raises(narx.StartError, match="the drive is in Fault: .* \\(hall_sensors\\)") as caught:
+        bad.drive.start(1500)
     assert isinstance(caught.value, RuntimeError)
-    assert drive.state is narx.State.FAULT and drive.faults == {"hall_sensors"}
 
 
 def test_a_mode_that_is_not_enabled_is_refused() -> None:

@@ -14,13 +14,12 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
             Ok(Vec::new())
         }),
         Step::new("Python package", move || {
-            // Built with the pinned maturin of the environment, where a second build finds what the first one made.
-            let pip = ["pip", "install", "--quiet", "--no-build-isolation", "--no-deps", "--force-reinstall"];
+            let pip = ["pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
             module(root, &pip, &[root.join("python")])
         }),
         Step::new("Python stubs", move || stubs(root)),
         Step::new("Python tests", move || {
-            module(root, &["pytest", "--color=no", "-q", "-p", "no:cacheprovider"], &[tests(root)])
+            module(root, &["pytest", "--color=no", "-p", "no:cacheprovider"], &[tests(root)])
         }),
     ]
 }
