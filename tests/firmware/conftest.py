@@ -67,11 +67,19 @@ class Master:
         while (self.broadcasts - start) * BROADCAST_SECONDS < seconds:
             self.pump()
 
-    def parameter(self, number):
-        """Reads a parameter."""
+    def parameter(self, number, seconds=0.5):
+        """Reads a parameter; asks anew with every broadcast, for a drive that reboots loses what arrives meanwhile."""
         self.seen.pop(PARAMETER, None)
-        self.send(PARAMETER_REQUEST, number)
-        self.wait(0.5, lambda: PARAMETER in self.seen, f"answer about parameter {number}")
+        asked = None
+
+        def answered():
+            nonlocal asked
+            if PARAMETER not in self.seen and asked != self.broadcasts:
+                asked = self.broadcasts
+                self.send(PARAMETER_REQUEST, number)
+            return PARAMETER in self.seen
+
+        self.wait(seconds, answered, f"answer about parameter {number}")
         answer = self.seen[PARAMETER]
         assert int.from_bytes(answer[0:2], "big") == number and answer[6:8] == b"\0\0"
         return int.from_bytes(answer[2:6], "big", signed=True)

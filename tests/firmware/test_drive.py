@@ -50,8 +50,9 @@ def test_an_adapter_at_another_bitrate_hears_and_says_nothing(master):
     master.bus.set_bitrate(250_000)
     # The adapter still answers, and it does so behind every frame that was on its way.
     assert master.bus.get_version(30) == (10, 10)
-    while master.bus.recv(0) is not None:
-        pass
+    for _ in range(200):
+        # Nothing, or an older reply of the adapter, or one of those frames.
+        master.bus.recv(0)
     for _ in range(100):
         assert master.bus.recv(0.02) is None
     master.seen.clear()
