@@ -91,6 +91,9 @@ impl Digest {
             hall_invalid,
             hall_jumps,
             hall_calibration,
+            crossing,
+            crossing_margin,
+            crossings,
         } = status;
         self.u8(b'S');
         self.crc.update(&tick.to_le_bytes());
@@ -118,6 +121,9 @@ impl Digest {
         self.u16(*hall_invalid);
         self.u16(*hall_jumps);
         self.hall_calibration(hall_calibration);
+        self.u8(*crossing as u8);
+        self.crc.update(&crossing_margin.to_le_bytes());
+        self.u32(*crossings);
     }
 
     fn hall_calibration(&mut self, calibration: &HallCalibration) {
