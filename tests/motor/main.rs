@@ -18,5 +18,7 @@ mod protection;
 mod rotor;
 mod safety;
 mod scripted;
+mod sensorless;
 mod support;
 mod transition_table;
+mod zero_crossing;

@@ -123,6 +123,8 @@ impl BackEmf {
         let blank = blanking(c, interval);
         if c.comparator {
             self.edges(samples, phase, rising, blank, &mut sight);
+            // At rest a comparator's output says nothing.
+            sight.late &= interval > 0;
         } else if self.age.saturating_add(applied.sample_at.into()) >= blank {
             self.sample(c, samples, measured, phase, rising, applied.sample_at, &mut sight);
         }

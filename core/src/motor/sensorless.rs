@@ -117,6 +117,7 @@ impl Sensorless {
         self.rotor.advance();
         if applied.step == Step::Coast && applied.commutations.iter().next().is_none() {
             self.back_emf = BackEmf::default();
+            self.rotor.begin_coasting();
             if self.phase == Phase::Kick {
                 return;
             }

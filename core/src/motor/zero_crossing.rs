@@ -125,6 +125,13 @@ impl ZeroCrossing {
         true
     }
 
+    /// The bridge went off: fewer places show from now on, and the first takes a moment to be heard.
+    pub fn begin_coasting(&mut self) {
+        if !self.coasting {
+            (self.coasting, self.fresh) = (true, 0);
+        }
+    }
+
     /// A crossing of two terminals of the coasting motor at `place` (twelfths of a turn, 0..=11), `age` ago, while it turns in
     /// `direction`.
     pub fn observe_coasting(&mut self, place: u8, age: i32, direction: Direction) {
@@ -177,7 +184,9 @@ impl ZeroCrossing {
         self.margin = ((error.wrapping_mul(-sign)) >> 16) as i16;
         if known {
             let off = each.abs_diff(self.interval);
-            if self.valid > 1 {
+            if self.consistent < PREPARED {
+                self.deviation = 0;
+            } else {
                 self.deviation = self.deviation - (self.deviation >> 3) + off.min(self.interval);
             }
             for _ in 0..(twelfths / 2).clamp(1, 2) {
@@ -209,7 +218,7 @@ impl ZeroCrossing {
     }
 
     /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend from the pair before: the
-    /// newest pair's middle lies one interval back, the one before three, the next commutation a quarter ahead.
+    /// newest pair's middle lies one interval back, the one before three, the middle of the next interval half of one ahead.
     fn predict(&mut self) {
         let sum: u32 = (0..self.valid).fold(0, |sum, back| sum.saturating_add(self.interval(back)));
         if self.valid == 0 {
@@ -229,10 +238,10 @@ impl ZeroCrossing {
                 let new = self.interval(0).saturating_add(self.interval(1));
                 let old = self.interval(2).saturating_add(self.interval(3));
                 let (fast, slow) = (speed_of(2, new), speed_of(2, old));
-                let trend = (fast - slow) / 2;
+                let trend = (fast - slow) / 4 * 3;
                 let bound = fast / 4;
                 let speed = fast + trend.min(bound).max(-bound);
-                let shrink = (new as i32).wrapping_sub(old as i32) / 4;
+                let shrink = (new as i32).wrapping_sub(old as i32) / 8 * 3;
                 let bound = (new / 8) as i32;
                 (speed, (new / 2).saturating_add_signed(shrink.min(bound).max(-bound)))
             }
@@ -347,9 +356,10 @@ impl ZeroCrossing {
         (self.blind.saturating_mul(2)).max(self.late / 2).min(14)
     }
 
-    /// Intervals differ from their prediction by more than half, on the mean of about a revolution.
+    /// Neighbouring intervals differ by more than half: with a and b in turn the mean deviation from (a + b) / 2 is
+    /// (a - b) / 2, which is a quarter of that mean at a = 1.67 b. Averaged over about a revolution.
     pub const fn is_irregular(&self) -> bool {
-        self.valid == 6 && self.deviation >> 3 > self.interval / 2
+        self.valid == 6 && self.deviation >> 3 > self.interval / 4
     }
 
     /// What became of the last crossing, how far it lay behind its prediction (65 536 a turn), and how many were accepted.
