@@ -331,7 +331,7 @@ fn hand_over_waits_for_six_crossings_of_both_polarities() {
 fn intervals_that_jump_by_half_are_a_desynchronisation() {
     let mut times = steady(20.0, 12);
     assert!(!fed(&times).is_irregular());
-    for k in 0..12 {
+    for k in 0..30 {
         let last = times.last().copied().unwrap_or(0.0);
         times.push(last + if k % 2 == 0 { 40.0 } else { 22.0 });
     }

@@ -357,7 +357,7 @@ impl ZeroCrossing {
     }
 
     /// Neighbouring intervals differ by more than half: with a and b in turn the mean deviation from (a + b) / 2 is
-    /// (a - b) / 2, which is a quarter of that mean at a = 1.67 b. Averaged over about a revolution.
+    /// (a - b) / 2, which is a quarter of that mean at a = 1.67 b. A first-order mean over 8 intervals.
     pub const fn is_irregular(&self) -> bool {
         self.valid == 6 && self.deviation >> 3 > self.interval / 4
     }
