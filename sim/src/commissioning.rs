@@ -56,7 +56,7 @@ pub struct Commissioning {
     /// Factory values with the motor's own written over them.
     pub parameters: Parameters,
     /// Where a limit of the drive holds the motor back.
-    pub notes: Vec<Note, 4>,
+    pub notes: Vec<Note, 5>,
     /// Largest set-point, mechanical rpm.
     pub speed_max: f64,
     /// Smallest set-point, mechanical rpm.
@@ -93,6 +93,11 @@ pub enum Note {
         /// Mechanical rpm.
         speed: f64,
     },
+    /// Sampled back-EMF needs four samples a sector; above this speed a sensorless motor needs comparators with capture.
+    SpeedForSampling {
+        /// Mechanical rpm.
+        speed: f64,
+    },
 }
 
 impl fmt::Display for Note {
@@ -111,6 +116,12 @@ impl fmt::Display for Note {
                 f,
                 "mean phase current is limited to {current:.1} A: the energy that commutation returns must not lift the bus to 61 V"
             ),
+            Self::SpeedForSampling { speed } => {
+                write!(
+                    f,
+                    "sensorless speed is limited to {speed:.0} rpm: faster, a sector has less than four samples of back-EMF"
+                )
+            }
             Self::SpeedForTick { speed } => {
                 write!(
                     f,
@@ -194,7 +205,10 @@ impl Nameplate {
     pub fn commission(&self, mode: Mode) -> Result<Commissioning, CommissioningError> {
         self.check()?;
         let mut notes = Vec::new();
-        let design = Design::new(self, &mut notes)?;
+        let mut design = Design::new(self, &mut notes)?;
+        if mode == Mode::Sensorless && !Board::BENCH.comparator_capture {
+            design.leave_room_for_samples(self.motor.pole_pairs, &mut notes)?;
+        }
         let mut parameters = Parameters::new();
         for (number, value) in [
             (number::HALL_ENABLE, f64::from(u8::from(mode == Mode::Hall))),
@@ -250,6 +264,10 @@ impl Nameplate {
             write(p, low, d.speed_min)?;
             write(p, high, d.speed_max)?;
         }
+        // Blanking: two ticks where eight of them fit a sector at full speed, less above; an eighth of the sector stays blanked anyway.
+        let sector =
+            f64::from(Board::BENCH.tick_rate) * 10.0 / (d.speed_max * f64::from(self.motor.pole_pairs));
+        write(p, number::ZC_DISCARD, fmin(2.0, libm::floor(sector / 8.0)))?;
         for duty in [number::DUTY_MAX, number::DUTY_MAX_SL] {
             write(p, duty, d.duty_max * 100.0)?;
         }
@@ -315,7 +333,7 @@ struct Design {
 }
 
 impl Design {
-    fn new(plate: &Nameplate, notes: &mut Vec<Note, 4>) -> Result<Self, CommissioningError> {
+    fn new(plate: &Nameplate, notes: &mut Vec<Note, 5>) -> Result<Self, CommissioningError> {
         let m = &plate.motor;
         let period = 1.0 / f64::from(Board::BENCH.tick_rate);
         // A quarter above the rated current, so that the limit does not bind at the rated load.
@@ -362,13 +380,32 @@ impl Design {
     }
 }
 
+impl Design {
+    /// Four samples of back-EMF a sector, with 2 % for the speed loop to swing.
+    fn leave_room_for_samples(
+        &mut self,
+        pole_pairs: u8,
+        notes: &mut Vec<Note, 5>,
+    ) -> Result<(), CommissioningError> {
+        let speed = 0.98 * f64::from(Board::BENCH.tick_rate) * 60.0 / (6.0 * 4.0 * f64::from(pole_pairs));
+        if speed < self.speed_max {
+            push(notes, Note::SpeedForSampling { speed });
+            self.speed_max = speed;
+        }
+        if self.speed_max <= self.speed_min {
+            return Err(CommissioningError::TooSlow { speed_max: self.speed_max, speed_min: self.speed_min });
+        }
+        Ok(())
+    }
+}
+
 /// The largest duty up to [`DUTY_MAX`] for which no duty below has `D (1 - D)` above `product`.
 fn duty_within(product: f64) -> f64 {
     if product >= 0.25 { DUTY_MAX } else { 0.5 - sqrt(0.25 - fmax(product, 0.0)) }
 }
 
-fn push(notes: &mut Vec<Note, 4>, note: Note) {
-    // Three kinds of note, room for four.
+fn push(notes: &mut Vec<Note, 5>, note: Note) {
+    // Five kinds of note.
     let _ = notes.push(note);
 }
 

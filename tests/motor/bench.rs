@@ -1,7 +1,7 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
 use narx_core::motor::event::SlowMeasurements;
-use narx_core::motor::{Board, Coefficients, Command, Drive, Event, Request, State, Status};
+use narx_core::motor::{Coefficients, Command, Drive, Event, Request, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig, Phase, Plant, PlantConfig};
@@ -50,12 +50,22 @@ pub(crate) struct Closed {
     /// The master says nothing.
     pub silent: bool,
     request: Request,
+    mode: Mode,
 }
 
 impl Closed {
     /// A commissioned hall drive; raw parameters in `changes` win.
     pub(crate) fn new(config: &PlantConfig, changes: &[(u16, i32)]) -> Self {
-        let coefficients = commissioned(config, changes);
+        Self::with_mode(config, changes, Mode::Hall)
+    }
+
+    /// The same without sensors.
+    pub(crate) fn sensorless(config: &PlantConfig, changes: &[(u16, i32)]) -> Self {
+        Self::with_mode(config, changes, Mode::Sensorless)
+    }
+
+    fn with_mode(config: &PlantConfig, changes: &[(u16, i32)], mode: Mode) -> Self {
+        let coefficients = commissioned(config, changes, mode);
         Self {
             drive: Drive::new(coefficients),
             plant: Plant::new(config),
@@ -65,12 +75,13 @@ impl Closed {
             bus_max: 0.0,
             silent: false,
             request: Request::Standby,
+            mode,
         }
     }
 
     /// Other parameters from now on: the commissioned ones with these raw values changed.
     pub(crate) fn configure(&mut self, changes: &[(u16, i32)]) {
-        let coefficients = commissioned(self.plant.config(), changes);
+        let coefficients = commissioned(self.plant.config(), changes, self.mode);
         self.drive.handle_event(Event::Coefficients(coefficients));
     }
 
@@ -134,16 +145,16 @@ impl Closed {
     }
 }
 
-fn commissioned(config: &PlantConfig, changes: &[(u16, i32)]) -> Coefficients {
+fn commissioned(config: &PlantConfig, changes: &[(u16, i32)], mode: Mode) -> Coefficients {
     let plate = Nameplate {
         motor: config.motor,
         rated_current: Some(4.0),
         supply: config.supply.voltage,
         open_loop_speed: None,
     };
-    let mut parameters = plate.commission(Mode::Hall).unwrap().parameters;
+    let mut parameters = plate.commission(mode).unwrap().parameters;
     for (number, raw) in changes {
         parameters.set(*number, *raw).unwrap();
     }
-    Coefficients::build(&parameters, &Board::BENCH).unwrap()
+    Coefficients::build(&parameters, &config.board).unwrap()
 }

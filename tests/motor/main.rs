@@ -18,6 +18,8 @@ mod protection;
 mod rotor;
 mod safety;
 mod scripted;
+mod sensorless;
 mod session;
 mod support;
 mod transition_table;
+mod zero_crossing;

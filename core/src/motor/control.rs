@@ -57,6 +57,8 @@ pub enum Demand {
         measured: i32,
         /// Largest duty, raw U1F15.
         duty_max: u16,
+        /// Share of the voltage that is taken away, in 1/16: the rotor's position is getting uncertain.
+        fade: u8,
     },
 }
 
@@ -84,6 +86,7 @@ pub struct Control {
     /// Voltage that the last duty gives, raw I16F16.
     applied: i32,
     millisecond: u16,
+    phase_current: i32,
     coasting: Option<Coasting>,
     /// Milliseconds for which a rotor that turned at the start, or while the bridge was off, is caught; 0 once it is.
     catching: u16,
@@ -126,6 +129,30 @@ impl Control {
         }
     }
 
+    /// Bumpless change from a level to the speed loop: every controller continues from the voltage that is applied (or from parameter
+    /// 84), the set-point's ramp from the measured `speed` (raw electrical rev/s).
+    pub fn hand_over(&mut self, speed: i32, initial_voltage: i32) {
+        self.setpoint.set(speed);
+        self.speed_error = 0;
+        (self.interrupted, self.catching, self.coasting) = (false, 0, None);
+        self.take_over(if initial_voltage > 0 { initial_voltage } else { self.applied });
+    }
+
+    /// The last tick began a millisecond.
+    pub const fn is_millisecond(&self) -> bool {
+        self.millisecond == 0
+    }
+
+    /// Estimated mean phase current as of the last millisecond, raw I16F16 A.
+    pub const fn phase_current(&self) -> i32 {
+        self.phase_current
+    }
+
+    /// Voltage that the last duty gives, raw I16F16 V.
+    pub const fn applied(&self) -> i32 {
+        self.applied
+    }
+
     /// Every controller continues from `voltage`.
     fn take_over(&mut self, voltage: i32) {
         self.speed.wait(voltage);
@@ -146,6 +173,7 @@ impl Control {
         if due {
             let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
             let phase_current = per_duty(measured.bus_current_filtered.to_bits(), self.output.duty.to_bits());
+            self.phase_current = phase_current;
             self.limit.update(&c.limits, measured, phase_current, temperature, turns);
         }
         let (wanted, own, duty_max) = match demand {
@@ -155,7 +183,7 @@ impl Control {
                 return self.output;
             }
             Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
-            Demand::Speed { gains, target, measured: speed, duty_max } => {
+            Demand::Speed { gains, target, measured: speed, duty_max, fade } => {
                 self.resume(c, measurement, speed);
                 self.finish_catching(c, measured, measurement, speed, due);
                 if self.coast(c, measured, measurement, speed) {
@@ -172,7 +200,10 @@ impl Control {
                     self.speed_error = setpoint.saturating_sub(speed);
                     self.speed_voltage = self.speed.step(&gains, self.speed_error, 0, ceiling);
                 }
-                (self.speed_voltage, Limiter::Speed, duty_max)
+                match fade {
+                    0 => (self.speed_voltage, Limiter::Speed, duty_max),
+                    _ => (self.speed_voltage / 16 * (16 - i32::from(fade.min(16))), Limiter::Fade, duty_max),
+                }
             }
         };
         let (voltage, limiter) = self.limit_current(c, wanted, own, measured);

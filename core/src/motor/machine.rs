@@ -40,8 +40,6 @@ pub enum Refusal {
     NoMode = 1,
     /// The parameter set does not build.
     Parameters = 2,
-    /// The selected control mode has no estimator in this firmware.
-    NoEstimator = 3,
     /// Standby was not requested since the last stop, fault or reset.
     NoFreshRequest = 4,
 }
@@ -72,9 +70,6 @@ pub struct MachineCoefficients {
     /// Command time-out.
     pub command_timeout: u32,
 }
-
-/// There is no back-EMF estimator yet: states 4 and 7 exist, and a start that would lead there is refused.
-const ESTIMATOR: bool = false;
 
 /// What the machine looks at in one tick besides its own memory.
 #[derive(Clone, Copy, Debug)]
@@ -255,7 +250,6 @@ impl Machine {
     /// Why a start is refused now.
     fn refuse(&self, enabled: Conditions, inputs: &Inputs) -> Refusal {
         let modes = Conditions::HALL.union(Conditions::SENSORLESS).union(Conditions::OPEN_LOOP);
-        let sensorless = enabled.contains(Conditions::SENSORLESS) && !enabled.contains(Conditions::HALL);
         if !self.armed {
             Refusal::NoFreshRequest
         } else if !inputs.parameters_fit {
@@ -264,8 +258,6 @@ impl Machine {
             Refusal::None
         } else if !enabled.intersects(modes) {
             Refusal::NoMode
-        } else if sensorless && !ESTIMATOR {
-            Refusal::NoEstimator
         } else {
             Refusal::None
         }
@@ -316,6 +308,12 @@ impl Machine {
     /// This start is a hall calibration.
     pub const fn calibrating(&self) -> bool {
         self.mode.contains(Conditions::CALIBRATION)
+    }
+
+    /// This start is a sensorless one.
+    pub const fn is_sensorless(&self) -> bool {
+        let others = Conditions::HALL.union(Conditions::CALIBRATION);
+        self.mode.contains(Conditions::SENSORLESS) && !self.mode.intersects(others)
     }
 
     /// No valid command for the time-out.

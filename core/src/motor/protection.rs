@@ -132,6 +132,8 @@ pub struct Evidence {
     pub torque_sign: i8,
     /// A phase is open.
     pub open_phase: bool,
+    /// What the sensorless rails have filled their bucket with.
+    pub sensorless: Option<Cause>,
 }
 
 /// Plausibility counts of the hall sensors: each glitch adds, time takes away.
@@ -288,6 +290,9 @@ impl Protection {
             (evidence.request == Request::Shutdown, Cause::ShutdownCommanded),
             (self.shutdown_line.step(shutdown, !shutdown, c.shutdown_ticks), Cause::ShutdownLine),
             (evidence.open_phase && evidence.driving, Cause::OpenPhase),
+            (evidence.sensorless == Some(Cause::SensorlessStall), Cause::SensorlessStall),
+            (evidence.sensorless == Some(Cause::Desynchronisation), Cause::Desynchronisation),
+            (evidence.sensorless == Some(Cause::WrongLock), Cause::WrongLock),
             (store.contains(FaultWord::STORE_MISMATCH), Cause::StoreMismatch),
             (store.contains(FaultWord::STORE_ABSENT), Cause::StoreAbsent),
             (store.contains(FaultWord::STORE_VERSION), Cause::StoreVersion),

@@ -129,7 +129,7 @@ use State::{
 
 /// Table 7, with T06, T16, T76 and the reversals. The first row that holds wins, so the order is the priority: critical fault,
 /// Standby request, communication time-out, reversal, time and speed.
-pub const TRANSITIONS: [Transition; 33] = [
+pub const TRANSITIONS: [Transition; 34] = [
     t("T06", Initialization, Fault, C::UNHEALTHY, ANY),
     t("T01", Initialization, Standby, C::BOOTED, ANY),
     t("T16", Standby, Fault, C::CRITICAL, ANY),
@@ -167,6 +167,7 @@ pub const TRANSITIONS: [Transition; 33] = [
     t("T76", SensorlessAutoRestart, Fault, C::CRITICAL, ANY),
     t("T71", SensorlessAutoRestart, Standby, C::STANDBY, ANY),
     t("T76", SensorlessAutoRestart, Fault, C::EXPIRED, ANY),
+    t("T71", SensorlessAutoRestart, Standby, REVERSED, ANY),
     t("T71", SensorlessAutoRestart, Standby, C::ELAPSED.union(C::STOPPED), ANY),
     t("T74", SensorlessAutoRestart, SensorlessClosedLoop, C::ELAPSED, C::STOPPED),
 ];
