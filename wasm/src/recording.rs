@@ -57,7 +57,7 @@ pub fn replay(bytes: &[u8], until: Option<f64>) -> Result<JsValue, JsValue> {
 
 fn count(until: f64) -> Result<u64, JsValue> {
     // Above 2^53 a number no longer counts one by one.
-    if until >= 0.0 && until <= js_sys::Number::MAX_SAFE_INTEGER && until.fract() == 0.0 {
+    if (0.0..=js_sys::Number::MAX_SAFE_INTEGER).contains(&until) && until.fract() == 0.0 {
         return Ok(until as u64);
     }
     let until = shown(&until.into());

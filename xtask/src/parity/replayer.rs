@@ -81,14 +81,16 @@ impl Replay for Replayer {
             Err(error) => return files.iter().map(|_| Err(format!("did not start: {error}"))).collect(),
         };
         let text = String::from_utf8_lossy(&output.stdout);
+        // Its last line says most: what stands before is where.
         let complaint = String::from_utf8_lossy(&output.stderr);
+        let complaint = complaint.trim().lines().last().unwrap_or_default().to_owned();
         let mut lines = text.lines();
         files
             .iter()
             .map(|file| {
-                let line = lines.next().ok_or_else(|| {
-                    format!("ended without an answer ({}): {}", output.status, complaint.trim())
-                })?;
+                let line = lines
+                    .next()
+                    .ok_or_else(|| format!("ended without an answer ({}): {complaint}", output.status))?;
                 Answer::parse(&stem(file), line)
             })
             .collect()
