@@ -20,6 +20,8 @@ mod safety;
 mod scripted;
 mod sensorless;
 mod session;
+mod session;
+mod start;
 mod support;
 mod transition_table;
 mod zero_crossing;
