@@ -20,7 +20,6 @@ mod safety;
 mod scripted;
 mod sensorless;
 mod session;
-mod session;
 mod start;
 mod support;
 mod transition_table;

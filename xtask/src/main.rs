@@ -91,6 +91,11 @@ fn generate(root: &Path) -> ExitCode {
             tests.args(["test", "-p", "narx-tests", "--test", "protocol"]);
             run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
         }),
+        Step::new("tables of running", move || {
+            let mut tests = Command::new("cargo");
+            tests.args(["test", "-p", "narx-tests", "--test", "motor", "presets_with"]);
+            run(tests.current_dir(root).env("INSTA_UPDATE", "always"))
+        }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),

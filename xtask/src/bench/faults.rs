@@ -54,20 +54,24 @@ pub(super) fn rows(_: &[u64]) -> Vec<Row> {
     }
     let results = map(&points, |((_, trouble), state)| latency(*trouble, *state));
     let mut failures = Vec::new();
-    let mut longest = 0;
+    let mut longest = TROUBLES.map(|(name, _)| (name, 0));
     for (((name, _), state), result) in points.iter().zip(&results) {
         match result {
-            Ok(ticks) => longest = longest.max(*ticks),
+            Ok(ticks) => longest
+                .iter_mut()
+                .filter(|(of, _)| of == name)
+                .for_each(|(_, most)| *most = (*most).max(*ticks)),
             Err(why) => failures.push(format!("{name} in {}: {why}", state.name())),
         }
     }
     let kept = results.len() - failures.len();
+    let each: Vec<String> = longest.iter().map(|(name, ticks)| format!("{name} {ticks}")).collect();
     vec![Row {
         promise: "critical fault in any state",
         goal: "bridge off in the tick it qualifies",
-        measured: format!("{kept} of {}; cause to bridge off at most {longest} ticks", results.len()),
+        measured: format!("{kept} of {}; ticks from cause to bridge off: {}", results.len(), each.join(", ")),
         met: failures.is_empty(),
-        figures: vec![("runs", results.len() as f64), ("longest_ticks", f64::from(longest))],
+        figures: longest.iter().map(|(name, ticks)| (*name, f64::from(*ticks))).collect(),
         failures,
     }]
 }

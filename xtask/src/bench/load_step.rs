@@ -79,9 +79,9 @@ fn step(point: &Point) -> Result<f64, String> {
     }
     if back > BACK {
         let rpm = trial.mean_rpm(0.1);
+        let limiter = trial.bench.status().limiter;
         return Err(format!(
-            "{rpm:.0} of {target:.0} rpm after 0.8 s, limited by {:?}",
-            trial.bench.status().limiter
+            "still off after {back:.2} s; {rpm:.0} of {target:.0} rpm after 0.8 s, bounded by {limiter:?}"
         ));
     }
     Ok(back)

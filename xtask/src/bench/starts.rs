@@ -7,7 +7,7 @@ use super::trial::Trial;
 use narx_core::motor::State;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::PlantConfig;
-use narx_sim::presets::PRESETS;
+use narx_sim::presets::{PRESETS, Preset};
 
 /// Starts that succeed within Auto-restart, share.
 const STARTED: f64 = 0.999;
@@ -77,41 +77,41 @@ pub(super) fn rows(starts: &[Start], asked: usize) -> Vec<Row> {
     ]
 }
 
-/// Every preset as its data sheet has it, at four supplies, from eight angles.
+/// Every preset as its data sheet has it, at four supplies, each the slowest of eight angles.
 pub(super) fn nominal(_: &[u64]) -> Vec<Row> {
     let mut points = Vec::new();
     for preset in &PRESETS {
-        for supply in [18.0, 24.0, 48.0, 60.0] {
-            points.extend((0..8).map(|angle| (preset, supply, 45.0 * f64::from(angle))));
-        }
+        points.extend([18.0, 24.0, 48.0, 60.0].map(|supply| (preset, supply)));
     }
-    let times = map(&points, |(preset, supply, angle)| {
-        let plate = Nameplate {
-            motor: preset.motor,
-            rated_current: preset.data.rated_current,
-            supply: *supply,
-            open_loop_speed: None,
-        };
-        let commissioning = plate.commission(Mode::Sensorless).ok()?;
-        let mut plant = PlantConfig::new(preset.motor, *supply);
-        plant.angle_deg = *angle;
-        let rpm = 0.5 * (commissioning.speed_min + commissioning.speed_max);
-        let mut trial = Trial::new(&plant, &commissioning, "", false);
-        trial.start(rpm as i32);
-        Some(trial.until(5.0, |trial| trial.state() == State::SensorlessClosedLoop).unwrap_or(f64::INFINITY))
+    let times = map(&points, |(preset, supply)| {
+        let angles = (0..8).map(|eighth| 45.0 * f64::from(eighth));
+        angles.map(|angle| to_closed_loop(preset, *supply, angle)).fold(0.0, f64::max)
     });
-    let slowest = times.iter().flatten().copied().fold(0.0, f64::max);
-    let failures = points.iter().zip(&times).filter_map(|((preset, supply, angle), time)| {
-        let late = time.filter(|time| *time > SOON.0)?;
-        Some(format!("{} at {supply} V, {angle} deg: {late:.2} s", preset.name))
-    });
-    let runs = times.iter().flatten().count();
+    let slowest = times.iter().copied().fold(0.0, f64::max);
+    let late = points.iter().zip(&times).filter(|(_, time)| **time > SOON.0);
+    let failures: Vec<String> =
+        late.map(|((preset, supply), time)| format!("{} at {supply} V: {time:.2} s", preset.name)).collect();
     vec![Row {
         promise: "request to closed loop, presets",
         goal: "<= 0.8 s at nominal inertia",
-        measured: format!("{slowest:.2} s slowest of {runs}"),
-        met: slowest <= SOON.0,
-        figures: vec![("slowest_s", slowest), ("runs", runs as f64)],
-        failures: failures.collect(),
+        measured: format!("{slowest:.2} s slowest of {} from 8 angles each", points.len()),
+        met: failures.is_empty(),
+        figures: vec![("slowest_s", slowest), ("runs", 8.0 * points.len() as f64)],
+        failures,
     }]
+}
+
+/// Seconds from the request to state 4; infinite if it takes more than 5 s, 0 for what commissioning refuses.
+fn to_closed_loop(preset: &Preset, supply: f64, angle_deg: f64) -> f64 {
+    let plate = Nameplate {
+        motor: preset.motor,
+        rated_current: preset.data.rated_current,
+        supply,
+        open_loop_speed: None,
+    };
+    let Ok(commissioning) = plate.commission(Mode::Sensorless) else { return 0.0 };
+    let plant = PlantConfig { angle_deg, ..PlantConfig::new(preset.motor, supply) };
+    let mut trial = Trial::new(&plant, &commissioning, "", false);
+    trial.start((0.5 * (commissioning.speed_min + commissioning.speed_max)) as i32);
+    trial.until(5.0, |trial| trial.state() == State::SensorlessClosedLoop).unwrap_or(f64::INFINITY)
 }
