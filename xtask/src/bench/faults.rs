@@ -54,7 +54,7 @@ pub(super) fn rows(_: &[u64]) -> Vec<Row> {
     }
     let results = map(&points, |((_, trouble), state)| latency(*trouble, *state));
     let mut failures = Vec::new();
-    let mut longest = TROUBLES.map(|(name, _)| (name, 0));
+    let mut longest = TROUBLES.map(|(name, _)| (name, 0_u32));
     for (((name, _), state), result) in points.iter().zip(&results) {
         match result {
             Ok(ticks) => longest
