@@ -45,7 +45,7 @@ pub struct Measured {
     pub bus_current: Amps,
     /// The same after a first-order filter of 64 ticks: longer than what a commutation returns to the bus.
     pub bus_current_filtered: Amps,
-    /// Terminal voltages A, B, C.
+    /// Terminal voltages A, B, C, where somebody looks at them; else 0.
     pub phase_voltage: [Volts; 3],
 }
 
@@ -77,8 +77,16 @@ impl ZeroCurrent {
     }
 }
 
+impl MeasurementScales {
+    /// Terminal voltages A, B, C. Only the back-EMF station and reports ask for them.
+    #[inline]
+    pub fn phase_voltage(&self, samples: &Samples) -> [Volts; 3] {
+        samples.phase_voltage.map(|code| Volts::from_bits(self.phase_voltage.convert(code)))
+    }
+}
+
 impl Measurement {
-    /// Converts one tick's codes. `idle`: no current can flow, so what the current channel reads is its zero.
+    /// Converts one tick's codes, phase voltages apart. `idle`: no current can flow, so what the current channel reads is its zero.
     #[inline]
     pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Measured {
         let bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
@@ -89,9 +97,7 @@ impl Measurement {
             bus_voltage: Volts::from_bits(bus_voltage),
             bus_current: Amps::from_bits(bus_current),
             bus_current_filtered: Amps::from_bits((self.filtered >> 6) as i32),
-            phase_voltage: samples
-                .phase_voltage
-                .map(|code| Volts::from_bits(scales.phase_voltage.convert(code))),
+            phase_voltage: [Volts::ZERO; 3],
         }
     }
 
