@@ -108,7 +108,7 @@ impl Measurement {
     }
 }
 
-/// `2^47 / voltage bits`, kept by two Newton steps a tick: `r' = r (2 - v r)`.
+/// `2^47 / voltage bits`, kept by two Newton steps a tick: `r' = r (2 - v r)`. At most 2^29 and a little, by [`BUS_MIN`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Reciprocal(i64);
 
@@ -118,27 +118,33 @@ const BUS_MIN: i32 = 4 << 16;
 impl Reciprocal {
     #[inline]
     fn follow(&mut self, bus_voltage: i32) {
-        let voltage = bus_voltage.max(BUS_MIN) as i64;
-        let error = (1 << 47) - voltage * self.0;
+        let voltage = bus_voltage.max(BUS_MIN);
+        let error = self.error(voltage);
         // A step squares the relative error: from within 1/16 two leave 2^-16. Outside (power-up, a torn supply)
         // divide once.
-        self.0 = if error.abs() < 1 << 43 {
+        *self = if error.abs() < 1 << 43 {
             let first = self.refined(error);
-            first.refined((1 << 47) - voltage * first.0).0
+            first.refined(first.error(voltage))
         } else {
-            (1 << 47) / voltage
+            Self((1 << 47) / i64::from(voltage))
         };
     }
 
-    /// One Newton step; `error` is 2^47 less voltage x reciprocal.
+    /// 2^47 less voltage x reciprocal. Both factors have 32 bits: one multiply instruction.
+    #[inline]
+    const fn error(self, voltage: i32) -> i64 {
+        (1 << 47) - voltage as i64 * self.0 as i32 as i64
+    }
+
+    /// One Newton step; `error` is within 2^43.
     #[inline]
     const fn refined(self, error: i64) -> Self {
-        Self(self.0 + ((self.0 * (error >> 16)) >> 31))
+        Self((self.0 as i32 as i64) + ((self.0 as i32 as i64 * (error >> 16) as i32 as i64) >> 31))
     }
 
     #[inline]
     fn quotient(self, voltage: i32) -> Duty {
-        let bits = (voltage.max(0) as i64 * self.0) >> 32;
+        let bits = (voltage.max(0) as i64 * self.0 as i32 as i64) >> 32;
         Duty::from_bits(bits.min(Duty::ONE.to_bits() as i64) as u16)
     }
 }

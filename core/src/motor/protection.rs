@@ -176,10 +176,16 @@ pub struct Protection {
 
 impl Protection {
     /// One tick. True when a critical fault is present now.
+    #[inline]
     pub fn step(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
         if self.quiet && self.stays_quiet(c, evidence) {
             return false;
         }
+        self.judge(c, evidence)
+    }
+
+    #[inline(never)]
+    fn judge(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
         let mask = FaultWord::critical(c.critical_mask, evidence.driving);
         self.live = FaultWord::empty();
         self.limits(c, evidence, mask);
@@ -234,7 +240,9 @@ impl Protection {
             self.shutdown_line,
         ];
         let HallCounts { invalid, jumps, stalled, .. } = self.hall;
-        self.live.is_empty() && limits.iter().all(|limit| *limit == at_rest) && (invalid, jumps, stalled) == (0, 0, 0)
+        self.live.is_empty()
+            && limits.iter().all(|limit| *limit == at_rest)
+            && (invalid, jumps, stalled) == (0, 0, 0)
     }
 
     /// A fault that the state machine decides: no command for the time-out while driving.

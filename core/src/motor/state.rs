@@ -173,8 +173,7 @@ pub const TRANSITIONS: [Transition; 34] = [
 ];
 
 /// What a start is sampled with, and holds until the next one: it decides which row fires, never that one does.
-const MODES: Conditions =
-    C::HALL.union(C::SENSORLESS).union(C::OPEN_LOOP).union(C::CALIBRATION);
+const MODES: Conditions = C::HALL.union(C::SENSORLESS).union(C::OPEN_LOOP).union(C::CALIBRATION);
 
 /// By state: without one of these no row of it holds. A reversal waits for standstill, so in rows of both the rarer counts.
 const TRIGGERS: [Conditions; 8] = {
