@@ -44,7 +44,7 @@ enum Job {
         check: bool,
     },
     /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
-    /// C header, golden figures
+    /// C header, type declarations, golden figures
     Generate,
     /// Make ffi/include/narx.h anew: the C header
     Header {
@@ -91,5 +91,6 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
+        Step::new("wasm", move || web::generate(root)),
     ])
 }

@@ -99,7 +99,7 @@ impl<'a> Run<'a> {
         let (state, faults) = (status.state, status.faults.bits());
         if self.state != Some(state) || faults & !self.faults != 0 {
             let speed = bench.plant().observe().speed * 60.0 / std::f64::consts::TAU;
-            print!("{:>7.3} s  {} {:<24} {speed:>8.0} rpm", bench.time(), state as u8, name(state));
+            print!("{:>7.3} s  {} {:<31} {speed:>8.0} rpm", bench.time(), state as u8, state.name());
             println!(
                 "{}",
                 if faults == 0 {
@@ -111,20 +111,6 @@ impl<'a> Run<'a> {
             self.state = Some(state);
         }
         self.faults = faults;
-    }
-}
-
-/// The state's name in the specification.
-const fn name(state: State) -> &'static str {
-    match state {
-        State::Initialization => "Initialization",
-        State::Standby => "Standby",
-        State::RotorLock => "Rotor lock",
-        State::OpenLoop => "Open-loop",
-        State::SensorlessClosedLoop => "Sensorless Closed-loop",
-        State::HallClosedLoop => "Closed-loop Hall Effect",
-        State::Fault => "Fault",
-        State::SensorlessAutoRestart => "Sensorless Auto-Restart",
     }
 }
 
