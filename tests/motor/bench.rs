@@ -1,7 +1,7 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
 use narx_core::motor::event::SlowMeasurements;
-use narx_core::motor::{Coefficients, Command, Drive, Event, Request, State, Status};
+use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig, Phase, Plant, PlantConfig};
@@ -49,8 +49,13 @@ pub(crate) struct Closed {
     pub bus_max: f64,
     /// The master says nothing.
     pub silent: bool,
+    /// Set-point, mechanical rpm.
+    pub set_point: f64,
+    /// What the last tick answered.
+    pub output: PwmCommand,
     request: Request,
     mode: Mode,
+    rated_current: Option<f64>,
 }
 
 impl Closed {
@@ -65,7 +70,17 @@ impl Closed {
     }
 
     fn with_mode(config: &PlantConfig, changes: &[(u16, i32)], mode: Mode) -> Self {
-        let coefficients = commissioned(config, changes, mode);
+        Self::rated(config, changes, mode, Some(4.0))
+    }
+
+    /// With the motor's rated current.
+    pub(crate) fn rated(
+        config: &PlantConfig,
+        changes: &[(u16, i32)],
+        mode: Mode,
+        rated_current: Option<f64>,
+    ) -> Self {
+        let coefficients = commissioned(config, changes, mode, rated_current);
         Self {
             drive: Drive::new(coefficients),
             plant: Plant::new(config),
@@ -74,14 +89,17 @@ impl Closed {
             fastest: 0.0,
             bus_max: 0.0,
             silent: false,
+            set_point: RPM,
+            output: PwmCommand::default(),
             request: Request::Standby,
             mode,
+            rated_current,
         }
     }
 
     /// Other parameters from now on: the commissioned ones with these raw values changed.
     pub(crate) fn configure(&mut self, changes: &[(u16, i32)]) {
-        let coefficients = commissioned(self.plant.config(), changes, self.mode);
+        let coefficients = commissioned(self.plant.config(), changes, self.mode, self.rated_current);
         self.drive.handle_event(Event::Coefficients(coefficients));
     }
 
@@ -91,7 +109,7 @@ impl Closed {
     }
 
     fn command(&self) -> Event {
-        let speed = RPM / 60.0 * 4.0;
+        let speed = self.set_point / 60.0 * f64::from(self.plant.config().motor.pole_pairs);
         Event::Command(Command {
             request: self.request,
             speed: ElectricalSpeed::from_bits((speed * 65_536.0) as i32),
@@ -114,6 +132,7 @@ impl Closed {
             self.status = status;
         }
         self.plant.finish_period(&output);
+        self.output = output;
         let now = self.plant.observe();
         self.peak = now.current.iter().fold(self.peak, |peak, current| peak.max(current.abs()));
         self.fastest = self.fastest.max(self.rpm().abs());
@@ -145,10 +164,15 @@ impl Closed {
     }
 }
 
-fn commissioned(config: &PlantConfig, changes: &[(u16, i32)], mode: Mode) -> Coefficients {
+fn commissioned(
+    config: &PlantConfig,
+    changes: &[(u16, i32)],
+    mode: Mode,
+    rated_current: Option<f64>,
+) -> Coefficients {
     let plate = Nameplate {
         motor: config.motor,
-        rated_current: Some(4.0),
+        rated_current,
         supply: config.supply.voltage,
         open_loop_speed: None,
     };

@@ -4,6 +4,7 @@ use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Level, Sight};
 use narx_core::motor::gain::Gain;
 use narx_core::motor::listening::Listening;
 use narx_core::motor::measurement::Measured;
+use narx_core::motor::pwm::Commutation;
 use narx_core::motor::rails::{Rail, RailCoefficients, Rails};
 use narx_core::motor::zero_crossing::{BLIND_MAX, PREPARED, Why, ZeroCrossing};
 use narx_core::motor::{Cause, Direction, Edge, EdgeSource, PwmCommand, SampleMode, Samples, Step};
@@ -48,12 +49,20 @@ fn fall(
     let applied = |step| PwmCommand { step, sample_mode: mode, ..PwmCommand::default() };
     let samples = Samples { sample_mode: mode, ..Samples::default() };
     // The step before, so that AB begins at its first tick.
-    back_emf.step(c, &samples, &terminals(bus, 0.0, mode), &applied(Step::CB), Direction::Forward, interval);
+    back_emf.step(
+        c,
+        &samples,
+        &terminals(bus, 0.0, mode),
+        &applied(Step::CB),
+        Direction::Forward,
+        interval,
+        0,
+    );
     (1..40)
         .map(|tick| {
             let emf = (crossing - f64::from(tick)) * volts;
             let measured = terminals(bus, emf, mode);
-            back_emf.step(c, &samples, &measured, &applied(Step::AB), Direction::Forward, interval)
+            back_emf.step(c, &samples, &measured, &applied(Step::AB), Direction::Forward, interval, 0)
         })
         .collect()
 }
@@ -103,7 +112,7 @@ fn a_spike_does_not_outvote_the_window() {
     let applied = |step| PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
     let mut step = |step, emf| {
         let measured = terminals(24.0, emf, SampleMode::OnTime);
-        back_emf.step(&c, &samples, &measured, &applied(step), Direction::Forward, 100 << 16)
+        back_emf.step(&c, &samples, &measured, &applied(step), Direction::Forward, 100 << 16, 0)
     };
     step(Step::CB, 0.0);
     let mut found = Vec::new();
@@ -150,7 +159,7 @@ fn a_rotor_that_stops_has_not_crossed() {
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
         let emf = if tick < 20 { 0.2 } else { -0.01 };
         let measured = terminals(24.0, emf, SampleMode::OnTime);
-        let sight = back_emf.step(&c, &samples, &measured, &applied, Direction::Forward, 0);
+        let sight = back_emf.step(&c, &samples, &measured, &applied, Direction::Forward, 0, 0);
         assert!(sight.crossing.is_none() && !sight.late, "tick {tick}");
     }
 }
@@ -178,7 +187,7 @@ fn comparator_edges_with_their_delays() {
         let mut tick = |step, edges: &[Edge]| {
             let samples = Samples { edges: edges.iter().copied().collect(), ..Samples::default() };
             let applied = PwmCommand { step, ..PwmCommand::default() };
-            back_emf.step(&c, &samples, &Measured::default(), &applied, Direction::Forward, 2 << 16)
+            back_emf.step(&c, &samples, &Measured::default(), &applied, Direction::Forward, 2 << 16, 0)
         };
         tick(before, &[]);
         // Demagnetisation looks like the level beyond, then the level before shows, then the crossing.
@@ -372,6 +381,39 @@ fn a_motor_at_rest_is_quiet() {
         assert!(listening.step(&[0, 1_280, 0].map(Volts::from_bits), NOISE, 0).is_none());
     }
     assert!(!listening.is_turning() && listening.quiet() >= 90);
+}
+
+/// A converter's offset makes one terminal the highest for ever: that is loud, and still.
+#[test]
+fn an_offset_is_no_rotation() {
+    let mut listening = Listening::default();
+    for _ in 0..100 {
+        listening.step(&[0, 60_000, 0].map(Volts::from_bits), NOISE, 0);
+    }
+    assert!(!listening.is_turning() && listening.quiet() == 0 && listening.still() >= 90);
+}
+
+/// Two ticks a sector: the commutation was taken at the end of the period in whose beginning the crossing before it came.
+#[test]
+fn an_edge_before_the_commutation_of_its_period_counts() {
+    let c = BackEmfCoefficients { comparator: true, discard: 0, ..coefficients() };
+    let mut back_emf = BackEmf::default();
+    let edge = |instant, code| Edge { instant, source: EdgeSource::Comparator, code };
+    let mut tick = |step, then: Option<Step>, edges: &[Edge]| {
+        let samples = Samples { edges: edges.iter().copied().collect(), ..Samples::default() };
+        let mut applied = PwmCommand { step, ..PwmCommand::default() };
+        if let Some(step) = then {
+            applied.commutations.push(Commutation { instant: 60_000, step });
+        }
+        back_emf.step(&c, &samples, &Measured::default(), &applied, Direction::Forward, 2 << 16, 0)
+    };
+    tick(Step::CB, None, &[]);
+    // AB floats C, whose crossing falls.
+    tick(Step::AB, None, &[edge(9_000, 0b100)]);
+    let sight = tick(Step::AB, Some(Step::AC), &[edge(6_000, 0)]);
+    assert_eq!(sight.crossing, Some(65_536 - 6_000));
+    assert!(!sight.missed);
+    assert_eq!(sight.sector, Step::AB.sector());
 }
 
 /// Episodes fill a bucket that leaks; a full one names the fault.

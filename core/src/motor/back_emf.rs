@@ -105,7 +105,9 @@ pub struct BackEmf {
 }
 
 impl BackEmf {
-    /// One tick. `interval` is the expected time of a sector, 1/65 536 tick; 0 unknown.
+    /// One tick. `interval` is the expected time of a sector, 1/65 536 tick; 0 unknown. `emf` is the line-to-line back-EMF at that
+    /// speed, raw I16F16 V; 0 unknown.
+    #[allow(clippy::too_many_arguments, reason = "one station, called from one place")]
     pub fn step(
         &mut self,
         c: &BackEmfCoefficients,
@@ -114,10 +116,12 @@ impl BackEmf {
         applied: &PwmCommand,
         torque: Direction,
         interval: u32,
+        emf: i32,
     ) -> Sight {
+        let earlier = self.edges_before_change(c, samples, applied, torque, interval);
         let missed = self.follow(c, applied, interval);
         let mut sight = Sight { missed, ..Sight::default() };
-        let Some((sector, phase)) = floating(self.step, torque) else { return sight };
+        let Some((sector, phase)) = floating(self.step, torque) else { return earlier.unwrap_or(sight) };
         sight.sector = Some(sector);
         let rising = sector & 1 == 1;
         let blank = blanking(c, interval);
@@ -126,13 +130,13 @@ impl BackEmf {
             // At rest a comparator's output says nothing.
             sight.late &= interval > 0;
         } else if self.age.saturating_add(applied.sample_at.into()) >= blank {
-            self.sample(c, samples, measured, phase, rising, applied.sample_at, &mut sight);
+            self.sample(c, samples, measured, phase, rising, applied.sample_at, emf, &mut sight);
         }
         let delay = if rising { c.delay_rising } else { c.delay_falling };
         sight.crossing = sight.crossing.map(|age| age.saturating_add(delay));
         self.found |= sight.crossing.is_some() || sight.late;
         sight.passed = self.found;
-        sight
+        earlier.unwrap_or(sight)
     }
 
     /// The crossing was too early to be one: it is looked for again.
@@ -177,6 +181,7 @@ impl BackEmf {
         phase: usize,
         rising: bool,
         sample_at: u16,
+        emf: i32,
         sight: &mut Sight,
     ) {
         let off_time = samples.sample_mode == SampleMode::OffTime;
@@ -190,8 +195,10 @@ impl BackEmf {
         };
         let signal = signal(&measured.phase_voltage, phase);
         let signal = if rising { signal } else { -signal };
-        // One spike must not outvote the window.
-        let mean = self.average(signal.clamp(-16 * noise, 16 * noise));
+        // One spike must not outvote the window; but what the flank gives within it (a twelfth of the step at most, and the signal
+        // spans 1.9 E in a step) must pass, or the crossing would move to the middle between two samples.
+        let widest = (16 * noise).max(emf / 4);
+        let mean = self.average(if self.shift == 0 { signal } else { signal.clamp(-widest, widest) });
         let now = -i32::from(sample_at);
         if mean < threshold - noise {
             self.healthy |= !self.found;
@@ -243,6 +250,42 @@ impl BackEmf {
     fn mean_delay(&self) -> i32 {
         let wide = i32::from(self.count.min(1 << self.shift));
         (wide - 1) * (TICK as i32 / 2)
+    }
+
+    /// A crossing of the pattern that was left within the period that has ended: with two ticks a sector a commutation can be taken
+    /// at the end of the very period in which the crossing before it came.
+    fn edges_before_change(
+        &mut self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+        torque: Direction,
+        interval: u32,
+    ) -> Option<Sight> {
+        if !c.comparator {
+            return None;
+        }
+        let mut changes = applied.commutations.iter().filter(|change| change.step != self.step);
+        let change =
+            if applied.step == self.step { changes.next().map(|change| change.instant)? } else { c.earliest };
+        let (sector, phase) = floating(self.step, torque)?;
+        let rising = sector & 1 == 1;
+        let blank = blanking(c, interval);
+        let beyond = |code: u8| ((code >> phase) & 1 == 1) == rising;
+        let mut crossing = None;
+        let edges = samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator);
+        for edge in edges.filter(|edge| edge.instant < change) {
+            let since = self.age.saturating_add(edge.instant.into());
+            let (was, is) = (beyond(self.code), beyond(edge.code));
+            self.healthy |= !was && since >= blank && !self.found;
+            self.code = edge.code;
+            if !was && is && self.healthy && !self.found {
+                let delay = if rising { c.delay_rising } else { c.delay_falling };
+                crossing = Some((TICK - u32::from(edge.instant)) as i32 + delay);
+                self.found = true;
+            }
+        }
+        crossing.map(|_| Sight { sector: Some(sector), crossing, passed: true, ..Sight::default() })
     }
 
     /// The comparators' edges of the period that has ended.

@@ -202,7 +202,7 @@ impl Control {
                 }
                 match fade {
                     0 => (self.speed_voltage, Limiter::Speed, duty_max),
-                    _ => (self.speed_voltage / 16 * (16 - i32::from(fade.min(16))), Limiter::Fade, duty_max),
+                    _ => (self.faded(c, speed, fade), Limiter::Fade, duty_max),
                 }
             }
         };
@@ -288,6 +288,13 @@ impl Control {
                 self.output.duty = measurement.duty(back_emf);
             }
         }
+    }
+
+    /// What is above back-EMF fades, and with it the torque: a voltage below it would brake the motor into the bus. Where the constant is
+    /// unknown all of the voltage fades.
+    fn faded(&self, c: &ControlCoefficients, speed: i32, fade: u8) -> i32 {
+        let back_emf = c.back_emf.apply32(speed).clamp(0, self.speed_voltage.max(0));
+        back_emf + (self.speed_voltage - back_emf) / 16 * (16 - i32::from(fade.min(16)))
     }
 
     /// Set-point after its ramp, raw I16F16 electrical rev/s, a magnitude.

@@ -250,7 +250,8 @@ impl Drive {
             }
             State::OpenLoop if self.machine.is_sensorless() => {}
             State::SensorlessClosedLoop if self.sensorless.is_running() => {
-                if change.row.from == State::OpenLoop && c.control.initial_voltage > 0 {
+                let brought_up = change.row.from == State::OpenLoop && !self.sensorless.is_caught();
+                if brought_up && c.control.initial_voltage > 0 {
                     self.control.hand_over(self.control.setpoint(), c.control.initial_voltage);
                 }
             }
@@ -350,7 +351,8 @@ impl Drive {
             Plan::Level(voltage) => Demand::Voltage { voltage, duty_max: mode.duty_max },
             Plan::Speed(fade) => {
                 let command = self.machine.command().speed.to_bits();
-                let wanted = if state == State::OpenLoop { c.open_loop.speed } else { command };
+                let ramped = state == State::OpenLoop && !self.sensorless.is_caught();
+                let wanted = if ramped { c.open_loop.speed } else { command };
                 let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
                 let target = if self.machine.reversing() { 0 } else { wanted };
                 Demand::Speed { gains: mode.speed, target, measured: speed, duty_max: mode.duty_max, fade }

@@ -35,6 +35,8 @@ pub struct Listening {
     ticks: u32,
     /// Ticks since a terminal was above the noise, saturating.
     quiet: u32,
+    /// Ticks since the highest terminal changed, saturating.
+    still: u32,
     /// Changes in a row in one direction.
     run: u8,
     direction: Direction,
@@ -59,8 +61,9 @@ impl Listening {
         let before_age = core::mem::replace(&mut self.previous_age, age).saturating_add(TICK as i32);
         self.ticks = self.ticks.saturating_add(1);
         self.quiet = self.quiet.saturating_add(1);
+        self.still = self.still.saturating_add(1);
         if self.ticks < SETTLED {
-            self.quiet = 0;
+            (self.quiet, self.still) = (0, 0);
             return None;
         }
         let [a, b, c] = now;
@@ -73,6 +76,7 @@ impl Listening {
         };
         let level = |values: &[i32; 3], phase: u8| values.get(usize::from(phase)).copied().unwrap_or(0);
         if level(&now, top) < noise {
+            self.still = 0;
             return None;
         }
         self.quiet = 0;
@@ -87,7 +91,7 @@ impl Listening {
         }
         let direction = if top == (last + 1) % 3 { Direction::Forward } else { Direction::Reverse };
         self.run = if direction == self.direction { self.run.saturating_add(1) } else { 1 };
-        (self.highest, self.direction) = (Some(top), direction);
+        (self.highest, self.direction, self.still) = (Some(top), direction, 0);
         // Where the two were equal, between the two samples.
         let lag = (level(&before, last) - level(&before, top)).max(0);
         let whole = (lag + lead).max(1);
@@ -113,6 +117,11 @@ impl Listening {
     /// Which way.
     pub const fn direction(&self) -> Direction {
         self.direction
+    }
+
+    /// Ticks for which the same terminal was the highest: a converter's offset is no rotation.
+    pub const fn still(&self) -> u32 {
+        self.still
     }
 
     /// Ticks for which nothing was heard.

@@ -99,8 +99,13 @@ pub struct Sensorless {
     idle: u32,
     /// Closed loop has just begun, from a rotor that was caught coasting (true) or brought up (false).
     begun: Option<bool>,
+    /// This episode's rotor turned already when it was taken.
+    caught: bool,
 }
 
+/// Rests (5 ms) for which the same terminal is the highest, in which a rotor at 333 electrical rpm would have shown another: what is slower
+/// is brought to rest by the locks.
+const STILL: u32 = 12;
 /// Where the second lock leaves the rotor: 120 degrees, the middle of an odd sector, whose crossing rises and shows in the off-time too.
 const ALIGNED_AT: u32 = (u32::MAX / 3) + 1;
 
@@ -130,8 +135,9 @@ impl Sensorless {
             return;
         }
         self.listening.reset();
-        let sight =
-            self.back_emf.step(&c.back_emf, samples, measured, applied, torque, self.rotor.expected());
+        let expected = self.rotor.expected();
+        let emf = c.emf_of_turns.apply32(self.rotor.speed().saturating_abs());
+        let sight = self.back_emf.step(&c.back_emf, samples, measured, applied, torque, expected, emf);
         if !matches!(self.phase, Phase::Kick | Phase::Run) || (self.phase == Phase::Kick && self.age < c.rest)
         {
             return;
@@ -157,6 +163,7 @@ impl Sensorless {
     fn go(&mut self, phase: Phase) {
         (self.phase, self.age, self.idle) = (phase, 0, 0);
         self.level = Ramp::default();
+        self.caught = false;
     }
 
     /// The sequence's next move in `state`.
@@ -181,10 +188,10 @@ impl Sensorless {
                 self.go(Phase::Brake);
             } else if released && self.rotor.is_prepared() {
                 self.go(Phase::Run);
-                self.begun = Some(true);
+                (self.begun, self.caught) = (Some(true), true);
                 return Plan::Speed(0);
             }
-        } else if self.listening.quiet() >= c.rest {
+        } else if self.listening.quiet() >= c.rest || self.listening.still() >= STILL * c.rest {
             self.go(Phase::Align);
         }
         Plan::Coast
@@ -299,6 +306,11 @@ impl Sensorless {
     /// The estimator runs the motor.
     pub const fn is_running(&self) -> bool {
         matches!(self.phase, Phase::Run)
+    }
+
+    /// The estimator runs a motor that turned already: there is no open-loop speed that it would have to be brought to.
+    pub const fn is_caught(&self) -> bool {
+        self.caught
     }
 
     /// Estimated speed, 2^-32 turn a tick, signed; 0 when none is known.
