@@ -22,6 +22,7 @@ mod scripted;
 mod sensorless;
 mod sensorless_range;
 mod session;
+mod start;
 mod steady;
 mod support;
 mod transition_table;

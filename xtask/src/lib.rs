@@ -1,5 +1,6 @@
 //! What the developer commands are made of.
 
+pub mod bench;
 pub mod candump;
 pub mod coverage;
 pub mod csv;

@@ -1,0 +1,149 @@
+//! A motor of the market at an operating point: what the drive's limits allow, and what it then does.
+
+use super::trial::Trial;
+use narx_core::motor::State;
+use narx_core::motor::event::Limiter;
+use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
+use narx_sim::plant::{LoadConfig, PlantConfig};
+use narx_sim::presets::Preset;
+use std::f64::consts::TAU;
+
+/// Share of a rating that an operating point may use, so that the loops keep something to control with.
+const MARGIN: f64 = 0.9;
+
+/// Where to run.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// The motor.
+    pub preset: &'static Preset,
+    /// Hall or sensorless.
+    pub mode: Mode,
+    /// V.
+    pub supply: f64,
+    /// Share of the rated torque that the load takes at the set-point; it grows with the square of the speed.
+    pub load: f64,
+    /// Mechanical set-point, rpm; without it the middle of the range, or less where the output power of Table 2 asks for it.
+    pub rpm: Option<f64>,
+}
+
+/// A point that the drive's limits allow.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub(super) commissioning: Commissioning,
+    pub(super) rpm: i32,
+    /// Load at the set-point, N m.
+    pub(super) torque: f64,
+}
+
+/// What came of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Figures {
+    /// Set-point, mechanical rpm.
+    pub rpm: i32,
+    /// Drive request to closed loop, s.
+    pub to_closed_loop: f64,
+    /// Drive request to within 1 % of the set-point, s.
+    pub to_speed: f64,
+    /// Mean true speed over half a second less the set-point, share of it.
+    pub error: f64,
+    /// Standard deviation of the commutations' true places, share of a commutation period of 60 degrees.
+    pub jitter: f64,
+    /// Mean place of commutation, electrical degrees late.
+    pub angle_mean: f64,
+    /// The place furthest from ideal, electrical degrees.
+    pub angle_worst: f64,
+    /// Largest magnitude of a phase current from power-up on, A.
+    pub peak_current: f64,
+    /// At the end the speed loop alone bounds the duty.
+    pub unlimited: bool,
+}
+
+impl Point {
+    /// Runs it: start, acceleration, half a second to settle, half a second measured. Without figures the reason.
+    ///
+    /// # Errors
+    /// What forbids the point, or what did not come to pass.
+    pub fn run(&self) -> Result<Figures, String> {
+        let plan = self.plan()?;
+        let speed = f64::from(plan.rpm) * TAU / 60.0;
+        let mut plant = PlantConfig::new(self.preset.motor, self.supply);
+        plant.load = LoadConfig { quadratic: plan.torque / (speed * speed), ..LoadConfig::default() };
+        plant.angle_deg = 77.0;
+        let mut trial = Trial::new(&plant, &plan.commissioning, "", false);
+        measure(&mut trial, plan.rpm, self.mode)
+    }
+
+    pub(super) fn plan(&self) -> Result<Plan, String> {
+        let motor = self.preset.motor;
+        let plate = Nameplate {
+            motor,
+            rated_current: self.preset.data.rated_current,
+            supply: self.supply,
+            open_loop_speed: None,
+        };
+        let commissioning = plate.commission(self.mode).map_err(|error| error.to_string())?;
+        let middle = 0.5 * (commissioning.speed_min + commissioning.speed_max);
+        let torque = self.load * self.preset.rated_torque();
+        let speed_for_power = MARGIN * self.power_max() / torque * 60.0 / TAU;
+        let rpm = self.rpm.unwrap_or(middle.min(speed_for_power)).ceil();
+        if !(commissioning.speed_min..=commissioning.speed_max).contains(&rpm) {
+            return Err(format!(
+                "{rpm:.0} rpm is outside {:.0} to {:.0} rpm",
+                commissioning.speed_min, commissioning.speed_max
+            ));
+        }
+        if rpm > speed_for_power.ceil() {
+            let power = torque * rpm * TAU / 60.0;
+            return Err(format!("{power:.0} W of {:.0} W", self.power_max()));
+        }
+        let friction = motor.static_friction + motor.viscous_friction * rpm * TAU / 60.0;
+        let needed = (torque + friction) / motor.torque_constant;
+        if needed > MARGIN * commissioning.phase_current {
+            let current = commissioning.phase_current;
+            let why = commissioning.notes.first().map_or(String::new(), |note| format!(": {note}"));
+            return Err(format!("{torque:.3} N m take {needed:.1} A, the limits leave {current:.1} A{why}"));
+        }
+        Ok(Plan { commissioning, rpm: rpm as i32, torque })
+    }
+
+    /// Output rating and 7 A of input current (Table 2), W.
+    fn power_max(&self) -> f64 {
+        let rating: f64 = if self.supply <= 48.0 { 150.0 } else { 300.0 };
+        // A rating of what is taken in; a drive and motor give about four fifths of it.
+        0.8 * rating.min(7.0 * self.supply)
+    }
+}
+
+/// The figures of a start to `rpm`.
+pub(super) fn measure(trial: &mut Trial, rpm: i32, mode: Mode) -> Result<Figures, String> {
+    let closed = if mode == Mode::Hall { State::HallClosedLoop } else { State::SensorlessClosedLoop };
+    let target = f64::from(rpm);
+    trial.start(rpm);
+    let to_closed_loop = trial.until(8.0, |trial| trial.state() == closed).ok_or("no closed loop in 8 s")?;
+    let reached = |trial: &Trial| (trial.seen().speed * 60.0 / TAU / target - 1.0).abs() < 0.01;
+    let more = trial.until(8.0, reached).ok_or("set-point not reached in 8 s")?;
+    trial.run_while(0.5, |_| true);
+    let from = *trial.seen();
+    let errors = trial.commutation_errors(0.5);
+    let seen = trial.seen();
+    let mean_rpm = (seen.angle - from.angle) / (seen.time - from.time) * 60.0 / TAU;
+    if trial.state() != closed {
+        return Err(format!("left closed loop: {}", trial.state().name()));
+    }
+    let count = errors.len().max(1) as f64;
+    let mean = errors.iter().sum::<f64>() / count;
+    let variance = errors.iter().map(|error| (error - mean) * (error - mean)).sum::<f64>() / count;
+    let worst =
+        errors.iter().copied().fold(0.0, |worst: f64, e| if e.abs() > worst.abs() { e } else { worst });
+    Ok(Figures {
+        rpm,
+        to_closed_loop,
+        to_speed: to_closed_loop + more,
+        error: mean_rpm / target - 1.0,
+        jitter: variance.sqrt() / 60.0,
+        angle_mean: mean,
+        angle_worst: worst,
+        peak_current: trial.peak,
+        unlimited: trial.bench.status().limiter == Limiter::Speed,
+    })
+}
