@@ -339,6 +339,12 @@ impl Control {
         let duty = self.output.duty.to_bits();
         let ceiling = measured.bus_voltage.to_bits().max(0);
         let (bound, limiter) = self.limit.bound(duty.max(c.duty_min));
+        // The limiter's output is at least its integrator, or the ceiling, while there is room: most ticks need no division.
+        let idle = bound >= measured.bus_current.to_bits() && self.current.is_at_least(wanted);
+        if idle && wanted <= ceiling {
+            self.current.wait(wanted.min(share(ceiling, duty.saturating_add(c.slew))));
+            return (wanted, own);
+        }
         let room = per_duty(bound.saturating_sub(measured.bus_current.to_bits()), duty);
         let most = self.current.step(&c.current, room, 0, ceiling);
         let (voltage, limiter) = if most < wanted { (most, limiter) } else { (wanted, own) };

@@ -121,10 +121,11 @@ impl Drive {
     /// One control tick.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         let idle = self.machine.state() == State::Initialization;
-        let measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
+        let mut measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
         let hall = self.rotor.step(&self.coefficients, samples);
         if self.listens() {
             let torque = self.machine.direction();
+            measured.phase_voltage = self.coefficients.measurement.phase_voltage(samples);
             self.sensorless.observe(&self.coefficients.sensorless, samples, &measured, &self.applied, torque);
         }
         let critical = self.protect(samples, &measured, hall);
@@ -138,7 +139,7 @@ impl Drive {
             self.slow.temperature,
         );
         self.applied = self.command(pattern, output.duty, output.rectification);
-        self.report(samples.tick, &measured);
+        self.report(samples, &measured);
         self.applied
     }
 
@@ -454,7 +455,7 @@ impl Drive {
         }
     }
 
-    fn report(&mut self, tick: u64, measured: &Measured) {
+    fn report(&mut self, samples: &Samples, measured: &Measured) {
         self.reported.age = self.reported.age.saturating_add(1);
         let now = Reported {
             age: self.reported.age,
@@ -464,11 +465,12 @@ impl Drive {
         let changed = now.state != self.reported.state || now.faults != self.reported.faults;
         if changed || now.age >= self.coefficients.control.ticks_per_ms {
             self.reported = Reported { age: 0, ..now };
-            self.status = Some(self.status_now(tick, measured));
+            self.status = Some(self.status_now(samples, measured));
         }
     }
 
-    fn status_now(&self, tick: u64, measured: &Measured) -> Status {
+    #[inline(never)]
+    fn status_now(&self, samples: &Samples, measured: &Measured) -> Status {
         let c = &self.coefficients;
         let direction = self.machine.direction();
         let state = self.machine.state();
@@ -486,7 +488,7 @@ impl Drive {
             if sensorless { self.sensorless.rotor().angle() } else { self.rotor.hall_position().angle };
         let (crossing, crossing_margin, crossings) = self.sensorless.why();
         Status {
-            tick,
+            tick: samples.tick,
             state,
             faults: self.protection.word(),
             critical: self.protection.critical(),
@@ -507,7 +509,7 @@ impl Drive {
             bus_voltage: Volts::from_bits(measured.bus_voltage.to_bits()),
             bus_current: Amps::from_bits(measured.bus_current_filtered.to_bits()),
             power: Watts::from_bits(crate::units::saturate64(power)),
-            phase_voltage: measured.phase_voltage,
+            phase_voltage: c.measurement.phase_voltage(samples),
             duty: self.applied.duty,
             limiter: self.limiter(),
             hall_invalid: hall.invalid,

@@ -164,9 +164,37 @@ impl Machine {
     }
 
     /// One tick: time passes, at most one transition fires.
+    #[inline]
     pub fn step(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
         self.age = self.age.saturating_add(1);
         self.command_age = self.command_age.saturating_add(1);
+        if self.goes_on(c, inputs) { None } else { self.advance(c, inputs) }
+    }
+
+    /// The ordinary tick of a driven state and of Standby, in which no row of the table can hold.
+    #[inline]
+    fn goes_on(&self, c: &MachineCoefficients, inputs: &Inputs) -> bool {
+        match self.state {
+            State::Initialization => self.age < c.boot && !inputs.unhealthy,
+            State::Standby => !inputs.critical && !self.wants_to_run(),
+            State::Fault => !self.acknowledged,
+            _ => {
+                !(inputs.critical || inputs.stopped || inputs.calibrated)
+                    && self.wants_to_run()
+                    && self.requested_direction() == self.direction
+                    && !self.command_expired(c)
+                    && self.age < self.duration(c)
+            }
+        }
+    }
+
+    #[inline]
+    fn wants_to_run(&self) -> bool {
+        matches!(self.command.request, Request::Drive | Request::Reverse)
+    }
+
+    #[inline(never)]
+    fn advance(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
         let conditions = self.conditions(c, inputs);
         let row = transition(self.state, conditions)?;
         match row.to {
@@ -210,7 +238,7 @@ impl Machine {
 
     fn conditions(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Conditions {
         let mut conditions = if self.state == State::Standby { self.enabled(c) } else { self.mode };
-        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        let wanted = self.wants_to_run();
         if self.state == State::Standby && wanted && self.refusal == Refusal::None {
             self.refusal = self.refuse(conditions, inputs);
             // A refused request is spent: it must not start the motor later, when what refused it has gone.
@@ -295,13 +323,13 @@ impl Machine {
 
     /// The other direction is requested while driving: come to rest first.
     pub fn reversing(&self) -> bool {
-        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        let wanted = self.wants_to_run();
         self.state.is_driving() && wanted && self.requested_direction() != self.direction
     }
 
     /// Drive is requested by a fresh edge in Standby: unless something refuses it, this tick turns the bridge on.
     pub fn starting(&self) -> bool {
-        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        let wanted = self.wants_to_run();
         self.state == State::Standby && wanted && self.armed
     }
 

@@ -46,6 +46,12 @@ impl Pi {
         self.integrator = (i64::from(applied) << 16) - proportional;
     }
 
+    /// The integrator alone gives `output`.
+    #[inline]
+    pub fn is_at_least(&self, output: i32) -> bool {
+        self.integrator >= i64::from(output) << 16
+    }
+
     /// Waits beside `applied`: a limiter that is not needed keeps its integrator there, and its proportional part alone is
     /// the distance to intervening.
     #[inline]

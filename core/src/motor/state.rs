@@ -172,9 +172,33 @@ pub const TRANSITIONS: [Transition; 34] = [
     t("T74", SensorlessAutoRestart, SensorlessClosedLoop, C::ELAPSED, C::STOPPED),
 ];
 
+/// What a start is sampled with, and holds until the next one: it decides which row fires, never that one does.
+const MODES: Conditions = C::HALL.union(C::SENSORLESS).union(C::OPEN_LOOP).union(C::CALIBRATION);
+
+/// By state: without one of these no row of it holds. A reversal waits for standstill, so in rows of both the rarer counts.
+const TRIGGERS: [Conditions; 8] = {
+    let mut triggers = [ANY; 8];
+    let mut index = 0;
+    while index < TRANSITIONS.len() {
+        let row = &TRANSITIONS[index];
+        let all = row.all.difference(MODES);
+        let needed = if all.contains(REVERSED) { C::REVERSAL } else { all };
+        assert!(!needed.is_empty());
+        triggers[row.from as usize] = triggers[row.from as usize].union(needed);
+        index += 1;
+    }
+    triggers
+};
+
 /// The transition that fires, if any.
 #[must_use]
+#[inline]
 pub fn transition(state: State, conditions: Conditions) -> Option<&'static Transition> {
+    if conditions.intersects(TRIGGERS[state as usize]) { find(state, conditions) } else { None }
+}
+
+#[inline(never)]
+fn find(state: State, conditions: Conditions) -> Option<&'static Transition> {
     TRANSITIONS
         .iter()
         .find(|row| row.from == state && conditions.contains(row.all) && !conditions.intersects(row.none))
