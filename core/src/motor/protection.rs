@@ -170,7 +170,6 @@ pub struct Protection {
     latched: FaultWord,
     code: u16,
     /// Every limit and count is at rest: nothing qualifies, nothing waits to clear.
-    #[serde(skip)]
     quiet: bool,
 }
 
