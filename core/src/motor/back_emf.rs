@@ -75,6 +75,8 @@ pub struct Sight {
     pub missed: bool,
 }
 
+/// What is told from noise, times this, is a rotor on its way.
+const FIRST_SIGN: i32 = 4;
 /// Samples that the mean reaches back at most.
 const WINDOW: usize = 8;
 
@@ -130,7 +132,11 @@ impl BackEmf {
             // At rest a comparator's output says nothing.
             sight.late &= interval > 0;
         } else if self.age.saturating_add(applied.sample_at.into()) >= blank {
-            self.sample(c, samples, measured, phase, rising, applied.sample_at, emf, &mut sight);
+            if self.demagnetises(c, samples, measured, phase, rising, interval) {
+                (self.count, self.sum) = (0, 0);
+            } else {
+                self.sample(c, samples, measured, phase, rising, applied.sample_at, (interval, emf), &mut sight);
+            }
         }
         let delay = if rising { c.delay_rising } else { c.delay_falling };
         sight.crossing = sight.crossing.map(|age| age.saturating_add(delay));
@@ -181,12 +187,15 @@ impl BackEmf {
         phase: usize,
         rising: bool,
         sample_at: u16,
-        emf: i32,
+        (interval, emf): (u32, i32),
         sight: &mut Sight,
     ) {
         let off_time = samples.sample_mode == SampleMode::OffTime;
         // A mean of 8 samples has a third of the noise.
         let noise = if self.shift == 3 { c.noise / 2 } else { c.noise };
+        // The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet has half the torque: it must be
+        // well on its way.
+        let beyond = if interval == 0 { FIRST_SIGN * noise } else { noise };
         // Off-time: at 2 noises of the unsigned signal, from either side.
         let threshold = match (off_time, rising) {
             (false, _) => 0,
@@ -206,7 +215,7 @@ impl BackEmf {
             if !(off_time && rising) {
                 sight.level = Level::Before;
             }
-        } else if mean > threshold + noise && !(off_time && !rising) {
+        } else if mean > threshold + beyond && !(off_time && !rising) {
             self.after_run = self.after_run.saturating_add(1);
             sight.level = Level::After;
         }
@@ -220,13 +229,36 @@ impl BackEmf {
             });
             self.crossed = Some(age);
             // As far beyond as it was before: a rotor that stops half way has not crossed.
-            if mean > threshold + noise {
+            if mean > threshold + beyond {
                 sight.crossing = self.crossed.take();
                 sight.threshold = threshold;
             }
         }
         sight.late = !self.healthy && !self.found && self.after_run > 2 + (1 << self.shift) / 2;
         (self.previous, self.previous_age) = (mean, now);
+    }
+
+    /// Its winding's current still holds the floating terminal at a rail: no evidence, however long it takes. Behind the middle of the step
+    /// the crossing is hidden by it, which is evidence.
+    fn demagnetises(
+        &self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        measured: &Measured,
+        phase: usize,
+        rising: bool,
+        interval: u32,
+    ) -> bool {
+        if self.healthy || self.found || (interval > 0 && self.age > interval / 2) {
+            return false;
+        }
+        let terminal = measured.phase_voltage.get(phase).map_or(0, |voltage| voltage.to_bits());
+        // Current into the terminal before a rising crossing, out of it before a falling one: on the far side of the crossing.
+        if rising {
+            terminal > measured.bus_voltage.to_bits() - c.noise
+        } else {
+            samples.sample_mode == SampleMode::OnTime && terminal < c.noise
+        }
     }
 
     /// Mean of the last samples of this step.

@@ -336,7 +336,8 @@ impl Drive {
         let plan = self.sensorless.step(&c.sensorless, state, direction);
         match self.sensorless.take_begun() {
             Some(true) => self.control.start(&c.control, speed),
-            Some(false) => self.control.hand_over(speed, 0),
+            // A light rotor may have leapt beyond what is ever asked of it: the set-point does not.
+            Some(false) => self.control.hand_over(speed.min(c.sensorless_mode.speed_max), 0),
             None => {}
         }
         let mode = &c.sensorless_mode;
@@ -362,7 +363,9 @@ impl Drive {
         let rotor = self.sensorless.rotor();
         let (step, commutations) =
             self.commutator.step(&c.commutator, rotor.angle(), rotor.speed(), direction);
-        Pattern { demand, step, commutations, short: false }
+        // A current limit that takes the kick's duty to 0 freewheels: with the bridge off the winding's energy would go to the bus.
+        let short = matches!(plan, Plan::Level(_));
+        Pattern { demand, step, commutations, short }
     }
 
     /// Two locks one after the other, 60 degrees apart: a rotor that rests on the dead point of the first is off that
