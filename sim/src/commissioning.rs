@@ -180,7 +180,7 @@ impl core::error::Error for CommissioningError {}
 /// Supply range of Table 2, V.
 pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
 /// Peak phase current (Table 1: 12 A) less what commutation adds to the ripple, which a bus shunt does not see, A.
-const PEAK: f64 = 11.4;
+const PEAK: f64 = 10.8;
 /// Continuous phase current (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
 /// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).
@@ -220,7 +220,7 @@ impl Nameplate {
         self.write_motor(&mut parameters)?;
         self.write_limits(&design, &mut parameters)?;
         self.write_gains(&design, &mut parameters)?;
-        self.write_start(&design, &mut parameters)?;
+        self.write_start(mode, &design, &mut parameters)?;
         Ok(Commissioning {
             parameters,
             notes,
@@ -296,7 +296,7 @@ impl Nameplate {
     }
 
     /// Rotor lock and open loop: levels from resistance and current, times from inertia.
-    fn write_start(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
+    fn write_start(&self, mode: Mode, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
         let m = &self.motor;
         // A lock leads through one phase and two in parallel: three quarters of the line-to-line resistance.
         let lock = 0.75 * m.resistance * d.start_current;
@@ -315,8 +315,10 @@ impl Nameplate {
         let torque = m.torque_constant * d.start_current;
         let swing = TWO_PI / sqrt(f64::from(m.pole_pairs) * torque / m.inertia);
         write(p, number::LOCK_DURATION, fmax(0.15, 5.0 * swing))?;
-        // A quarter of the torque accelerates; and the ramp is slow against the swing.
-        let ramp = fmax(fmax(4.0 * m.inertia * speed / torque, 8.0 * swing), 0.2);
+        // A quarter of the torque accelerates; and the ramp is slow against the swing. A kick that is commutated on what is seen follows the
+        // rotor and may rise faster.
+        let swings = if mode == Mode::Sensorless { 5.0 } else { 8.0 };
+        let ramp = fmax(fmax(4.0 * m.inertia * speed / torque, swings * swing), 0.2);
         write(p, number::OPEN_LOOP_RAMP, ramp)?;
         write(p, number::OPEN_LOOP_DURATION, ramp + 0.1)
     }

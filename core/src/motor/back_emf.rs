@@ -135,7 +135,16 @@ impl BackEmf {
             if self.demagnetises(c, samples, measured, phase, rising, interval) {
                 (self.count, self.sum) = (0, 0);
             } else {
-                self.sample(c, samples, measured, phase, rising, applied.sample_at, (interval, emf), &mut sight);
+                self.sample(
+                    c,
+                    samples,
+                    measured,
+                    phase,
+                    rising,
+                    applied.sample_at,
+                    (interval, emf),
+                    &mut sight,
+                );
             }
         }
         let delay = if rising { c.delay_rising } else { c.delay_falling };

@@ -445,6 +445,7 @@ impl Builder<'_> {
             duty_min: duty_of_ns(self.raw(number::ON_TIME_MIN)),
             dead_time: duty_of_ns(self.board.dead_time_ns as i128),
             bus_guard: self.quantity(number::OVER_VOLTAGE) - BUS_GUARD,
+            bus_max: self.quantity(number::OVER_VOLTAGE),
             initial_voltage: self.nominal_share(number::INITIAL_DUTY),
             back_emf: self.gain(emf, self.raw(emf) * 60, 1_000_000 * self.pole_pairs())?,
         })

@@ -8,8 +8,12 @@ use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::Preset;
 use std::f64::consts::TAU;
 
-/// Share of a rating that an operating point may use, so that the loops keep something to control with.
+/// Share of power and voltage that an operating point may use, so that the loops keep something to control with.
 const MARGIN: f64 = 0.9;
+/// Share of a mean current: within a step it is a sawtooth whose crest the limiter sees.
+const CURRENT_MARGIN: f64 = 0.87;
+/// Continuous phase current (Table 2): 6 A rms is 6 sqrt(3/2) A for two thirds of the time.
+const CONTINUOUS: f64 = 7.35;
 
 /// Where to run.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +26,7 @@ pub struct Point {
     pub supply: f64,
     /// Share of the rated torque that the load takes at the set-point; it grows with the square of the speed.
     pub load: f64,
-    /// Mechanical set-point, rpm; without it the middle of the range, or less where the output power of Table 2 asks for it.
+    /// Mechanical set-point, rpm; without it the middle of the range, or less where rating or supply ask for it.
     pub rpm: Option<f64>,
 }
 
@@ -82,35 +86,47 @@ impl Point {
             open_loop_speed: None,
         };
         let commissioning = plate.commission(self.mode).map_err(|error| error.to_string())?;
-        let middle = 0.5 * (commissioning.speed_min + commissioning.speed_max);
         let torque = self.load * self.preset.rated_torque();
-        let speed_for_power = MARGIN * self.power_max() / torque * 60.0 / TAU;
-        let rpm = self.rpm.unwrap_or(middle.min(speed_for_power)).ceil();
-        if !(commissioning.speed_min..=commissioning.speed_max).contains(&rpm) {
-            return Err(format!(
-                "{rpm:.0} rpm is outside {:.0} to {:.0} rpm",
-                commissioning.speed_min, commissioning.speed_max
-            ));
-        }
-        if rpm > speed_for_power.ceil() {
-            let power = torque * rpm * TAU / 60.0;
-            return Err(format!("{power:.0} W of {:.0} W", self.power_max()));
-        }
-        let friction = motor.static_friction + motor.viscous_friction * rpm * TAU / 60.0;
-        let needed = (torque + friction) / motor.torque_constant;
-        if needed > MARGIN * commissioning.phase_current {
-            let current = commissioning.phase_current;
+        let needed = self.current(torque);
+        let current = commissioning.phase_current.min(CONTINUOUS);
+        if needed > CURRENT_MARGIN * current {
             let why = commissioning.notes.first().map_or(String::new(), |note| format!(": {note}"));
             return Err(format!("{torque:.3} N m take {needed:.1} A, the limits leave {current:.1} A{why}"));
+        }
+        let middle = 0.5 * (commissioning.speed_min + commissioning.speed_max);
+        let most = self.speed_for(torque).min(commissioning.speed_max);
+        let rpm = self.rpm.unwrap_or(middle.min(most)).ceil();
+        if !(commissioning.speed_min..=most.ceil()).contains(&rpm) {
+            return Err(format!(
+                "{rpm:.0} rpm is outside {:.0} to {most:.0} rpm, where the limits leave {torque:.3} N m",
+                commissioning.speed_min
+            ));
         }
         Ok(Plan { commissioning, rpm: rpm as i32, torque })
     }
 
-    /// Output rating and 7 A of input current (Table 2), W.
+    /// Current that `torque` and Coulomb friction take, A.
+    fn current(&self, torque: f64) -> f64 {
+        (torque + self.preset.motor.static_friction) / self.preset.motor.torque_constant
+    }
+
+    /// Highest speed at which the rating and the supply leave `torque`, rpm: `P = T w + R I^2` and `U = R I + 3 L I f + k w`, what is
+    /// taken to turn the current over six times a revolution included.
+    fn speed_for(&self, torque: f64) -> f64 {
+        let motor = &self.preset.motor;
+        let current = self.current(torque);
+        let loss = motor.resistance * current * current;
+        let by_power = (MARGIN * self.power_max() - loss) / (torque + motor.static_friction);
+        let turning = 3.0 * motor.inductance * current * f64::from(motor.pole_pairs) / TAU;
+        let by_voltage =
+            (MARGIN * self.supply - motor.resistance * current) / (motor.torque_constant + turning);
+        by_power.min(by_voltage) * 60.0 / TAU
+    }
+
+    /// Power rating and 7 A of input current (Table 2), W.
     fn power_max(&self) -> f64 {
         let rating: f64 = if self.supply <= 48.0 { 150.0 } else { 300.0 };
-        // A rating of what is taken in; a drive and motor give about four fifths of it.
-        0.8 * rating.min(7.0 * self.supply)
+        rating.min(7.0 * self.supply)
     }
 }
 
