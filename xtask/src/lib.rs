@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod candump;
+pub mod commutations;
 pub mod coverage;
 pub mod csv;
 pub mod demo;

@@ -2,11 +2,13 @@
 //! market and on random plants. Everything has a seed; what fails is printed with the command that runs it again.
 
 mod case;
+mod efficiency;
 mod faults;
 mod load_step;
 mod operating;
 mod parallel;
 mod picture;
+mod range;
 mod report;
 mod start;
 mod starts;
@@ -77,6 +79,8 @@ fn measure(arguments: &Arguments) -> io::Result<bool> {
         ("steady running", steady::rows),
         ("load steps", load_step::rows),
         ("top speed", top_speed::rows),
+        ("speed range", range::rows),
+        ("efficiency", efficiency::rows),
         ("faults", faults::rows),
     ] {
         let begun = Instant::now();

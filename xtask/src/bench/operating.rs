@@ -4,7 +4,7 @@ use super::trial::Trial;
 use narx_core::motor::State;
 use narx_core::motor::event::Limiter;
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
-use narx_sim::plant::{LoadConfig, PlantConfig};
+use narx_sim::plant::{Ledger, LoadConfig, PlantConfig};
 use narx_sim::presets::Preset;
 use std::f64::consts::TAU;
 
@@ -58,6 +58,10 @@ pub struct Figures {
     pub angle_worst: f64,
     /// Largest magnitude of a phase current from power-up on, A.
     pub peak_current: f64,
+    /// Bridge: what leaves it over what the supply gives it, over the measured half second; 0 without load.
+    pub stage_efficiency: f64,
+    /// Supply to shaft, motor included.
+    pub drive_efficiency: f64,
     /// At the end the speed loop alone bounds the duty.
     pub unlimited: bool,
 }
@@ -140,23 +144,27 @@ pub(super) fn measure(trial: &mut Trial, rpm: i32, mode: Mode) -> Result<Figures
     let more = trial.until(8.0, reached).ok_or("set-point not reached in 8 s")?;
     trial.run_while(0.5, |_| true);
     let from = *trial.seen();
-    let errors = trial.commutation_errors(0.5);
+    let commutations = trial.commutations(0.5);
+    let (mean, jitter) = commutations.mean_and_jitter();
+    let errors = commutations.errors().iter().copied();
+    let worst = errors.fold(0.0, |worst: f64, e| if e.abs() > worst.abs() { e } else { worst });
     let seen = trial.seen();
     let mean_rpm = (seen.angle - from.angle) / (seen.time - from.time) * 60.0 / TAU;
     if trial.state() != closed {
         return Err(format!("left closed loop: {}", trial.state().name()));
     }
-    let count = errors.len().max(1) as f64;
-    let mean = errors.iter().sum::<f64>() / count;
-    let variance = errors.iter().map(|error| (error - mean) * (error - mean)).sum::<f64>() / count;
-    let worst =
-        errors.iter().copied().fold(0.0, |worst: f64, e| if e.abs() > worst.abs() { e } else { worst });
+    let energy = |of: fn(&Ledger) -> f64| of(&seen.ledger) - of(&from.ledger);
+    let input = energy(|ledger| ledger.source - ledger.source_loss);
+    let lost = energy(|ledger| ledger.switches + ledger.diodes);
+    let share = |part: f64| if input > 0.0 { part / input } else { 0.0 };
     Ok(Figures {
         rpm,
+        stage_efficiency: share(input - lost),
+        drive_efficiency: share(energy(|ledger| ledger.load)),
         to_closed_loop,
         to_speed: to_closed_loop + more,
         error: mean_rpm / target - 1.0,
-        jitter: variance.sqrt() / 60.0,
+        jitter,
         angle_mean: mean,
         angle_worst: worst,
         peak_current: trial.peak,

@@ -1,6 +1,7 @@
 //! A commissioned drive on the bench, run tick by tick, with what the eye of a test engineer keeps of it.
 
-use narx_core::motor::{State, Step};
+use crate::commutations::Commutations;
+use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::Commissioning;
 use narx_sim::operator::Operator;
@@ -21,9 +22,7 @@ pub(super) struct Trial {
     pub(super) peak: f64,
     /// Highest bus voltage so far, V.
     pub(super) bus_highest: f64,
-    step: Step,
-    /// Errors of commutation, electrical degrees late, while they are watched.
-    errors: Option<Vec<f64>>,
+    commutations: Commutations,
 }
 
 impl Trial {
@@ -38,8 +37,8 @@ impl Trial {
         let bench = if keep { bench } else { bench.without_recording() };
         let operator = Operator::new(bench.node().addresses());
         let seen = bench.plant().observe();
-        let mut trial =
-            Self { bench, operator, seen, peak: 0.0, bus_highest: 0.0, step: Step::Coast, errors: None };
+        let commutations = Commutations::default();
+        let mut trial = Self { bench, operator, seen, peak: 0.0, bus_highest: 0.0, commutations };
         (0..BOOT).for_each(|_| trial.tick());
         trial
     }
@@ -63,10 +62,10 @@ impl Trial {
         self.bench.step();
         while self.bench.receive().is_some() {}
         while self.bench.overhear().is_some() {}
-        let before = core::mem::replace(&mut self.seen, self.bench.plant().observe());
+        self.seen = self.bench.plant().observe();
         self.peak = self.peak.max(self.seen.peak_current);
         self.bus_highest = self.bus_highest.max(self.seen.bus_voltage);
-        self.watch(before.electrical_turns);
+        self.commutations.watch(&self.bench);
     }
 
     /// `seconds` of ticks; false as soon as `holds` does not.
@@ -95,28 +94,11 @@ impl Trial {
         (self.seen.angle - from.angle) / (self.seen.time - from.time) * 60.0 / TAU
     }
 
-    /// Where each commutation of the next `seconds` lay, electrical degrees late (early is negative). A step belongs to the
-    /// 60 degrees between two multiples of 60 after 30 (`Step`): commutation is ideal on their edges.
-    pub(super) fn commutation_errors(&mut self, seconds: f64) -> Vec<f64> {
-        self.errors = Some(Vec::new());
+    /// The pattern changes of the next `seconds`.
+    pub(super) fn commutations(&mut self, seconds: f64) -> &Commutations {
+        self.commutations.clear();
         self.run_while(seconds, |_| true);
-        self.errors.take().unwrap_or_default()
-    }
-
-    /// The pattern changes of the period that has just passed: `step` at the board's `earliest`, the others at their instants.
-    fn watch(&mut self, turns_before: f64) {
-        let command = *self.bench.command();
-        let earliest = self.bench.plant().config().board.earliest;
-        let first = (earliest, command.step);
-        let others = command.commutations.iter().map(|next| (next.instant.max(earliest), next.step));
-        for (instant, step) in core::iter::once(first).chain(others) {
-            let changed = core::mem::replace(&mut self.step, step) != step;
-            if changed && let Some(errors) = &mut self.errors {
-                let turned = self.seen.electrical_turns - turns_before;
-                let degrees = 360.0 * (turns_before + turned * f64::from(instant) / 65_536.0);
-                errors.push((degrees.rem_euclid(60.0) - 30.0) * turned.signum());
-            }
-        }
+        &self.commutations
     }
 
     /// What the drive says its state is.
