@@ -180,7 +180,7 @@ impl core::error::Error for CommissioningError {}
 /// Supply range of Table 2, V.
 pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
 /// Peak phase current (Table 1: 12 A) less what commutation adds to the ripple, which a bus shunt does not see, A.
-const PEAK: f64 = 10.8;
+const PEAK: f64 = 10.6;
 /// Continuous phase current (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
 /// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).

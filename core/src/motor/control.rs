@@ -88,6 +88,8 @@ pub struct Control {
     /// Voltage that the last duty gives, raw I16F16.
     applied: i32,
     millisecond: u16,
+    /// Share of a speed loop's turn that has been earned, electrical rev/s.
+    turn: i32,
     phase_current: i32,
     coasting: Option<Coasting>,
     /// Milliseconds for which a rotor that turned at the start, or while the bridge was off, is caught; 0 once it is.
@@ -113,6 +115,9 @@ const MOTORING: i32 = (1 << 16) / 20;
 
 /// Longest catching of an idle motor: 20 ms, more than an electrical revolution at 3000 electrical rpm.
 const CATCH: u16 = 20;
+
+/// 500 rpm with 4 pole pairs (Table 2): from there on the speed loop runs every millisecond, raw electrical rev/s.
+const WHOLE: i32 = 33 << 16;
 
 /// A current limit may take the duty back this many times faster than it rises.
 const RETREAT: u16 = 8;
@@ -196,7 +201,7 @@ impl Control {
                     self.applied = 0;
                     return self.output;
                 }
-                if due {
+                if due && self.takes_turn(speed) {
                     let ceiling = share(measured.bus_voltage.to_bits(), duty_max);
                     let setpoint = self.advance_setpoint(c, target, speed);
                     self.speed_error = setpoint.saturating_sub(speed);
@@ -310,6 +315,18 @@ impl Control {
     /// What was applied last.
     pub const fn output(&self) -> Output {
         self.output
+    }
+
+    /// Below the drive's range of speed crossings are so rare that the loop would integrate an old measurement over and over, until a
+    /// light rotor stands: there it takes its turn less often, in proportion to the speed.
+    const fn takes_turn(&mut self, speed: i32) -> bool {
+        let share = if speed < WHOLE { speed } else { WHOLE };
+        self.turn += if share > WHOLE / 8 { share } else { WHOLE / 8 };
+        let due = self.turn >= WHOLE;
+        if due {
+            self.turn -= WHOLE;
+        }
+        due
     }
 
     fn tick_millisecond(&mut self, c: &ControlCoefficients) -> bool {
