@@ -1,0 +1,1 @@
+//! tests/must-have.md names its evidence, and the evidence exists.
