@@ -2,11 +2,16 @@
 //! tests of items that no other file shows.
 
 use crate::bench::{Closed, MOTOR};
-use narx_core::dictionary::number;
-use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients};
+use crate::steady::measure;
+use narx_core::dictionary::{Parameters, number};
+use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Sight};
 use narx_core::motor::control::Control;
+use narx_core::motor::gain::Gain;
 use narx_core::motor::measurement::Measured;
-use narx_core::motor::{Direction, Leg, PwmCommand, Request, SampleMode, Samples, State, Step};
+use narx_core::motor::zero_crossing::{Why, ZeroCrossing};
+use narx_core::motor::{
+    Board, Coefficients, Direction, Leg, PwmCommand, Request, SampleMode, Samples, State, Step,
+};
 use narx_core::units::Volts;
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use std::collections::BTreeSet;
@@ -186,7 +191,7 @@ fn the_kick_is_a_ramp() {
     let mut config = config();
     // Held by friction, so that nothing but the level is seen.
     config.load.constant = 1.0;
-    let mut closed = Closed::sensorless(&config, &[(number::OPEN_LOOP_RAMP, 400)]);
+    let mut closed = Closed::sensorless(&config, &[(number::OPEN_LOOP_RAMP, 300)]);
     closed.boot();
     closed.ask(Request::Drive);
     while closed.drive.state() != State::OpenLoop {
@@ -200,7 +205,7 @@ fn the_kick_is_a_ramp() {
         .collect();
     let most = duties.iter().copied().fold(0.0, f64::max);
     let half = duties.iter().position(|duty| *duty > most / 2.0).unwrap_or(0);
-    assert!(most > 0.03 && (1_500..3_000).contains(&half), "{most} at most, half after {half} ticks");
+    assert!(most > 0.03 && (1_200..2_500).contains(&half), "{most} at most, half after {half} ticks");
 }
 
 /// Hand-over continues the set-point's ramp from the measured speed.
@@ -211,29 +216,29 @@ fn hand_over_ramps_from_the_measured_speed() {
     assert_eq!(control.setpoint(), 33 << 16);
 }
 
-/// A heavy rotor is not up when open loop ends (T34): speed 0 is not judged at once, no auto-restart.
+/// A rotor that is not up when open loop ends (T34) has the time-out to show a crossing: speed 0 is not judged at once.
 #[test]
 fn a_rotor_that_is_not_up_at_hand_over_is_no_stall() {
     let mut late = 0;
-    for inertia in [4.0, 8.0, 12.0, 16.0, 24.0] {
+    for inertia in [0.0, 20.0] {
         let mut config = config();
         config.load.inertia = inertia * MOTOR.inertia;
-        let mut closed = Closed::sensorless(&config, &[]);
+        let mut closed =
+            Closed::sensorless(&config, &[(number::OPEN_LOOP_RAMP, 20), (number::OPEN_LOOP_DURATION, 20)]);
         closed.boot();
         closed.ask(Request::Drive);
-        let mut states = vec![State::Standby];
-        for _ in 0..12_000 {
+        while closed.drive.state() != State::SensorlessClosedLoop {
             closed.tick();
-            let state = closed.drive.state();
-            if states.last() != Some(&state) {
-                late += u32::from(
-                    state == State::SensorlessClosedLoop && closed.status.speed_sensorless.to_bits() == 0,
-                );
-                states.push(state);
-            }
         }
-        let path = [State::Standby, State::RotorLock, State::OpenLoop, State::SensorlessClosedLoop];
-        assert_eq!(states, path, "{inertia} rotors");
+        if closed.status.speed_sensorless.to_bits() != 0 {
+            continue;
+        }
+        late += 1;
+        let held = (0..450).all(|_| {
+            closed.tick();
+            closed.drive.state() == State::SensorlessClosedLoop
+        });
+        assert!(held, "{inertia} rotors");
     }
     assert!(late > 0, "none was late");
 }
@@ -273,4 +278,110 @@ fn set_points_saturate() {
         assert!((setpoint - given).abs() < 1.0, "{asked} asked: {setpoint} rpm");
         assert!((closed.rpm() - given).abs() < 0.03 * given, "{asked} asked: {} rpm", closed.rpm());
     }
+}
+
+/// A reversal waits for standstill: Standby is passed at rest, both times.
+#[test]
+fn a_reversal_passes_standby_at_rest() {
+    let mut closed = running(2000.0);
+    for request in [Request::Reverse, Request::Drive] {
+        closed.ask(request);
+        let passed = (0..40_000).any(|_| {
+            closed.tick();
+            closed.drive.state() == State::Standby
+        });
+        assert!(passed && closed.rpm().abs() < 400.0, "{passed}: {} rpm", closed.rpm());
+        closed.run(25_000);
+        assert_eq!(closed.drive.state(), State::SensorlessClosedLoop);
+    }
+}
+
+/// No duty above parameter 98, however much speed is asked for.
+#[test]
+fn duty_has_a_maximum() {
+    let mut closed = Closed::sensorless(&config(), &[(number::DUTY_MAX_SL, 4_000)]);
+    closed.set_point = 4000.0;
+    closed.boot();
+    closed.ask(Request::Drive);
+    let most = (0..20_000).fold(0.0_f64, |most, _| {
+        closed.tick();
+        most.max(share(&closed.output))
+    });
+    assert!((0.39..=0.4001).contains(&most), "{most}");
+}
+
+/// A pulse shorter than parameter 272 is that long, or is not given at all: at 60 V this motor needs 4 %, and 6 % are the least.
+#[test]
+fn a_pulse_has_a_least_length() {
+    let config = PlantConfig { angle_deg: 77.0, ..PlantConfig::new(MOTOR, 60.0) };
+    let mut closed = Closed::sensorless(&config, &[(number::ON_TIME_MIN, 6_000)]);
+    closed.set_point = 600.0;
+    closed.boot();
+    closed.ask(Request::Drive);
+    closed.run(10_000);
+    let shorter = (0..5_000)
+        .filter(|_| {
+            closed.tick();
+            (0.001..0.0595).contains(&share(&closed.output))
+        })
+        .count();
+    // What the slew limit passes through on its way.
+    assert!(shorter < 1_000, "{shorter} of 5000 ticks");
+}
+
+/// What dead time takes off the pulse is added: the lock's level is its share of the nominal supply, on the bus as it is, and 0.5 % for 500 ns.
+#[test]
+fn dead_time_is_given_back() {
+    let mut closed = Closed::sensorless(&config(), &[(number::LOCK_DUTY, 800)]);
+    closed.boot();
+    closed.ask(Request::Drive);
+    closed.run(1_300);
+    let wanted = 0.08 * 24.0 / closed.plant.observe().bus_voltage + 0.005;
+    let found = share(&closed.output);
+    assert!(closed.output.step == Step::LockCA && (found - wanted).abs() < 0.001, "{found}, not {wanted}");
+}
+
+/// The input current rating of Table 1 bounds parameter 106.
+#[test]
+fn input_current_is_rated() {
+    let mut parameters = Parameters::new();
+    // mA.
+    assert!(parameters.set(number::HV_CURRENT_MAX, 7_001).is_err());
+    parameters.set(number::HV_CURRENT_MAX, 7_000).unwrap();
+    let built = Coefficients::build(&parameters, &Board::BENCH).unwrap();
+    assert_eq!(built.control.limits.maximum, 7 << 16);
+}
+
+/// Misaligned sensors, and the offset that says so: commutation is where it belongs.
+#[test]
+fn a_hall_offset_is_taken_off() {
+    for offset in [-20.0, 20.0] {
+        let mut config = config();
+        config.hall.offset_deg = offset;
+        let angle = (offset * 100.0) as i32;
+        let changes = [(number::STANDARD_HALL_SEQUENCE, 0), (number::HALL_OFFSET_ANGLE, angle)];
+        let mut closed = Closed::new(&config, &changes);
+        closed.boot();
+        closed.ask(Request::Drive);
+        closed.run(12_000);
+        let steady = measure(&mut closed, 2_000);
+        assert!(steady.mean.abs() < 2.0, "{offset}: {steady:?}");
+    }
+}
+
+/// The why-channel's margin: a crossing 2 ticks behind its prediction at 20 ticks a sector is 6 degrees late.
+#[test]
+fn a_crossing_tells_its_margin() {
+    let mut rotor = ZeroCrossing::default();
+    rotor.start(0, Direction::Forward);
+    for crossing in 0..14 {
+        for _ in 0..20 + 2 * i32::from(crossing == 13) {
+            rotor.advance();
+        }
+        let sight = Sight { sector: Some(crossing % 6), crossing: Some(0), passed: true, ..Sight::default() };
+        assert!(rotor.observe(&sight, Gain::ZERO, false));
+    }
+    let (why, margin, accepted) = rotor.why();
+    let degrees = f64::from(margin) * 360.0 / 65_536.0;
+    assert!(why == Why::Accepted && accepted == 14 && (degrees - 6.0).abs() < 0.3, "{degrees}");
 }
