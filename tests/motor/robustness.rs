@@ -629,3 +629,20 @@ fn wrong_pole_pairs() {
 /// Known weak: a heavy rotor without load, ratio 0.67. Caught coasting it is given the voltage of the wrong constant, speeds up, coasts, and so on within
 /// 20 % of a wrong speed; what is applied always fits what is claimed.
 const HUNTS: (&str, u8) = ("ec90-flat-90w-24v", 8);
+
+/// The scenarios of the sensorless vectors, recorded or not, end as they say.
+#[test]
+fn sensorless_scenarios_end_as_they_say() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let all = xtask::vectors::scenarios(&root).unwrap();
+    let sensorless: Vec<_> = all.iter().filter(|scenario| scenario.name.starts_with("sensorless")).collect();
+    assert!(sensorless.len() >= 10);
+    let wrong: Vec<String> = map(&sensorless, |scenario| {
+        let run = xtask::vectors::run(scenario);
+        let misses = scenario.expect.misses(&run.seen, Some(run.speed));
+        println!("  {:<36} {:?} {:04x?}", scenario.name, run.seen.states, run.seen.codes);
+        misses.iter().map(|miss| format!("{}: {miss}", scenario.name)).collect::<Vec<_>>()
+    })
+    .concat();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

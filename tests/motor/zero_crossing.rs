@@ -286,7 +286,8 @@ fn blind_steps_have_a_budget() {
         assert!(!rotor.is_lost(), "step {step}");
         // By prediction alone.
         let turned = f64::from(rotor.angle().wrapping_sub(before)) / 2_f64.powi(32) * 360.0;
-        assert!((turned - 60.0 * f64::from(step) % 360.0).abs() < 1.0, "step {step}: {turned}");
+        let off = (turned - 60.0 * f64::from(step) + 180.0).rem_euclid(360.0) - 180.0;
+        assert!(off.abs() < 1.0, "step {step}: {turned}");
         for _ in 0..20 {
             rotor.advance();
         }
