@@ -2,6 +2,7 @@
 
 mod acknowledgement;
 mod arithmetic;
+mod bad_signals;
 mod bench;
 mod boot;
 mod build;

@@ -1,5 +1,5 @@
-//! tests/must-have.md: every item of good six-step control names where it is and the test that fails without it. Both must exist. Below stand the
-//! tests of items that no other file shows.
+//! tests/must-have.md: every item of good six-step control names where it is and the test that fails without it. Both must exist. Below
+//! stand the tests of items that no other file shows.
 
 use crate::bench::{Closed, MOTOR};
 use crate::steady::measure;
@@ -105,8 +105,8 @@ fn sampling_mode_has_hysteresis() {
     assert!(!seen.contains(&(2500, true)), "{seen:?}");
 }
 
-/// A winding that still demagnetises holds its terminal at the bus, far beyond the crossing. For half a step that is no evidence; the crossing after
-/// it is healthy.
+/// A winding that still demagnetises holds its terminal at the bus, far beyond the crossing. For half a step that is no evidence; the
+/// crossing after it is healthy.
 #[test]
 fn demagnetisation_is_no_evidence() {
     let c = BackEmfCoefficients { noise: 5_120, discard: 1 << 16, earliest: 8_192, ..Default::default() };
@@ -132,8 +132,8 @@ fn demagnetisation_is_no_evidence() {
     assert!((crossings[0] - 12.0).abs() < 0.1, "{crossings:?}");
 }
 
-/// The floating phase falls silent for good: the budget of blind steps ends the episode long before the crossing time-out, and with blind steps
-/// switched off by a level that always says "before", the time-out does.
+/// The floating phase falls silent for good: the budget of blind steps ends the episode long before the crossing time-out, and with blind
+/// steps switched off by a level that always says "before", the time-out does.
 #[test]
 fn a_rotor_that_is_no_longer_seen_is_lost() {
     let run = running(2000.0);
@@ -157,7 +157,8 @@ fn a_rotor_that_is_no_longer_seen_is_lost() {
     }
 }
 
-/// Two locks one after the other, their level ramped. From anywhere, the dead point of either included, the rotor ends where the second pulls to.
+/// Two locks one after the other, their level ramped. From anywhere, the dead point of either included, the rotor ends where the second
+/// pulls to.
 #[test]
 fn two_ramped_locks_align_from_anywhere() {
     for degrees in (0..360).step_by(15) {
@@ -329,7 +330,8 @@ fn a_pulse_has_a_least_length() {
     assert!(shorter < 1_000, "{shorter} of 5000 ticks");
 }
 
-/// What dead time takes off the pulse is added: the lock's level is its share of the nominal supply, on the bus as it is, and 0.5 % for 500 ns.
+/// What dead time takes off the pulse is added: the lock's level is its share of the nominal supply, on the bus as it is, and 0.5 % for
+/// 500 ns.
 #[test]
 fn dead_time_is_given_back() {
     let mut closed = Closed::sensorless(&config(), &[(number::LOCK_DUTY, 800)]);
