@@ -1,7 +1,7 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
 use narx_core::motor::event::SlowMeasurements;
-use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, State, Status};
+use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig, Phase, Plant, PlantConfig};
@@ -118,7 +118,13 @@ impl Closed {
 
     /// One period.
     pub(crate) fn tick(&mut self) {
-        let samples = self.plant.sample();
+        self.tick_altered(|_, _| {});
+    }
+
+    /// One period in which the drive reads what `alter` makes of the samples; it also sees what was applied last.
+    pub(crate) fn tick_altered(&mut self, alter: impl FnOnce(&mut Samples, &PwmCommand)) {
+        let mut samples = self.plant.sample();
+        alter(&mut samples, &self.output);
         match samples.tick % 500 {
             0 if !self.silent => self.drive.handle_event(self.command()),
             k if k % 100 == 50 => self.drive.handle_event(Event::Slow(SlowMeasurements {

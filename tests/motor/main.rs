@@ -2,6 +2,7 @@
 
 mod acknowledgement;
 mod arithmetic;
+mod bad_signals;
 mod bench;
 mod boot;
 mod build;
@@ -14,8 +15,10 @@ mod hall_drive;
 mod limits;
 mod live;
 mod machine_search;
+mod must_have;
 mod presets;
 mod protection;
+mod robustness;
 mod rotor;
 mod safety;
 mod scripted;

@@ -88,7 +88,7 @@ impl Rails {
 
     /// Once a millisecond in closed loop: `voltage` applied, mean phase `current`, and the speed that the crossings claim; all raw
     /// I16F16. What the resistance leaves of the voltage is back-EMF; a copper between 0.85 and 1.9 times nominal (cold, and at 190 degrees) and a
-    /// back-EMF between 0.65 and 1.6 times what the speed claims are believed. True when they have disagreed for long.
+    /// back-EMF between 0.72 and 1.3 times what the speed claims are believed (hot magnets leave 0.8, a strong lot has 1.05). True when they have disagreed for long.
     pub fn is_wrong_lock(&mut self, c: &RailCoefficients, voltage: i32, current: i32, speed: i32) -> bool {
         if c.back_emf == Gain::ZERO || c.resistance == Gain::ZERO {
             return false;
@@ -98,8 +98,8 @@ impl Rails {
         let turning = c.commutation.apply(saturate64((i64::from(current.max(0)) * i64::from(speed)) >> 16));
         let voltage = i64::from(voltage);
         // 1/8 V for what dead time and switches take.
-        let low = voltage - fall * 7 / 8 + (1 << 14) < claimed * 13 / 20;
-        let high = voltage - fall * 19 / 10 - turning * 2 - (1 << 15) > claimed * 8 / 5;
+        let low = voltage - fall * 7 / 8 + (1 << 14) < claimed * 18 / 25;
+        let high = voltage - fall * 19 / 10 - turning * 2 - (1 << 15) > claimed * 13 / 10;
         self.wrong = if low || high { self.wrong.saturating_add(1) } else { self.wrong.saturating_sub(2) };
         self.wrong >= WRONG
     }

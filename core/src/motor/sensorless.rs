@@ -191,7 +191,8 @@ impl Sensorless {
                 (self.begun, self.caught) = (Some(true), true);
                 return Plan::Speed(0);
             }
-        } else if self.listening.quiet() >= c.rest || self.listening.still() >= STILL * c.rest {
+        } else if self.listening.quiet() >= c.rest || self.age.min(self.listening.still()) >= STILL * c.rest {
+            // Stillness counts from here: what was at rest for long before may just have begun to turn.
             self.go(Phase::Align);
         }
         Plan::Coast
