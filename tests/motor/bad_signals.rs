@@ -146,7 +146,7 @@ enum Reads {
 fn missed_crossings() {
     let mut table = Table::new("floating phase spoiled");
     for (rpm, torque, ridden) in
-        [(500.0, 0.03, 1), (2000.0, 0.0, 4), (2000.0, 0.1, 2), (4000.0, 0.0, 4), (4000.0, 0.1, 4)]
+        [(500.0, 0.03, 1), (2000.0, 0.0, 2), (2000.0, 0.1, 2), (4000.0, 0.0, 4), (4000.0, 0.1, 4)]
     {
         let mut start = running(&config(24.0), rpm);
         start.plant.set_load(load(torque));
@@ -188,7 +188,7 @@ fn missed_crossings() {
     table.check();
 }
 
-/// Spikes on any phase channel, one sample long: of 1 V in 5 % of all readings and of 8 V in 2 %, speed is kept; beyond that a name.
+/// Spikes on any phase channel, one sample long: of 1 V in 5 % of all readings and of 8 V in 1 %, speed is kept; beyond that a name.
 #[test]
 fn false_crossings() {
     let mut table = Table::new("spikes");
@@ -199,7 +199,7 @@ fn false_crossings() {
             (50, 5.0, true),
             (50, 20.0, false),
             (400, 1.0, true),
-            (400, 2.0, true),
+            (400, 2.0, false),
             (400, 10.0, false),
             (400, 50.0, false),
         ] {

@@ -23,7 +23,6 @@ fn measured(volts_milli: i32, current: i32) -> Measured {
     Measured {
         bus_voltage: Volts::from_milli(volts_milli),
         bus_current_filtered: Amps::from_bits(current),
-        bus_current_recent: Amps::from_bits(current),
         ..Measured::default()
     }
 }

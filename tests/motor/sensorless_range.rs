@@ -132,8 +132,9 @@ fn every_preset_runs_and_takes_its_rated_load() {
                 assert_eq!(
                     closed.drive.state(),
                     State::SensorlessClosedLoop,
-                    "{}: {torque} N m",
-                    preset.name
+                    "{}: {torque} N m, {:?}",
+                    preset.name,
+                    closed.status
                 );
             }
             let after = measure(&mut closed, 250).rpm;

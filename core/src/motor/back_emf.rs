@@ -247,8 +247,8 @@ impl BackEmf {
         (self.previous, self.previous_age) = (mean, now);
     }
 
-    /// Its winding's current still holds the floating terminal at a rail: no evidence, however long it takes. Behind the middle of the step
-    /// the crossing is hidden by it, which is evidence.
+    /// Its winding's current still holds the floating terminal at a rail: no evidence, for a rotor that nothing is known of however long it takes.
+    /// One that turns may cross behind it, and from three eighths of the step on that is a late crossing.
     fn demagnetises(
         &self,
         c: &BackEmfCoefficients,
@@ -258,7 +258,7 @@ impl BackEmf {
         rising: bool,
         interval: u32,
     ) -> bool {
-        if self.healthy || self.found || (interval > 0 && self.age > interval / 2) {
+        if self.healthy || self.found || (interval > 0 && self.age > interval / 8 * 3) {
             return false;
         }
         let terminal = measured.phase_voltage.get(phase).map_or(0, |voltage| voltage.to_bits());

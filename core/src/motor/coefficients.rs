@@ -339,8 +339,8 @@ impl Builder<'_> {
         let rest = self.ticks(5);
         let align = lock.saturating_sub(rest + self.ticks(2)).max(self.ticks(20));
         let ramp = self.ticks(self.raw(number::OPEN_LOOP_RAMP));
-        // E = k f <= R I: the current of shorted windings, raw rev/s.
-        let fall = self.raw(ohm) * self.raw(number::PHASE_CURRENT_MAX) * self.pole_pairs();
+        // E = k f <= R I: the current of shorted windings, raw rev/s. It has no ripple, for which the mean limit leaves room: a tenth more.
+        let fall = self.raw(ohm) * self.raw(number::PHASE_CURRENT_MAX) * 11 / 10 * self.pole_pairs();
         let brake = (fall << 16).checked_div(self.raw(emf) * 60).unwrap_or(0);
         Ok(SensorlessCoefficients {
             back_emf,
@@ -358,7 +358,7 @@ impl Builder<'_> {
             kick_rate: ((kick_voltage as i64) << 16) / (ramp as i64).max(1),
             kick_voltage,
             kick_patience: self.ticks(50),
-            kick_limit: self.ticks(self.raw(number::OPEN_LOOP_DURATION)).max(self.ticks(500)),
+            kick_limit: self.ticks(self.raw(number::OPEN_LOOP_DURATION)).max(self.ticks(1000)),
             brake_max: self.turns()?.apply32(saturate(brake)),
         })
     }
@@ -445,7 +445,6 @@ impl Builder<'_> {
             duty_min: duty_of_ns(self.raw(number::ON_TIME_MIN)),
             dead_time: duty_of_ns(self.board.dead_time_ns as i128),
             bus_guard: self.quantity(number::OVER_VOLTAGE) - BUS_GUARD,
-            bus_max: self.quantity(number::OVER_VOLTAGE),
             initial_voltage: self.nominal_share(number::INITIAL_DUTY),
             back_emf: self.gain(emf, self.raw(emf) * 60, 1_000_000 * self.pole_pairs())?,
         })

@@ -29,8 +29,6 @@ pub struct ControlCoefficients {
     pub dead_time: u16,
     /// Above this bus voltage nothing may flow back: the over-voltage threshold less a margin.
     pub bus_guard: i32,
-    /// The over-voltage threshold itself.
-    pub bus_max: i32,
     /// First voltage in closed loop (parameter 84).
     pub initial_voltage: i32,
     /// Back-EMF per electrical rev/s (parameter 267); 0 unknown.
@@ -61,6 +59,8 @@ pub enum Demand {
         duty_max: u16,
         /// Share of the voltage that is taken away, in 1/16: the rotor's position is getting uncertain.
         fade: u8,
+        /// The speed is known from crossings alone, once in a sector.
+        sparse: bool,
     },
 }
 
@@ -190,7 +190,7 @@ impl Control {
                 return self.output;
             }
             Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
-            Demand::Speed { gains, target, measured: speed, duty_max, fade } => {
+            Demand::Speed { gains, target, measured: speed, duty_max, fade, sparse } => {
                 self.resume(c, measurement, speed);
                 self.finish_catching(c, measured, measurement, speed, due);
                 if self.coast(c, measured, measurement, speed) {
@@ -201,7 +201,7 @@ impl Control {
                     self.applied = 0;
                     return self.output;
                 }
-                if due && self.takes_turn(speed) {
+                if due && (!sparse || self.takes_turn(speed)) {
                     let ceiling = share(measured.bus_voltage.to_bits(), duty_max);
                     let setpoint = self.advance_setpoint(c, target, speed);
                     self.speed_error = setpoint.saturating_sub(speed);
@@ -240,16 +240,13 @@ impl Control {
         speed: i32,
     ) -> bool {
         match self.coasting {
-            None if (self.speed_error < 0 && feeds(c, measured)) || overflows(c, measured) => {
+            None if self.speed_error < 0 && feeds(c, measured) => {
                 self.coasting = Some(Coasting { speed, voltage: self.speed_voltage });
             }
-            Some(from) if self.speed_error >= 0 && !overflows(c, measured) => {
+            Some(from) if self.speed_error >= 0 => {
                 self.coasting = None;
                 let left = i64::from(from.voltage) * i64::from(speed) / i64::from(from.speed.max(1));
-                let left = saturate64(left.min(from.voltage.into()));
-                // Below its set-point, a motor that has fed the bus was driven with less than its back-EMF.
-                let least = if self.speed_error > 0 { c.back_emf.apply32(speed) } else { 0 };
-                self.take_over(left.max(least));
+                self.take_over(saturate64(left.min(from.voltage.into())));
                 // No slew from 0: on the way up the switches would brake the motor.
                 self.output.duty = measurement.duty(self.speed_voltage);
             }
@@ -427,12 +424,6 @@ impl Control {
 fn feeds(c: &ControlCoefficients, measured: &Measured) -> bool {
     let current = measured.bus_current_filtered.to_bits();
     current < RETURN || (measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING)
-}
-
-/// What is fed to the bus has reached the over-voltage threshold, and in three ticks more would be beyond it for good: 0.3 A into 100 uF are 3 V
-/// a millisecond. Whatever the speed loop is at, the bridge goes off first.
-fn overflows(c: &ControlCoefficients, measured: &Measured) -> bool {
-    measured.bus_voltage.to_bits() > c.bus_max && measured.bus_current_recent.to_bits() < MOTORING
 }
 
 /// `voltage x duty`.

@@ -357,7 +357,14 @@ impl Drive {
                 let wanted = if ramped { c.open_loop.speed } else { command };
                 let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
                 let target = if self.machine.reversing() { 0 } else { wanted };
-                Demand::Speed { gains: mode.speed, target, measured: speed, duty_max: mode.duty_max, fade }
+                Demand::Speed {
+                    gains: mode.speed,
+                    target,
+                    measured: speed,
+                    duty_max: mode.duty_max,
+                    fade,
+                    sparse: true,
+                }
             }
         };
         let rotor = self.sensorless.rotor();
@@ -417,6 +424,7 @@ impl Drive {
             measured: speed.max(0),
             duty_max: mode.duty_max,
             fade: 0,
+            sparse: false,
         };
         Pattern { demand, step, commutations, short: false }
     }

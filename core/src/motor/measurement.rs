@@ -45,8 +45,6 @@ pub struct Measured {
     pub bus_current: Amps,
     /// The same after a first-order filter of 64 ticks: longer than what a commutation returns to the bus.
     pub bus_current_filtered: Amps,
-    /// The same after 8 ticks: what a full bus is judged by, which 0.3 A fill by 3 V a millisecond.
-    pub bus_current_recent: Amps,
     /// Terminal voltages A, B, C, where somebody looks at them; else 0.
     pub phase_voltage: [Volts; 3],
 }
@@ -56,8 +54,6 @@ pub struct Measured {
 pub struct Measurement {
     /// Raw I16F16 with 6 extra bits.
     filtered: i64,
-    /// Raw I16F16 with 3 extra bits.
-    recent: i32,
     zero: ZeroCurrent,
     reciprocal: Reciprocal,
 }
@@ -96,14 +92,11 @@ impl Measurement {
         let bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
         let bus_current = self.zero.step(scales.bus_current.convert(samples.bus_current), idle);
         self.filtered += i64::from(bus_current) - (self.filtered >> 6);
-        // A channel's range is less than 2^27, so 8 of it fit.
-        self.recent = self.recent.saturating_add(bus_current.saturating_sub(self.recent >> 3));
         self.reciprocal.follow(bus_voltage);
         Measured {
             bus_voltage: Volts::from_bits(bus_voltage),
             bus_current: Amps::from_bits(bus_current),
             bus_current_filtered: Amps::from_bits((self.filtered >> 6) as i32),
-            bus_current_recent: Amps::from_bits(self.recent >> 3),
             phase_voltage: [Volts::ZERO; 3],
         }
     }
