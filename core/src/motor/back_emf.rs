@@ -221,10 +221,10 @@ impl BackEmf {
         if mean < threshold - noise {
             self.healthy |= !self.found;
             self.after_run = 0;
-            if !(off_time && rising) {
+            if !off_time || !rising {
                 sight.level = Level::Before;
             }
-        } else if mean > threshold + beyond && !(off_time && !rising) {
+        } else if mean > threshold + beyond && (!off_time || rising) {
             self.after_run = self.after_run.saturating_add(1);
             sight.level = Level::After;
         }

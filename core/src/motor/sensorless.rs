@@ -127,10 +127,10 @@ impl Sensorless {
                 return;
             }
             let heard = self.listening.step(&measured.phase_voltage, c.back_emf.noise, applied.sample_at);
-            if let Some(heard) = heard {
-                if heard.direction == self.rotor.direction() || self.listening.agrees() {
-                    self.rotor.observe_coasting(heard.place, heard.age, heard.direction);
-                }
+            if let Some(heard) = heard
+                && (heard.direction == self.rotor.direction() || self.listening.agrees())
+            {
+                self.rotor.observe_coasting(heard.place, heard.age, heard.direction);
             }
             return;
         }
