@@ -397,6 +397,18 @@
 // Rejected parameter.
 #define NARX_PARAMETER_REJECTED_PARAMETER 285
 
+// ZC falling delay difference, 10^-2 ticks.
+#define NARX_PARAMETER_ZC_DELAY_FALLING 286
+
+// Last zero crossing.
+#define NARX_PARAMETER_CROSSING 287
+
+// Zero crossing margin, 10^-2 deg.
+#define NARX_PARAMETER_CROSSING_MARGIN 288
+
+// Zero crossings.
+#define NARX_PARAMETER_CROSSINGS 289
+
 // 64-bit words of a drive on any processor.
 #define NARX_DRIVE_WORDS 768
 
@@ -650,6 +662,8 @@ typedef struct narx_board_t {
     uint16_t dead_time_ns;
     // Not 0: the hall lines have time-stamping input captures.
     uint8_t hall_capture;
+    // Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
+    uint8_t comparator_capture;
     // Bus voltage, uV per code.
     struct narx_channel_t bus_voltage;
     // Terminal voltages of the three phases against ground, uV per code.

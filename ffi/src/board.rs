@@ -27,6 +27,8 @@ pub struct narx_board_t {
     pub dead_time_ns: u16,
     /// Not 0: the hall lines have time-stamping input captures.
     pub hall_capture: u8,
+    /// Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
+    pub comparator_capture: u8,
     /// Bus voltage, uV per code.
     pub bus_voltage: narx_channel_t,
     /// Terminal voltages of the three phases against ground, uV per code.
@@ -62,6 +64,7 @@ impl From<&narx_board_t> for Board {
             earliest: board.earliest,
             dead_time_ns: board.dead_time_ns,
             hall_capture: board.hall_capture != 0,
+            comparator_capture: board.comparator_capture != 0,
             front_end: FrontEnd {
                 bus_voltage: board.bus_voltage.into(),
                 phase_voltage: board.phase_voltage.into(),
@@ -72,13 +75,16 @@ impl From<&narx_board_t> for Board {
 }
 
 impl From<Board> for narx_board_t {
-    fn from(Board { tick_rate, earliest, dead_time_ns, hall_capture, front_end }: Board) -> Self {
+    fn from(
+        Board { tick_rate, earliest, dead_time_ns, hall_capture, comparator_capture, front_end }: Board,
+    ) -> Self {
         let FrontEnd { bus_voltage, phase_voltage, bus_current } = front_end;
         Self {
             tick_rate,
             earliest,
             dead_time_ns,
             hall_capture: hall_capture.into(),
+            comparator_capture: comparator_capture.into(),
             bus_voltage: bus_voltage.into(),
             phase_voltage: phase_voltage.into(),
             bus_current: bus_current.into(),

@@ -63,6 +63,8 @@ pub struct Bench {
     trace: Option<Trace>,
     command: PwmCommand,
     hall: u8,
+    /// Record from the next boot on.
+    record: bool,
     recorder: Option<Recorder<RecordingBuffer>>,
     label: String,
 }
@@ -120,6 +122,7 @@ impl Bench {
             trace: config.trace.then(|| Trace::new(&SIGNALS)),
             command: PwmCommand::default(),
             hall: 0,
+            record: true,
             recorder: None,
             label: config.label.chars().take(60).collect(),
         };
@@ -135,6 +138,11 @@ impl Bench {
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
         self.node = Node::with_parameters(identity(), board, parameters);
         self.event = self.node.poll_event();
+        self.recorder = self.record.then(|| self.begin_recording()).flatten();
+    }
+
+    fn begin_recording(&self) -> Option<Recorder<RecordingBuffer>> {
+        let board = self.node.board();
         let header = Header {
             kind: Kind::Drive,
             behaviour_version: BEHAVIOUR_VERSION,
@@ -143,7 +151,14 @@ impl Bench {
             label: &self.label,
         };
         let state = postcard::to_allocvec(&self.drive).unwrap_or_default();
-        self.recorder = Recorder::new(RecordingBuffer::default(), &header, &state).ok();
+        Recorder::new(RecordingBuffer::default(), &header, &state).ok()
+    }
+
+    /// The same bench without a recorder: for the many runs of which only the outcome counts. [`Bench::recording`] is
+    /// then empty and [`Bench::digest`] 0.
+    #[must_use]
+    pub fn without_recording(self) -> Self {
+        Self { record: false, recorder: None, ..self }
     }
 
     /// One control tick.
@@ -251,6 +266,11 @@ impl Bench {
     /// The last report of the control tick.
     pub fn status(&self) -> &Status {
         self.node.status()
+    }
+
+    /// What the drive answered in the last tick.
+    pub const fn command(&self) -> &PwmCommand {
+        &self.command
     }
 
     /// What has happened on the bus.

@@ -56,7 +56,7 @@ pub struct Commissioning {
     /// Factory values with the motor's own written over them.
     pub parameters: Parameters,
     /// Where a limit of the drive holds the motor back.
-    pub notes: Vec<Note, 4>,
+    pub notes: Vec<Note, 5>,
     /// Largest set-point, mechanical rpm.
     pub speed_max: f64,
     /// Smallest set-point, mechanical rpm.
@@ -93,6 +93,11 @@ pub enum Note {
         /// Mechanical rpm.
         speed: f64,
     },
+    /// Sampled back-EMF needs four samples a sector; above this speed a sensorless motor needs comparators with capture.
+    SpeedForSampling {
+        /// Mechanical rpm.
+        speed: f64,
+    },
 }
 
 impl fmt::Display for Note {
@@ -111,6 +116,12 @@ impl fmt::Display for Note {
                 f,
                 "mean phase current is limited to {current:.1} A: the energy that commutation returns must not lift the bus to 61 V"
             ),
+            Self::SpeedForSampling { speed } => {
+                write!(
+                    f,
+                    "sensorless speed is limited to {speed:.0} rpm: faster, a sector has less than four samples of back-EMF"
+                )
+            }
             Self::SpeedForTick { speed } => {
                 write!(
                     f,
@@ -170,6 +181,8 @@ impl core::error::Error for CommissioningError {}
 pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
 /// Peak phase current (Table 1: 12 A) less what commutation adds to the ripple, which a bus shunt does not see, A.
 const PEAK: f64 = 11.4;
+/// And this much less without sensors, whose commutation is a few degrees off while a heavy rotor accelerates, A.
+const SENSORLESS_PEAK: f64 = PEAK - 0.8;
 /// Continuous phase current (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
 /// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).
@@ -194,7 +207,10 @@ impl Nameplate {
     pub fn commission(&self, mode: Mode) -> Result<Commissioning, CommissioningError> {
         self.check()?;
         let mut notes = Vec::new();
-        let design = Design::new(self, &mut notes)?;
+        let mut design = Design::new(self, &mut notes)?;
+        if mode == Mode::Sensorless && !Board::BENCH.comparator_capture {
+            design.leave_room_for_samples(self.motor.pole_pairs, &mut notes)?;
+        }
         let mut parameters = Parameters::new();
         for (number, value) in [
             (number::HALL_ENABLE, f64::from(u8::from(mode == Mode::Hall))),
@@ -206,7 +222,7 @@ impl Nameplate {
         self.write_motor(&mut parameters)?;
         self.write_limits(&design, &mut parameters)?;
         self.write_gains(&design, &mut parameters)?;
-        self.write_start(&design, &mut parameters)?;
+        self.write_start(mode, &design, &mut parameters)?;
         Ok(Commissioning {
             parameters,
             notes,
@@ -250,6 +266,10 @@ impl Nameplate {
             write(p, low, d.speed_min)?;
             write(p, high, d.speed_max)?;
         }
+        // Blanking: two ticks where eight of them fit a sector at full speed, less above; an eighth of the sector stays blanked anyway.
+        let sector =
+            f64::from(Board::BENCH.tick_rate) * 10.0 / (d.speed_max * f64::from(self.motor.pole_pairs));
+        write(p, number::ZC_DISCARD, fmin(2.0, libm::floor(sector / 8.0)))?;
         for duty in [number::DUTY_MAX, number::DUTY_MAX_SL] {
             write(p, duty, d.duty_max * 100.0)?;
         }
@@ -278,7 +298,7 @@ impl Nameplate {
     }
 
     /// Rotor lock and open loop: levels from resistance and current, times from inertia.
-    fn write_start(&self, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
+    fn write_start(&self, mode: Mode, d: &Design, p: &mut Parameters) -> Result<(), CommissioningError> {
         let m = &self.motor;
         // A lock leads through one phase and two in parallel: three quarters of the line-to-line resistance.
         let lock = 0.75 * m.resistance * d.start_current;
@@ -297,8 +317,10 @@ impl Nameplate {
         let torque = m.torque_constant * d.start_current;
         let swing = TWO_PI / sqrt(f64::from(m.pole_pairs) * torque / m.inertia);
         write(p, number::LOCK_DURATION, fmax(0.15, 5.0 * swing))?;
-        // A quarter of the torque accelerates; and the ramp is slow against the swing.
-        let ramp = fmax(fmax(4.0 * m.inertia * speed / torque, 8.0 * swing), 0.2);
+        // A quarter of the torque accelerates; and the ramp is slow against the swing. A kick that is commutated on what is seen follows the
+        // rotor and may rise faster.
+        let swings = if mode == Mode::Sensorless { 5.0 } else { 8.0 };
+        let ramp = fmax(fmax(4.0 * m.inertia * speed / torque, swings * swing), 0.2);
         write(p, number::OPEN_LOOP_RAMP, ramp)?;
         write(p, number::OPEN_LOOP_DURATION, ramp + 0.1)
     }
@@ -307,6 +329,8 @@ impl Nameplate {
 /// Figures that several rules share.
 struct Design {
     duty_max: f64,
+    /// Largest, A peak to peak.
+    ripple: f64,
     phase_current: f64,
     start_current: f64,
     speed_min: f64,
@@ -315,7 +339,7 @@ struct Design {
 }
 
 impl Design {
-    fn new(plate: &Nameplate, notes: &mut Vec<Note, 4>) -> Result<Self, CommissioningError> {
+    fn new(plate: &Nameplate, notes: &mut Vec<Note, 5>) -> Result<Self, CommissioningError> {
         let m = &plate.motor;
         let period = 1.0 / f64::from(Board::BENCH.tick_rate);
         // A quarter above the rated current, so that the limit does not bind at the rated load.
@@ -358,7 +382,27 @@ impl Design {
         // A third of the rated torque accelerates, and full speed takes 0.4 s at least.
         let acceleration = m.torque_constant * needed / m.inertia / 3.0 * 60.0 / TWO_PI;
         let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), 32_767.0);
-        Ok(Self { duty_max, phase_current, start_current, speed_min, speed_max, speed_rate })
+        Ok(Self { duty_max, ripple: widest, phase_current, start_current, speed_min, speed_max, speed_rate })
+    }
+}
+
+impl Design {
+    /// Four samples of back-EMF a sector, with 2 % for the speed loop to swing, and less current.
+    fn leave_room_for_samples(
+        &mut self,
+        pole_pairs: u8,
+        notes: &mut Vec<Note, 5>,
+    ) -> Result<(), CommissioningError> {
+        self.phase_current = fmin(self.phase_current, SENSORLESS_PEAK - self.ripple / 2.0);
+        let speed = 0.98 * f64::from(Board::BENCH.tick_rate) * 60.0 / (6.0 * 4.0 * f64::from(pole_pairs));
+        if speed < self.speed_max {
+            push(notes, Note::SpeedForSampling { speed });
+            self.speed_max = speed;
+        }
+        if self.speed_max <= self.speed_min {
+            return Err(CommissioningError::TooSlow { speed_max: self.speed_max, speed_min: self.speed_min });
+        }
+        Ok(())
     }
 }
 
@@ -367,8 +411,8 @@ fn duty_within(product: f64) -> f64 {
     if product >= 0.25 { DUTY_MAX } else { 0.5 - sqrt(0.25 - fmax(product, 0.0)) }
 }
 
-fn push(notes: &mut Vec<Note, 4>, note: Note) {
-    // Three kinds of note, room for four.
+fn push(notes: &mut Vec<Note, 5>, note: Note) {
+    // Five kinds of note.
     let _ = notes.push(note);
 }
 

@@ -16,6 +16,7 @@ pub mod operator;
 pub mod plant;
 pub mod presets;
 pub mod random;
+pub mod random_plant;
 #[cfg(feature = "alloc")]
 pub mod recording;
 #[cfg(feature = "alloc")]

@@ -1,7 +1,7 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
 use narx_core::motor::event::SlowMeasurements;
-use narx_core::motor::{Board, Coefficients, Command, Drive, Event, Request, State, Status};
+use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{BackEmf, MotorConfig, Phase, Plant, PlantConfig};
@@ -49,13 +49,38 @@ pub(crate) struct Closed {
     pub bus_max: f64,
     /// The master says nothing.
     pub silent: bool,
+    /// Set-point, mechanical rpm.
+    pub set_point: f64,
+    /// What the last tick answered.
+    pub output: PwmCommand,
     request: Request,
+    mode: Mode,
+    rated_current: Option<f64>,
 }
 
 impl Closed {
     /// A commissioned hall drive; raw parameters in `changes` win.
     pub(crate) fn new(config: &PlantConfig, changes: &[(u16, i32)]) -> Self {
-        let coefficients = commissioned(config, changes);
+        Self::with_mode(config, changes, Mode::Hall)
+    }
+
+    /// The same without sensors.
+    pub(crate) fn sensorless(config: &PlantConfig, changes: &[(u16, i32)]) -> Self {
+        Self::with_mode(config, changes, Mode::Sensorless)
+    }
+
+    fn with_mode(config: &PlantConfig, changes: &[(u16, i32)], mode: Mode) -> Self {
+        Self::rated(config, changes, mode, Some(4.0))
+    }
+
+    /// With the motor's rated current.
+    pub(crate) fn rated(
+        config: &PlantConfig,
+        changes: &[(u16, i32)],
+        mode: Mode,
+        rated_current: Option<f64>,
+    ) -> Self {
+        let coefficients = commissioned(config, changes, mode, rated_current);
         Self {
             drive: Drive::new(coefficients),
             plant: Plant::new(config),
@@ -64,13 +89,17 @@ impl Closed {
             fastest: 0.0,
             bus_max: 0.0,
             silent: false,
+            set_point: RPM,
+            output: PwmCommand::default(),
             request: Request::Standby,
+            mode,
+            rated_current,
         }
     }
 
     /// Other parameters from now on: the commissioned ones with these raw values changed.
     pub(crate) fn configure(&mut self, changes: &[(u16, i32)]) {
-        let coefficients = commissioned(self.plant.config(), changes);
+        let coefficients = commissioned(self.plant.config(), changes, self.mode, self.rated_current);
         self.drive.handle_event(Event::Coefficients(coefficients));
     }
 
@@ -80,7 +109,7 @@ impl Closed {
     }
 
     fn command(&self) -> Event {
-        let speed = RPM / 60.0 * 4.0;
+        let speed = self.set_point / 60.0 * f64::from(self.plant.config().motor.pole_pairs);
         Event::Command(Command {
             request: self.request,
             speed: ElectricalSpeed::from_bits((speed * 65_536.0) as i32),
@@ -89,7 +118,13 @@ impl Closed {
 
     /// One period.
     pub(crate) fn tick(&mut self) {
-        let samples = self.plant.sample();
+        self.tick_altered(|_, _| {});
+    }
+
+    /// One period in which the drive reads what `alter` makes of the samples; it also sees what was applied last.
+    pub(crate) fn tick_altered(&mut self, alter: impl FnOnce(&mut Samples, &PwmCommand)) {
+        let mut samples = self.plant.sample();
+        alter(&mut samples, &self.output);
         match samples.tick % 500 {
             0 if !self.silent => self.drive.handle_event(self.command()),
             k if k % 100 == 50 => self.drive.handle_event(Event::Slow(SlowMeasurements {
@@ -103,6 +138,7 @@ impl Closed {
             self.status = status;
         }
         self.plant.finish_period(&output);
+        self.output = output;
         let now = self.plant.observe();
         self.peak = now.current.iter().fold(self.peak, |peak, current| peak.max(current.abs()));
         self.fastest = self.fastest.max(self.rpm().abs());
@@ -134,16 +170,21 @@ impl Closed {
     }
 }
 
-fn commissioned(config: &PlantConfig, changes: &[(u16, i32)]) -> Coefficients {
+fn commissioned(
+    config: &PlantConfig,
+    changes: &[(u16, i32)],
+    mode: Mode,
+    rated_current: Option<f64>,
+) -> Coefficients {
     let plate = Nameplate {
         motor: config.motor,
-        rated_current: Some(4.0),
+        rated_current,
         supply: config.supply.voltage,
         open_loop_speed: None,
     };
-    let mut parameters = plate.commission(Mode::Hall).unwrap().parameters;
+    let mut parameters = plate.commission(mode).unwrap().parameters;
     for (number, raw) in changes {
         parameters.set(*number, *raw).unwrap();
     }
-    Coefficients::build(&parameters, &Board::BENCH).unwrap()
+    Coefficients::build(&parameters, &config.board).unwrap()
 }

@@ -45,10 +45,11 @@ fn change() -> impl Strategy<Value = (u16, i32)> {
 
 fn boards() -> impl Strategy<Value = Board> {
     let rates = prop::sample::select(vec![1_000, 2_000, 9_999, 10_000, 20_000, 40_000, 100_000]);
-    (rates, any::<u16>(), any::<bool>()).prop_map(|(tick_rate, earliest, hall_capture)| Board {
+    (rates, any::<u16>(), any::<[bool; 2]>()).prop_map(|(tick_rate, earliest, capture)| Board {
         tick_rate,
         earliest,
-        hall_capture,
+        hall_capture: capture[0],
+        comparator_capture: capture[1],
         ..Board::BENCH
     })
 }
@@ -57,9 +58,9 @@ fn boards() -> impl Strategy<Value = Board> {
 fn samples() -> impl Strategy<Value = Samples> {
     let voltage = prop_oneof![6 => 1_000..3_000_u16, 1 => Just(0), 1 => any::<u16>()];
     let current = prop_oneof![6 => 1_900..2_300_u16, 1 => any::<u16>()];
-    let edge = (any::<u16>(), any::<u8>()).prop_map(|(instant, code)| Edge {
+    let edge = (any::<u16>(), any::<u8>(), any::<bool>()).prop_map(|(instant, code, hall)| Edge {
         instant,
-        source: EdgeSource::Hall,
+        source: if hall { EdgeSource::Hall } else { EdgeSource::Comparator },
         code,
     });
     let edges = prop::collection::vec(edge, 0..=4);

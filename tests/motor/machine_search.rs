@@ -180,11 +180,11 @@ fn ghost_request(state: State, request: Request, mut ghost: Ghost) -> Ghost {
     ghost
 }
 
-/// Decision 5 again: an edge that met a refusal (no mode, parameters that do not fit, no estimator) is spent by it.
+/// Decision 5 again: an edge that met a refusal (no mode, parameters that do not fit) is spent by it.
 fn ghost_tick(before: &Memory, inputs: Inputs, enables: u8, after: &Memory, mut ghost: Ghost) -> Ghost {
     let (from, to) = (before.state, after.state);
     let (open_loop, sensorless, hall) = (enables & 1 != 0, enables & 2 != 0, enables & 4 != 0);
-    let able = inputs.parameters_fit && (before.calibrate || hall || (open_loop && !sensorless));
+    let able = inputs.parameters_fit && (before.calibrate || hall || open_loop || sensorless);
     if from == State::Standby && wanted(before.command.request).is_some() && !able {
         ghost.fresh = false;
     }
@@ -227,16 +227,7 @@ fn invariants_hold_in_every_reachable_state() {
     let mut pairs: Vec<_> = explored.pairs.iter().map(|(from, to, name)| (*name, *from, *to)).collect();
     pairs.sort_by_key(|pair| pair.0);
     println!("transitions reached: {pairs:?}");
-    // Without an estimator 4 and 7 cannot be reached.
-    let reachable = [
-        State::Initialization,
-        State::Standby,
-        State::RotorLock,
-        State::OpenLoop,
-        State::HallClosedLoop,
-        State::Fault,
-    ];
-    assert_eq!(states, HashSet::from(reachable));
+    assert_eq!(states, HashSet::from(State::ALL));
 }
 
 /// Critical fault, Standby request and time-out, in this order and in the same tick.
@@ -286,23 +277,22 @@ fn check_start(
     let request = wanted(before.command.request);
     let expired = before.command_age + 1 >= TIMEOUT;
     let able = request.is_some() && inputs.parameters_fit && !inputs.critical && !expired;
-    let mode = before.calibrate || hall || (open_loop && !sensorless);
+    let mode = before.calibrate || hall || open_loop || sensorless;
     if before.state == State::Standby {
         let starts = after.state.is_driving();
         assert_eq!(starts, able && ghost.fresh && mode, "a start needs all of it: {}", context());
         if starts {
-            let wanted_state = match (before.calibrate, hall) {
-                (true, _) => State::RotorLock,
-                (false, true) => State::HallClosedLoop,
-                (false, false) => State::OpenLoop,
+            let wanted_state = match (before.calibrate, hall, sensorless) {
+                (true, _, _) | (false, false, true) => State::RotorLock,
+                (false, true, _) => State::HallClosedLoop,
+                (false, false, false) => State::OpenLoop,
             };
             assert_eq!(after.state, wanted_state, "Table 6: {}", context());
             assert_eq!(Some(after.direction), request, "{}", context());
         }
-        // Decision 2 and the estimator that does not exist yet.
+        // Decision 2.
         if ghost.fresh && request.is_some() && inputs.parameters_fit && !before.calibrate {
             let refusal = match (hall, sensorless, open_loop) {
-                (false, true, _) => Refusal::NoEstimator,
                 (false, false, false) => Refusal::NoMode,
                 _ => Refusal::None,
             };
@@ -355,7 +345,14 @@ fn check_reversal(
         let rests = inputs.stopped || before.state == State::RotorLock;
         let calibrated = before.mode.contains(Conditions::CALIBRATION) && inputs.calibrated;
         let leaves = rests || (before.state == State::OpenLoop && calibrated);
-        let expected = if leaves { State::Standby } else { before.state };
+        // T74: a motor that was caught is closed loop's to slow down.
+        let caught =
+            before.state == State::SensorlessAutoRestart && before.age + 1 >= RAMP && !inputs.stopped;
+        let expected = match before.state {
+            _ if leaves => State::Standby,
+            _ if caught => State::SensorlessClosedLoop,
+            state => state,
+        };
         assert_eq!(after.state, expected, "reversal: {}", context());
     }
     let healthy = inputs.parameters_fit && !inputs.critical && !expired;

@@ -12,6 +12,7 @@ use narx_core::units::{Amps, Celsius, Volts};
 /// Nothing wrong, hall closed loop running, torque forward.
 fn healthy() -> Evidence {
     Evidence {
+        sensorless: None,
         measured: Measured { bus_voltage: Volts::from_milli(48_000), ..Measured::default() },
         slow: SlowMeasurements { temperature: Celsius::from_milli(25_000), pressure: Volts::ZERO },
         lines: Lines::empty(),

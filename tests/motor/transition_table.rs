@@ -60,6 +60,10 @@ fn expected(state: State, c: Conditions) -> Option<(&'static str, State)> {
             if has(Conditions::STANDBY) {
                 return Some(("T71", State::Standby));
             }
+            // The other direction, from rest: there is nothing to wait for.
+            if has(Conditions::REVERSAL) && has(Conditions::STOPPED) {
+                return Some(("T71", State::Standby));
+            }
             match (has(Conditions::ELAPSED), has(Conditions::STOPPED)) {
                 (true, true) => Some(("T71", State::Standby)),
                 (true, false) => Some(("T74", State::SensorlessClosedLoop)),

@@ -1,6 +1,6 @@
 //! The digest, repeated here from its description alone.
 
-use narx_core::motor::event::{HallCalibration, HallWiring, Limiter, Refusal, Status};
+use narx_core::motor::event::{HallCalibration, HallWiring, Limiter, Refusal, Status, Why};
 use narx_core::motor::fault::FaultWord;
 use narx_core::motor::state::State;
 use narx_core::motor::{Commutation, Direction, PwmCommand, Rectification, SampleMode, Step};
@@ -56,7 +56,7 @@ fn command_and_status_by_hand() {
         critical: FaultWord::STORE_VERSION,
         extended_code: 0x1122,
         command_expired: true,
-        refusal: Refusal::NoEstimator,
+        refusal: Refusal::Parameters,
         supply_low: true,
         direction: Direction::Reverse,
         setpoint: ElectricalSpeed::from_bits(-1),
@@ -73,13 +73,16 @@ fn command_and_status_by_hand() {
         hall_invalid: 11,
         hall_jumps: 12,
         hall_calibration: HallCalibration::Done(HallWiring { order: 13, polarity: 14, offset: -2 }),
+        crossing: Why::DemagLate,
+        crossing_margin: -3,
+        crossings: 15,
     };
     bytes.extend([b'S', 8, 7, 6, 5, 4, 3, 2, 1, 5]);
-    bytes.extend([0x10, 0, 0, 0, 0, 0, 0, 0x80, 0x22, 0x11, 1, 3, 1, 1]);
+    bytes.extend([0x10, 0, 0, 0, 0, 0, 0, 0x80, 0x22, 0x11, 1, 2, 1, 1]);
     bytes.extend([0xff, 0xff, 0xff, 0xff, 2, 0, 0, 0, 3, 0, 0, 0, 0x55, 0x44, 0xfe, 0xff, 0xff, 0xff]);
     for value in 4..=9u8 {
         bytes.extend([value, 0, 0, 0]);
     }
-    bytes.extend([10, 0, 8, 11, 0, 12, 0, 2, 13, 14, 0xfe, 0xff]);
+    bytes.extend([10, 0, 8, 11, 0, 12, 0, 2, 13, 14, 0xfe, 0xff, 4, 0xfd, 0xff, 15, 0, 0, 0]);
     assert_eq!(digest(&command, Some(&status)), crc64(&bytes));
 }

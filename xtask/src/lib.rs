@@ -1,6 +1,8 @@
 //! What the developer commands are made of.
 
+pub mod bench;
 pub mod candump;
+pub mod commutations;
 pub mod coverage;
 pub mod csv;
 pub mod demo;

@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 use std::path::Path;
 use std::process::{Command, ExitCode};
+use xtask::bench;
 use xtask::coverage;
 use xtask::demo;
 use xtask::firmware;
@@ -24,6 +25,8 @@ struct Arguments {
 enum Job {
     /// The main job: a motor starts, reaches its speed and holds it
     Demo(demo::Arguments),
+    /// Measure what narx promises of its control: every goal with its figure and verdict
+    Bench(bench::Arguments),
     /// Test everything, or one target; installs what that needs
     Test {
         /// What to test; without a name everything
@@ -66,6 +69,7 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
+        Job::Bench(arguments) => bench::command(&arguments),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
@@ -86,6 +90,11 @@ fn generate(root: &Path) -> ExitCode {
             let mut tests = Command::new("cargo");
             tests.args(["test", "-p", "narx-tests", "--test", "protocol"]);
             run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
+        }),
+        Step::new("tables of running", move || {
+            let mut tests = Command::new("cargo");
+            tests.args(["test", "-p", "narx-tests", "--test", "motor", "presets_with"]);
+            run(tests.current_dir(root).env("INSTA_UPDATE", "always"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
         Step::new("C header", move || header::regenerate(root, false)),

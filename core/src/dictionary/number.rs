@@ -243,3 +243,11 @@ pub const WINDING_INDUCTANCE: u16 = 283;
 pub const FRAMES_LOST: u16 = 284;
 /// Rejected parameter.
 pub const REJECTED_PARAMETER: u16 = 285;
+/// ZC falling delay difference, 10^-2 ticks.
+pub const ZC_DELAY_FALLING: u16 = 286;
+/// Last zero crossing.
+pub const CROSSING: u16 = 287;
+/// Zero crossing margin, 10^-2 deg.
+pub const CROSSING_MARGIN: u16 = 288;
+/// Zero crossings.
+pub const CROSSINGS: u16 = 289;

@@ -6,7 +6,7 @@ use super::parameter::Kind::{I32, U16, U32};
 use super::parameter::Parameter;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Parameter; 30] = [
+pub(super) const OWN: [Parameter; 34] = [
     Parameter::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -123,7 +123,7 @@ pub(super) const OWN: [Parameter; 30] = [
         .read_only()
         .about(
             "Why the last start was refused: 0 it was not, 1 no mode enabled, 2 parameters do not fit together, 3 \
-             no estimator, 4 Standby was not requested since the last stop.",
+             reserved, 4 Standby was not requested since the last stop.",
         ),
     Parameter::new(number::HALL_INVALID, "Hall invalid codes", Diagnostics, U16)
         .range(0, 65535)
@@ -146,7 +146,7 @@ pub(super) const OWN: [Parameter; 30] = [
         .read_only()
         .about(
             "What bounds the duty: 0 bridge off, 1 fixed level, 2 speed loop, 3 bus current, 4 phase current, 5 \
-             power, 6 temperature, 7 maximum duty, 8 slew, 9 no return into the bus.",
+             power, 6 temperature, 7 maximum duty, 8 slew, 9 no return into the bus, 10 zero crossings not seen.",
         ),
     Parameter::new(number::HALL_INTERPOLATION_SPEED, "Hall interpolation speed", Control, I32)
         .unit("rpm", 0)
@@ -173,4 +173,28 @@ pub(super) const OWN: [Parameter; 30] = [
         .factory(65535)
         .read_only()
         .about("Number of the parameter for which the set does not build; 65535 when it builds."),
+    Parameter::new(number::ZC_DELAY_FALLING, "ZC falling delay difference", Control, I32)
+        .unit("ticks", -2)
+        .range(-10000, 10000)
+        .factory(0)
+        .about("What a falling zero crossing is delayed by beyond parameter 100."),
+    Parameter::new(number::CROSSING, "Last zero crossing", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about(
+            "What became of the last step's zero crossing: 0 none yet, 1 accepted, 2 filtered (too early), 3 blind (not \
+             seen), 4 late (hidden by demagnetisation), 5 heard while coasting.",
+        ),
+    Parameter::new(number::CROSSING_MARGIN, "Zero crossing margin", Diagnostics, I32)
+        .unit("deg", -2)
+        .range(-18000, 18000)
+        .factory(0)
+        .read_only()
+        .about("How far the last accepted zero crossing lay behind its prediction, electrical degrees."),
+    Parameter::new(number::CROSSINGS, "Zero crossings", Diagnostics, U32)
+        .range(0, u32::MAX as i64)
+        .factory(0)
+        .read_only()
+        .about("Zero crossings accepted since power-up, wrapping."),
 ];

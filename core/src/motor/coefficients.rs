@@ -1,5 +1,6 @@
 //! Parameters built once into what the tick multiplies with. Rules between parameters are checked here.
 
+use super::back_emf::BackEmfCoefficients;
 use super::commutator::CommutatorCoefficients;
 use super::control::ControlCoefficients;
 use super::front_end::{Board, Channel};
@@ -14,7 +15,9 @@ use super::open_loop::OpenLoopCoefficients;
 use super::open_phase::OpenPhaseCoefficients;
 use super::pi::PiGains;
 use super::protection::{Limit, ProtectionCoefficients};
+use super::rails::RailCoefficients;
 use super::samples::Lines;
+use super::sensorless::SensorlessCoefficients;
 use crate::dictionary::{Decimal, Dictionary, Parameters, number};
 use crate::units::{ElectricalAngle, saturate};
 use core::fmt;
@@ -31,6 +34,8 @@ pub struct Coefficients {
     pub hall_calibration: HallCalibrationCoefficients,
     /// Open loop.
     pub open_loop: OpenLoopCoefficients,
+    /// Back-EMF estimator and start sequence.
+    pub sensorless: SensorlessCoefficients,
     /// Fault logic.
     pub protection: ProtectionCoefficients,
     /// Open phase detector.
@@ -110,6 +115,7 @@ impl Coefficients {
             hall: b.hall()?,
             hall_calibration: HallCalibrationCoefficients::new(b.turns()?, lock_voltage),
             open_loop: b.open_loop(lock_voltage)?,
+            sensorless: b.sensorless(lock_voltage)?,
             protection: b.protection(),
             open_phase: OpenPhaseCoefficients { at_rest: b.ticks(100).min(u16::MAX as u32) as u16 },
             machine: b.machine(lock_voltage),
@@ -297,6 +303,63 @@ impl Builder<'_> {
             voltage,
             slope: self.gain(number::OPEN_LOOP_DUTY, rise, (speed as i128).max(1))?,
             turns: self.turns()?,
+        })
+    }
+
+    fn back_emf(&self) -> Result<BackEmfCoefficients, BuildError> {
+        let delay = |raw: i128| saturate((raw << 16) / 100);
+        let (emf, delays) = (number::BACK_EMF_CONSTANT, self.raw(number::ZC_DELAY));
+        Ok(BackEmfCoefficients {
+            // Four codes: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
+            noise: saturate(((self.board.front_end.phase_voltage.micro_per_code as i128) << 18) / 1_000_000),
+            discard: (self.raw(number::ZC_DISCARD) << 16) as u32,
+            earliest: self.board.earliest,
+            comparator: self.board.comparator_capture,
+            delay_rising: delay(delays),
+            delay_falling: delay(delays + self.raw(number::ZC_DELAY_FALLING)),
+            back_emf: self.gain(emf, self.raw(emf) * 60, 1_000_000 * self.pole_pairs())?,
+        })
+    }
+
+    fn rails(&self, back_emf: Gain) -> Result<RailCoefficients, BuildError> {
+        let (resistance, inductance) = (number::WINDING_RESISTANCE, number::WINDING_INDUCTANCE);
+        Ok(RailCoefficients {
+            resistance: self.gain(resistance, self.raw(resistance), 1000)?,
+            commutation: self.gain(inductance, 3 * self.raw(inductance), 1_000_000)?,
+            back_emf,
+            leak: 10_000,
+        })
+    }
+
+    fn sensorless(&self, lock_voltage: i32) -> Result<SensorlessCoefficients, BuildError> {
+        let back_emf = self.back_emf()?;
+        let (emf, ohm) = (number::BACK_EMF_CONSTANT, number::WINDING_RESISTANCE);
+        let kick_voltage = self.nominal_share(number::OPEN_LOOP_DUTY);
+        let lock = self.ticks(self.raw(number::LOCK_DURATION));
+        let rest = self.ticks(5);
+        let align = lock.saturating_sub(rest + self.ticks(2)).max(self.ticks(20));
+        let ramp = self.ticks(self.raw(number::OPEN_LOOP_RAMP));
+        // E = k f <= R I: the current of shorted windings, raw rev/s. It has no ripple, for which the mean limit leaves room: a tenth more.
+        let fall = self.raw(ohm) * self.raw(number::PHASE_CURRENT_MAX) * 11 / 10 * self.pole_pairs();
+        let brake = (fall << 16).checked_div(self.raw(emf) * 60).unwrap_or(0);
+        Ok(SensorlessCoefficients {
+            back_emf,
+            rails: self.rails(back_emf.back_emf)?,
+            emf_of_turns: self.gain(
+                emf,
+                self.raw(emf) * 60 * self.rate(),
+                1_000_000 * 65_536 * self.pole_pairs(),
+            )?,
+            timeout: (self.raw(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i128 / 2) as u32,
+            rest,
+            align,
+            align_rate: ((lock_voltage as i64) << 16) / (align as i64 / 4).max(1),
+            align_voltage: lock_voltage,
+            kick_rate: ((kick_voltage as i64) << 16) / (ramp as i64).max(1),
+            kick_voltage,
+            kick_patience: self.ticks(50),
+            kick_limit: self.ticks(self.raw(number::OPEN_LOOP_DURATION)).max(self.ticks(1000)),
+            brake_max: self.turns()?.apply32(saturate(brake)),
         })
     }
 

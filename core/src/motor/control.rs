@@ -57,6 +57,10 @@ pub enum Demand {
         measured: i32,
         /// Largest duty, raw U1F15.
         duty_max: u16,
+        /// Share of the voltage that is taken away, in 1/16: the rotor's position is getting uncertain.
+        fade: u8,
+        /// The speed is known from crossings alone, once in a sector.
+        sparse: bool,
     },
 }
 
@@ -84,6 +88,9 @@ pub struct Control {
     /// Voltage that the last duty gives, raw I16F16.
     applied: i32,
     millisecond: u16,
+    /// Share of a speed loop's turn that has been earned, electrical rev/s.
+    turn: i32,
+    phase_current: i32,
     coasting: Option<Coasting>,
     /// Milliseconds for which a rotor that turned at the start, or while the bridge was off, is caught; 0 once it is.
     catching: u16,
@@ -109,6 +116,9 @@ const MOTORING: i32 = (1 << 16) / 20;
 /// Longest catching of an idle motor: 20 ms, more than an electrical revolution at 3000 electrical rpm.
 const CATCH: u16 = 20;
 
+/// 500 rpm with 4 pole pairs (Table 2): from there on the speed loop runs every millisecond, raw electrical rev/s.
+const WHOLE: i32 = 33 << 16;
+
 /// A current limit may take the duty back this many times faster than it rises.
 const RETREAT: u16 = 8;
 
@@ -124,6 +134,30 @@ impl Control {
         if self.catching == 0 {
             self.output.rectification = Rectification::Synchronous;
         }
+    }
+
+    /// Bumpless change from a level to the speed loop: every controller continues from the voltage that is applied (or from parameter
+    /// 84), the set-point's ramp from the measured `speed` (raw electrical rev/s).
+    pub fn hand_over(&mut self, speed: i32, initial_voltage: i32) {
+        self.setpoint.set(speed);
+        self.speed_error = 0;
+        (self.interrupted, self.catching, self.coasting) = (false, 0, None);
+        self.take_over(if initial_voltage > 0 { initial_voltage } else { self.applied });
+    }
+
+    /// The last tick began a millisecond.
+    pub const fn is_millisecond(&self) -> bool {
+        self.millisecond == 0
+    }
+
+    /// Estimated mean phase current as of the last millisecond, raw I16F16 A.
+    pub const fn phase_current(&self) -> i32 {
+        self.phase_current
+    }
+
+    /// Voltage that the last duty gives, raw I16F16 V.
+    pub const fn applied(&self) -> i32 {
+        self.applied
     }
 
     /// Every controller continues from `voltage`.
@@ -146,6 +180,7 @@ impl Control {
         if due {
             let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
             let phase_current = per_duty(measured.bus_current_filtered.to_bits(), self.output.duty.to_bits());
+            self.phase_current = phase_current;
             self.limit.update(&c.limits, measured, phase_current, temperature, turns);
         }
         let (wanted, own, duty_max) = match demand {
@@ -155,7 +190,7 @@ impl Control {
                 return self.output;
             }
             Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
-            Demand::Speed { gains, target, measured: speed, duty_max } => {
+            Demand::Speed { gains, target, measured: speed, duty_max, fade, sparse } => {
                 self.resume(c, measurement, speed);
                 self.finish_catching(c, measured, measurement, speed, due);
                 if self.coast(c, measured, measurement, speed) {
@@ -166,13 +201,16 @@ impl Control {
                     self.applied = 0;
                     return self.output;
                 }
-                if due {
+                if due && (!sparse || self.takes_turn(speed)) {
                     let ceiling = share(measured.bus_voltage.to_bits(), duty_max);
                     let setpoint = self.advance_setpoint(c, target, speed);
                     self.speed_error = setpoint.saturating_sub(speed);
                     self.speed_voltage = self.speed.step(&gains, self.speed_error, 0, ceiling);
                 }
-                (self.speed_voltage, Limiter::Speed, duty_max)
+                match fade {
+                    0 => (self.speed_voltage, Limiter::Speed, duty_max),
+                    _ => (self.faded(c, speed, fade), Limiter::Fade, duty_max),
+                }
             }
         };
         let (voltage, limiter) = self.limit_current(c, wanted, own, measured);
@@ -259,6 +297,13 @@ impl Control {
         }
     }
 
+    /// What is above back-EMF fades, and with it the torque: a voltage below it would brake the motor into the bus. Where the constant is
+    /// unknown all of the voltage fades.
+    fn faded(&self, c: &ControlCoefficients, speed: i32, fade: u8) -> i32 {
+        let back_emf = c.back_emf.apply32(speed).clamp(0, self.speed_voltage.max(0));
+        back_emf + (self.speed_voltage - back_emf) / 16 * (16 - i32::from(fade.min(16)))
+    }
+
     /// Set-point after its ramp, raw I16F16 electrical rev/s, a magnitude.
     pub const fn setpoint(&self) -> i32 {
         self.setpoint.value()
@@ -267,6 +312,18 @@ impl Control {
     /// What was applied last.
     pub const fn output(&self) -> Output {
         self.output
+    }
+
+    /// Below the drive's range of speed crossings are so rare that the loop would integrate an old measurement over and over, until a
+    /// light rotor stands: there it takes its turn less often, in proportion to the speed.
+    const fn takes_turn(&mut self, speed: i32) -> bool {
+        let share = if speed < WHOLE { speed } else { WHOLE };
+        self.turn += if share > WHOLE / 8 { share } else { WHOLE / 8 };
+        let due = self.turn >= WHOLE;
+        if due {
+            self.turn -= WHOLE;
+        }
+        due
     }
 
     fn tick_millisecond(&mut self, c: &ControlCoefficients) -> bool {
@@ -301,6 +358,12 @@ impl Control {
         let duty = self.output.duty.to_bits();
         let ceiling = measured.bus_voltage.to_bits().max(0);
         let (bound, limiter) = self.limit.bound(duty.max(c.duty_min));
+        // The limiter's output is at least its integrator, or the ceiling, while there is room: most ticks need no division.
+        let idle = bound >= measured.bus_current.to_bits() && self.current.is_at_least(wanted);
+        if idle && wanted <= ceiling {
+            self.current.wait(wanted.min(share(ceiling, duty.saturating_add(c.slew))));
+            return (wanted, own);
+        }
         let room = per_duty(bound.saturating_sub(measured.bus_current.to_bits()), duty);
         let most = self.current.step(&c.current, room, 0, ceiling);
         let (voltage, limiter) = if most < wanted { (most, limiter) } else { (wanted, own) };

@@ -5,6 +5,7 @@ pub use super::hall_calibration::HallCalibration;
 pub use super::limits::Limiter;
 pub use super::machine::{Command, Refusal, Request};
 pub use super::protection::{Health, SlowMeasurements};
+pub use super::zero_crossing::Why;
 
 use super::coefficients::Coefficients;
 use super::commutation::Direction;
@@ -58,7 +59,7 @@ pub struct Status {
     pub setpoint: ElectricalSpeed,
     /// Estimated speed from the hall sensors, signed.
     pub speed_hall: ElectricalSpeed,
-    /// Estimated speed from back-EMF, signed; 0 until there is an estimator.
+    /// Estimated speed from back-EMF, signed.
     pub speed_sensorless: ElectricalSpeed,
     /// Electrical angle that the commutation uses.
     pub angle: ElectricalAngle,
@@ -82,4 +83,10 @@ pub struct Status {
     pub hall_jumps: u16,
     /// Result of the last hall calibration.
     pub hall_calibration: HallCalibration,
+    /// What became of the last step's zero crossing.
+    pub crossing: Why,
+    /// How far the last accepted crossing lay behind its prediction, 65 536 an electrical turn.
+    pub crossing_margin: i16,
+    /// Zero crossings accepted since power-up, wrapping.
+    pub crossings: u32,
 }

@@ -81,6 +81,9 @@ pub enum Cause {
     EmergencyLine = 0x1B01,
     SelfTest = 0x1B02,
     Overspeed = 0x1B03,
+    SensorlessStall = 0x1B04,
+    Desynchronisation = 0x1B05,
+    WrongLock = 0x1B06,
     ShutdownCommanded = 0x1C01,
     ShutdownLine = 0x1C02,
     CommandTimeout = 0x1D01,
@@ -105,7 +108,7 @@ const fn row(cause: Cause, qualification: u32, meaning: &'static str) -> CauseRo
 
 impl Cause {
     /// Every cause with its qualification time.
-    pub const TABLE: [CauseRow; 21] = [
+    pub const TABLE: [CauseRow; 24] = [
         row(Self::TemperatureWarning, 100_000, "temperature above the warning threshold"),
         row(Self::OverTemperature, 100_000, "temperature above the shutdown threshold"),
         row(Self::OverVoltage, 10_000, "bus voltage above its threshold; at once when 1 V above"),
@@ -130,6 +133,21 @@ impl Cause {
         row(Self::EmergencyLine, 0, "hardware break input"),
         row(Self::SelfTest, 0, "self-test failed"),
         row(Self::Overspeed, 10_000, "speed above 130 % of the mode's maximum set-point"),
+        row(
+            Self::SensorlessStall,
+            0,
+            "the sensorless motor stalls or does not start, five times (one is forgiven in 10 s)",
+        ),
+        row(
+            Self::Desynchronisation,
+            0,
+            "zero crossings jump by more than half an interval, five times (one is forgiven in 10 s)",
+        ),
+        row(
+            Self::WrongLock,
+            0,
+            "sensorless speed and applied voltage do not fit together for 150 ms, five times (one is forgiven in 10 s)",
+        ),
         row(Self::ShutdownCommanded, 0, "shutdown requested over CAN (motor mode 3)"),
         row(Self::ShutdownLine, 1_000, "the digital input configured for shutdown"),
         row(Self::CommandTimeout, 0, "no valid command while driving for the time-out (parameter 114)"),

@@ -48,6 +48,8 @@ pub struct Board {
     pub dead_time_ns: u16,
     /// The hall lines have time-stamping input captures.
     pub hall_capture: bool,
+    /// Back-EMF comparators have time-stamping input captures; their edges take the place of the sampled back-EMF.
+    pub comparator_capture: bool,
     /// Scales of the converter.
     pub front_end: FrontEnd,
 }
@@ -70,6 +72,7 @@ impl Board {
         earliest: 8_192,
         dead_time_ns: 500,
         hall_capture: true,
+        comparator_capture: false,
         front_end: FrontEnd::NARX,
     };
 }

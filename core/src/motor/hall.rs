@@ -303,7 +303,12 @@ impl Hall {
         if self.valid == 0 || self.since_edge <= self.newest() {
             return self.speed;
         }
-        let bound = (((SIXTH as u64) << 16) / self.since_edge as u64).min(i32::MAX as u64) as i32;
+        // Within the bound, by multiplication: the 64-bit division is for the edge that is overdue.
+        let sixth = (SIXTH as u64) << 16;
+        if self.speed.unsigned_abs() as u64 * self.since_edge as u64 <= sixth {
+            return self.speed;
+        }
+        let bound = (sixth / self.since_edge as u64).min(i32::MAX as u64) as i32;
         self.speed.clamp(-bound, bound)
     }
 

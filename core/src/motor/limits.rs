@@ -31,6 +31,8 @@ pub enum Limiter {
     Slew = 8,
     /// The bus must not be fed: the motor coasts.
     Return = 9,
+    /// The voltage fades over zero crossings that were not seen.
+    Fade = 10,
 }
 
 /// Coefficients of the current limits, raw I16F16.

@@ -40,8 +40,6 @@ pub enum Refusal {
     NoMode = 1,
     /// The parameter set does not build.
     Parameters = 2,
-    /// The selected control mode has no estimator in this firmware.
-    NoEstimator = 3,
     /// Standby was not requested since the last stop, fault or reset.
     NoFreshRequest = 4,
 }
@@ -72,9 +70,6 @@ pub struct MachineCoefficients {
     /// Command time-out.
     pub command_timeout: u32,
 }
-
-/// There is no back-EMF estimator yet: states 4 and 7 exist, and a start that would lead there is refused.
-const ESTIMATOR: bool = false;
 
 /// What the machine looks at in one tick besides its own memory.
 #[derive(Clone, Copy, Debug)]
@@ -169,9 +164,37 @@ impl Machine {
     }
 
     /// One tick: time passes, at most one transition fires.
+    #[inline]
     pub fn step(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
         self.age = self.age.saturating_add(1);
         self.command_age = self.command_age.saturating_add(1);
+        if self.goes_on(c, inputs) { None } else { self.advance(c, inputs) }
+    }
+
+    /// The ordinary tick of a driven state and of Standby, in which no row of the table can hold.
+    #[inline]
+    fn goes_on(&self, c: &MachineCoefficients, inputs: &Inputs) -> bool {
+        match self.state {
+            State::Initialization => self.age < c.boot && !inputs.unhealthy,
+            State::Standby => !inputs.critical && !self.wants_to_run(),
+            State::Fault => !self.acknowledged,
+            _ => {
+                !(inputs.critical || inputs.stopped || inputs.calibrated)
+                    && self.wants_to_run()
+                    && self.requested_direction() == self.direction
+                    && !self.command_expired(c)
+                    && self.age < self.duration(c)
+            }
+        }
+    }
+
+    #[inline]
+    fn wants_to_run(&self) -> bool {
+        matches!(self.command.request, Request::Drive | Request::Reverse)
+    }
+
+    #[inline(never)]
+    fn advance(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
         let conditions = self.conditions(c, inputs);
         let row = transition(self.state, conditions)?;
         match row.to {
@@ -215,7 +238,7 @@ impl Machine {
 
     fn conditions(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Conditions {
         let mut conditions = if self.state == State::Standby { self.enabled(c) } else { self.mode };
-        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        let wanted = self.wants_to_run();
         if self.state == State::Standby && wanted && self.refusal == Refusal::None {
             self.refusal = self.refuse(conditions, inputs);
             // A refused request is spent: it must not start the motor later, when what refused it has gone.
@@ -255,7 +278,6 @@ impl Machine {
     /// Why a start is refused now.
     fn refuse(&self, enabled: Conditions, inputs: &Inputs) -> Refusal {
         let modes = Conditions::HALL.union(Conditions::SENSORLESS).union(Conditions::OPEN_LOOP);
-        let sensorless = enabled.contains(Conditions::SENSORLESS) && !enabled.contains(Conditions::HALL);
         if !self.armed {
             Refusal::NoFreshRequest
         } else if !inputs.parameters_fit {
@@ -264,8 +286,6 @@ impl Machine {
             Refusal::None
         } else if !enabled.intersects(modes) {
             Refusal::NoMode
-        } else if sensorless && !ESTIMATOR {
-            Refusal::NoEstimator
         } else {
             Refusal::None
         }
@@ -303,19 +323,25 @@ impl Machine {
 
     /// The other direction is requested while driving: come to rest first.
     pub fn reversing(&self) -> bool {
-        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        let wanted = self.wants_to_run();
         self.state.is_driving() && wanted && self.requested_direction() != self.direction
     }
 
     /// Drive is requested by a fresh edge in Standby: unless something refuses it, this tick turns the bridge on.
     pub fn starting(&self) -> bool {
-        let wanted = matches!(self.command.request, Request::Drive | Request::Reverse);
+        let wanted = self.wants_to_run();
         self.state == State::Standby && wanted && self.armed
     }
 
     /// This start is a hall calibration.
     pub const fn calibrating(&self) -> bool {
         self.mode.contains(Conditions::CALIBRATION)
+    }
+
+    /// This start is a sensorless one.
+    pub const fn is_sensorless(&self) -> bool {
+        let others = Conditions::HALL.union(Conditions::CALIBRATION);
+        self.mode.contains(Conditions::SENSORLESS) && !self.mode.intersects(others)
     }
 
     /// No valid command for the time-out.

@@ -45,7 +45,7 @@ pub struct Measured {
     pub bus_current: Amps,
     /// The same after a first-order filter of 64 ticks: longer than what a commutation returns to the bus.
     pub bus_current_filtered: Amps,
-    /// Terminal voltages A, B, C.
+    /// Terminal voltages A, B, C, where somebody looks at them; else 0.
     pub phase_voltage: [Volts; 3],
 }
 
@@ -77,8 +77,16 @@ impl ZeroCurrent {
     }
 }
 
+impl MeasurementScales {
+    /// Terminal voltages A, B, C. Only the back-EMF station and reports ask for them.
+    #[inline]
+    pub fn phase_voltage(&self, samples: &Samples) -> [Volts; 3] {
+        samples.phase_voltage.map(|code| Volts::from_bits(self.phase_voltage.convert(code)))
+    }
+}
+
 impl Measurement {
-    /// Converts one tick's codes. `idle`: no current can flow, so what the current channel reads is its zero.
+    /// Converts one tick's codes, phase voltages apart. `idle`: no current can flow, so what the current channel reads is its zero.
     #[inline]
     pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Measured {
         let bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
@@ -89,9 +97,7 @@ impl Measurement {
             bus_voltage: Volts::from_bits(bus_voltage),
             bus_current: Amps::from_bits(bus_current),
             bus_current_filtered: Amps::from_bits((self.filtered >> 6) as i32),
-            phase_voltage: samples
-                .phase_voltage
-                .map(|code| Volts::from_bits(scales.phase_voltage.convert(code))),
+            phase_voltage: [Volts::ZERO; 3],
         }
     }
 
@@ -102,7 +108,7 @@ impl Measurement {
     }
 }
 
-/// `2^47 / voltage bits`, kept by two Newton steps a tick: `r' = r (2 - v r)`.
+/// `2^47 / voltage bits`, kept by two Newton steps a tick: `r' = r (2 - v r)`. At most 2^29 and a little, by [`BUS_MIN`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Reciprocal(i64);
 
@@ -112,27 +118,33 @@ const BUS_MIN: i32 = 4 << 16;
 impl Reciprocal {
     #[inline]
     fn follow(&mut self, bus_voltage: i32) {
-        let voltage = bus_voltage.max(BUS_MIN) as i64;
-        let error = (1 << 47) - voltage * self.0;
+        let voltage = bus_voltage.max(BUS_MIN);
+        let error = self.error(voltage);
         // A step squares the relative error: from within 1/16 two leave 2^-16. Outside (power-up, a torn supply)
         // divide once.
-        self.0 = if error.abs() < 1 << 43 {
+        *self = if error.abs() < 1 << 43 {
             let first = self.refined(error);
-            first.refined((1 << 47) - voltage * first.0).0
+            first.refined(first.error(voltage))
         } else {
-            (1 << 47) / voltage
+            Self((1 << 47) / i64::from(voltage))
         };
     }
 
-    /// One Newton step; `error` is 2^47 less voltage x reciprocal.
+    /// 2^47 less voltage x reciprocal. Both factors have 32 bits: one multiply instruction.
+    #[inline]
+    const fn error(self, voltage: i32) -> i64 {
+        (1 << 47) - voltage as i64 * self.0 as i32 as i64
+    }
+
+    /// One Newton step; `error` is within 2^43.
     #[inline]
     const fn refined(self, error: i64) -> Self {
-        Self(self.0 + ((self.0 * (error >> 16)) >> 31))
+        Self((self.0 as i32 as i64) + ((self.0 as i32 as i64 * (error >> 16) as i32 as i64) >> 31))
     }
 
     #[inline]
     fn quotient(self, voltage: i32) -> Duty {
-        let bits = (voltage.max(0) as i64 * self.0) >> 32;
+        let bits = (voltage.max(0) as i64 * self.0 as i32 as i64) >> 32;
         Duty::from_bits(bits.min(Duty::ONE.to_bits() as i64) as u16)
     }
 }

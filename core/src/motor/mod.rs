@@ -1,7 +1,8 @@
 //! The control tick, one file a station. `drive` calls them in the order the data flows:
 //!
 //! ```text
-//! samples -> measurement -> rotor (hall, open_loop) -> protection (fault) -> machine (state)
+//! samples -> measurement -> rotor (hall | back_emf, zero_crossing, listening, sensorless | open_loop)
+//!         -> protection (rails, fault) -> machine (state)
 //!         -> control (pi, ramp, limits) -> commutator (commutation) -> pwm
 //! ```
 
@@ -11,14 +12,20 @@ pub mod samples;
 
 pub mod measurement;
 
+pub mod back_emf;
+pub mod listening;
+pub mod zero_crossing;
+
 pub mod hall;
 pub mod hall_calibration;
 pub mod open_loop;
 pub mod rotor;
+pub mod sensorless;
 
 pub mod fault;
 pub mod open_phase;
 pub mod protection;
+pub mod rails;
 
 pub mod machine;
 pub mod state;

@@ -36,6 +36,7 @@ const EVIDENCE: u8 = 18;
 
 impl OpenPhase {
     /// One tick; true when a phase is open.
+    #[inline]
     pub fn step(
         &mut self,
         c: &OpenPhaseCoefficients,
@@ -63,6 +64,7 @@ impl OpenPhase {
 
     /// At the end of a step: a phase is suspect while every step with it was dead and every step without it alive. The
     /// freewheeling rest of the step before may still show in a dead one; what is neither proves nothing.
+    #[inline(never)]
     fn judge(&mut self) {
         if self.step.sector().is_none() || self.ticks < 2 {
             return;

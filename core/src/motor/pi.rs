@@ -38,12 +38,20 @@ impl Pi {
         saturate64((self.integrator + proportional).min(high).max(low) >> 16)
     }
 
-    /// Back-calculation: something else decided `applied`, so the integrator is set to what would have given that
-    /// output for the present `error`. The controller takes over again when its error asks for it, without a bump.
+    /// Back-calculation: something else decided `applied`, so the integrator goes to what would have given that
+    /// output for the present `error`, by an eighth a tick: a limit that is touched by the current's ripple, a few ticks in every
+    /// step, must not set back the mean. The controller takes over again when its error asks for it, without a bump.
     #[inline]
     pub fn track(&mut self, gains: &PiGains, applied: i32, error: i32) {
         let proportional = gains.proportional.apply_extended(error).clamp(-HEADROOM, HEADROOM);
-        self.integrator = (i64::from(applied) << 16) - proportional;
+        let target = (i64::from(applied) << 16) - proportional;
+        self.integrator += (target - self.integrator) >> 3;
+    }
+
+    /// The integrator alone gives `output`.
+    #[inline]
+    pub fn is_at_least(&self, output: i32) -> bool {
+        self.integrator >= i64::from(output) << 16
     }
 
     /// Waits beside `applied`: a limiter that is not needed keeps its integrator there, and its proportional part alone is

@@ -132,6 +132,8 @@ pub struct Evidence {
     pub torque_sign: i8,
     /// A phase is open.
     pub open_phase: bool,
+    /// What the sensorless rails have filled their bucket with.
+    pub sensorless: Option<Cause>,
 }
 
 /// Plausibility counts of the hall sensors: each glitch adds, time takes away.
@@ -167,17 +169,79 @@ pub struct Protection {
     live: FaultWord,
     latched: FaultWord,
     code: u16,
+    /// Every limit and count is at rest: nothing qualifies, nothing waits to clear.
+    quiet: bool,
 }
 
 impl Protection {
     /// One tick. True when a critical fault is present now.
+    #[inline]
     pub fn step(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
+        if self.quiet && self.stays_quiet(c, evidence) {
+            return false;
+        }
+        self.judge(c, evidence)
+    }
+
+    #[inline(never)]
+    fn judge(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
         let mask = FaultWord::critical(c.critical_mask, evidence.driving);
         self.live = FaultWord::empty();
         self.limits(c, evidence, mask);
         self.conditions(c, evidence, mask);
         self.hall(c, evidence, mask);
+        self.quiet = self.is_at_rest();
         self.live.intersects(mask)
+    }
+
+    /// With everything at rest, nothing that is looked at would move anything: most ticks end here.
+    #[inline]
+    fn stays_quiet(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
+        let overspeed = if evidence.hall_driving { &c.overspeed_hall } else { &c.overspeed_sensorless };
+        self.overspeed_trip = self.overspeed_trip.max(overspeed.trip);
+        let voltage = evidence.measured.bus_voltage.to_bits();
+        let temperature = evidence.slow.temperature.to_bits();
+        let looked_at = Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(c.shutdown_lines);
+        let hall = &evidence.hall;
+        !(voltage > c.over_voltage.trip.min(c.over_voltage_at_once)
+            || voltage < c.under_voltage.trip
+            || evidence.measured.bus_current.abs().to_bits() > c.over_current.trip
+            || evidence.driving && evidence.speed > self.overspeed_trip
+            || temperature > c.over_temperature.trip.min(c.warning.trip)
+            || evidence.slow.pressure.to_bits() > c.over_pressure.trip
+            || evidence.lines.intersects(looked_at)
+            || evidence.request == Request::Shutdown
+            || evidence.open_phase
+            || evidence.sensorless.is_some()
+            || evidence.health.self_test_failed
+            || !evidence.health.store_faults.is_empty()
+            || evidence.hall_driving
+                && (hall.invalid || hall.jump || hall.sectors != 0 || evidence.hall_stopped || !self.leak(c)))
+    }
+
+    /// The leak of counts that are 0 is only its clock; in the last tick of a round the long way round is taken.
+    fn leak(&mut self, c: &ProtectionCoefficients) -> bool {
+        let goes_on = self.hall.leak.saturating_add(1) < c.ticks_per_ms;
+        self.hall.leak += u16::from(goes_on);
+        goes_on
+    }
+
+    fn is_at_rest(&self) -> bool {
+        let at_rest = Qualifier::default();
+        let limits = [
+            self.over_voltage,
+            self.under_voltage,
+            self.over_current,
+            self.over_temperature,
+            self.warning,
+            self.over_pressure,
+            self.overspeed,
+            self.shutdown_line,
+        ];
+        let HallCounts { invalid, jumps, stalled, .. } = self.hall;
+        self.live.is_empty()
+            && limits.iter().all(|limit| *limit == at_rest)
+            && (invalid, jumps, stalled) == (0, 0, 0)
     }
 
     /// A fault that the state machine decides: no command for the time-out while driving.
@@ -288,6 +352,9 @@ impl Protection {
             (evidence.request == Request::Shutdown, Cause::ShutdownCommanded),
             (self.shutdown_line.step(shutdown, !shutdown, c.shutdown_ticks), Cause::ShutdownLine),
             (evidence.open_phase && evidence.driving, Cause::OpenPhase),
+            (evidence.sensorless == Some(Cause::SensorlessStall), Cause::SensorlessStall),
+            (evidence.sensorless == Some(Cause::Desynchronisation), Cause::Desynchronisation),
+            (evidence.sensorless == Some(Cause::WrongLock), Cause::WrongLock),
             (store.contains(FaultWord::STORE_MISMATCH), Cause::StoreMismatch),
             (store.contains(FaultWord::STORE_ABSENT), Cause::StoreAbsent),
             (store.contains(FaultWord::STORE_VERSION), Cause::StoreVersion),

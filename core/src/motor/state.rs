@@ -129,7 +129,7 @@ use State::{
 
 /// Table 7, with T06, T16, T76 and the reversals. The first row that holds wins, so the order is the priority: critical fault,
 /// Standby request, communication time-out, reversal, time and speed.
-pub const TRANSITIONS: [Transition; 33] = [
+pub const TRANSITIONS: [Transition; 34] = [
     t("T06", Initialization, Fault, C::UNHEALTHY, ANY),
     t("T01", Initialization, Standby, C::BOOTED, ANY),
     t("T16", Standby, Fault, C::CRITICAL, ANY),
@@ -167,13 +167,38 @@ pub const TRANSITIONS: [Transition; 33] = [
     t("T76", SensorlessAutoRestart, Fault, C::CRITICAL, ANY),
     t("T71", SensorlessAutoRestart, Standby, C::STANDBY, ANY),
     t("T76", SensorlessAutoRestart, Fault, C::EXPIRED, ANY),
+    t("T71", SensorlessAutoRestart, Standby, REVERSED, ANY),
     t("T71", SensorlessAutoRestart, Standby, C::ELAPSED.union(C::STOPPED), ANY),
     t("T74", SensorlessAutoRestart, SensorlessClosedLoop, C::ELAPSED, C::STOPPED),
 ];
 
+/// What a start is sampled with, and holds until the next one: it decides which row fires, never that one does.
+const MODES: Conditions = C::HALL.union(C::SENSORLESS).union(C::OPEN_LOOP).union(C::CALIBRATION);
+
+/// By state: without one of these no row of it holds. A reversal waits for standstill, so in rows of both the rarer counts.
+const TRIGGERS: [Conditions; 8] = {
+    let mut triggers = [ANY; 8];
+    let mut index = 0;
+    while index < TRANSITIONS.len() {
+        let row = &TRANSITIONS[index];
+        let all = row.all.difference(MODES);
+        let needed = if all.contains(REVERSED) { C::REVERSAL } else { all };
+        assert!(!needed.is_empty());
+        triggers[row.from as usize] = triggers[row.from as usize].union(needed);
+        index += 1;
+    }
+    triggers
+};
+
 /// The transition that fires, if any.
 #[must_use]
+#[inline]
 pub fn transition(state: State, conditions: Conditions) -> Option<&'static Transition> {
+    if conditions.intersects(TRIGGERS[state as usize]) { find(state, conditions) } else { None }
+}
+
+#[inline(never)]
+fn find(state: State, conditions: Conditions) -> Option<&'static Transition> {
     TRANSITIONS
         .iter()
         .find(|row| row.from == state && conditions.contains(row.all) && !conditions.intersects(row.none))

@@ -131,6 +131,9 @@ fn status_fields(status: &Status, see: &mut impl FnMut(&'static str, Bits)) {
         hall_invalid,
         hall_jumps,
         hall_calibration,
+        crossing,
+        crossing_margin,
+        crossings,
     } = status;
     see(STATUS, Bits::U8(b'S'));
     see("tick", Bits::U64(*tick));
@@ -168,4 +171,7 @@ fn status_fields(status: &Status, see: &mut impl FnMut(&'static str, Bits)) {
         }
         HallCalibration::Failed => see("hall_calibration", Bits::U8(3)),
     }
+    see("crossing", Bits::U8(*crossing as u8));
+    see("crossing_margin", Bits::I16(*crossing_margin));
+    see("crossings", Bits::U32(*crossings));
 }

@@ -55,6 +55,15 @@ pub struct DataSheet {
     pub rated_current: Option<f64>,
 }
 
+impl Preset {
+    /// Rated torque, N m; where the source prints none, what the rated current (6 A, the drive's own, without one) gives
+    /// beside 10 % for friction.
+    pub fn rated_torque(&self) -> f64 {
+        let by_current = 0.9 * self.motor.torque_constant * self.data.rated_current.unwrap_or(6.0);
+        self.data.rated_torque.unwrap_or(by_current)
+    }
+}
+
 /// A source and the figures taken from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {

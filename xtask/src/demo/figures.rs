@@ -2,6 +2,7 @@
 
 use super::START;
 use super::request::Request;
+use crate::commutations::Commutations;
 use narx_core::motor::State;
 use narx_sim::bench::Bench;
 use narx_sim::commissioning::Mode;
@@ -22,6 +23,10 @@ impl Mark {
 pub(super) struct Figures {
     target: f64,
     state: State,
+    /// From the Drive request to closed loop, s.
+    closed: Option<f64>,
+    /// Standard deviation of the commutations' true places over the last quarter, share of a step; none in open loop.
+    jitter: Option<f64>,
     /// From the Drive request to 90 % of the set-point, s.
     rise: Option<f64>,
     /// Beyond the set-point, share of it.
@@ -43,7 +48,13 @@ struct Steady {
 }
 
 impl Figures {
-    pub(super) fn new(request: &Request, bench: &Bench, mark: Option<Mark>) -> Self {
+    pub(super) fn new(
+        request: &Request,
+        bench: &Bench,
+        mark: Option<Mark>,
+        closed: Option<f64>,
+        commutations: &Commutations,
+    ) -> Self {
         let trace = bench.trace();
         let column =
             |name: &str| -> Vec<f64> { trace.column(name).map_or(Vec::new(), |c| c.iter().collect()) };
@@ -61,6 +72,8 @@ impl Figures {
             .map_or(0.0, |Mark(then)| (now.angle - then.angle) / (now.time - then.time) * 60.0 / TAU);
         Self {
             target,
+            closed: closed.map(|time| time - START),
+            jitter: Some(commutations.mean_and_jitter().1),
             state: bench.status().state,
             rise: reached.map(|row| time[row] - START),
             overshoot: highest / target.abs() - 1.0,
@@ -73,9 +86,9 @@ impl Figures {
         .for_mode(request.mode)
     }
 
-    /// In open loop the rotor swings about the field; overshoot and rise are not the controller's.
+    /// In open loop the rotor swings about the field; overshoot, rise and jitter are not the controller's.
     fn for_mode(self, mode: Mode) -> Self {
-        if mode == Mode::OpenLoop { Self { rise: None, ..self } } else { self }
+        if mode == Mode::OpenLoop { Self { rise: None, jitter: None, ..self } } else { self }
     }
 
     /// It still runs at the end.
@@ -106,6 +119,9 @@ fn extent(values: &[f64]) -> (f64, f64) {
 
 impl fmt::Display for Figures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(closed) = self.closed {
+            writeln!(f, "closed loop    {closed:8.3} s      after the Drive request")?;
+        }
         if let Some(rise) = self.rise {
             writeln!(f, "rise time      {rise:8.3} s      Drive request to 90 % of {:.0} rpm", self.target)?;
             writeln!(f, "overshoot      {:8.2} %", 100.0 * self.overshoot.max(0.0))?;
@@ -114,6 +130,9 @@ impl fmt::Display for Figures {
         let verdict = if self.error().abs() <= 0.005 { "" } else { "      set-point not held" };
         writeln!(f, "steady error   {:8.3} %{verdict}", 100.0 * self.error())?;
         writeln!(f, "speed ripple   {:8.2} %      peak to peak", 100.0 * self.ripple)?;
+        if let Some(jitter) = self.jitter {
+            writeln!(f, "jitter         {:8.2} %      of the commutations, rms, of a step", 100.0 * jitter)?;
+        }
         writeln!(f, "phase current  {:8.2} A      peak, 12 A allowed", self.peak_current)?;
         write!(f, "bus voltage    {:8.2} V      lowest, {:.2} V highest", self.bus.0, self.bus.1)?;
         let Some(steady) = &self.steady else { return Ok(()) };

@@ -5,6 +5,7 @@ mod request;
 
 pub use request::Arguments;
 
+use crate::commutations::Commutations;
 use crate::plot::{self, Caption};
 use crate::{candump, csv};
 use figures::Figures;
@@ -51,7 +52,8 @@ fn demonstrate(request: &Request) -> io::Result<bool> {
     while run.session.bench().time() < request.seconds {
         run.step();
     }
-    let figures = Figures::new(request, run.session.bench(), run.steady_from.take());
+    let mark = run.steady_from.take();
+    let figures = Figures::new(request, run.session.bench(), mark, run.closed, &run.commutations);
     println!("\n{figures}");
     write_files(request, &run)?;
     let identical = replays(&run.session.bench().recording());
@@ -69,12 +71,24 @@ struct Run<'a> {
     log: String,
     /// Energies when the last quarter began.
     steady_from: Option<figures::Mark>,
+    /// When closed loop began, s.
+    closed: Option<f64>,
+    commutations: Commutations,
 }
 
 impl<'a> Run<'a> {
     fn new(request: &'a Request) -> Result<Self, SessionError> {
         let session = Session::new(&request.session)?;
-        Ok(Self { request, session, state: None, faults: 0, log: String::new(), steady_from: None })
+        Ok(Self {
+            request,
+            session,
+            state: None,
+            faults: 0,
+            log: String::new(),
+            steady_from: None,
+            closed: None,
+            commutations: Commutations::default(),
+        })
     }
 
     fn step(&mut self) {
@@ -88,7 +102,9 @@ impl<'a> Run<'a> {
         }
         if self.steady_from.is_none() && self.session.bench().time() >= self.request.steady_start() {
             self.steady_from = Some(figures::Mark::new(self.session.bench()));
+            self.commutations.clear();
         }
+        self.commutations.watch(self.session.bench());
         self.tell();
     }
 
@@ -108,6 +124,9 @@ impl<'a> Run<'a> {
                     format!("  faults {faults:#010x}, code {:#06x}", status.extended_code)
                 }
             );
+            if matches!(state, State::SensorlessClosedLoop | State::HallClosedLoop) {
+                self.closed.get_or_insert(bench.time());
+            }
             self.state = Some(state);
         }
         self.faults = faults;

@@ -13,8 +13,8 @@ pub struct Arguments {
     /// Motor preset
     #[arg(long, default_value = "ec45-flat-50w-18v")]
     pub motor: String,
-    /// Control mode: hall or open-loop
-    #[arg(long, default_value = "hall")]
+    /// Control mode: sensorless, hall or open-loop
+    #[arg(long, default_value = "sensorless")]
     pub mode: String,
     /// Mechanical speed, rpm; negative is Reverse [default: the middle of the motor's range]
     #[arg(long, allow_hyphen_values = true)]
@@ -122,8 +122,8 @@ fn mode(name: &str) -> Result<Mode, Refused> {
     match name {
         "hall" => Ok(Mode::Hall),
         "open-loop" => Ok(Mode::OpenLoop),
-        "sensorless" => Err(Refused("--mode sensorless: not in this version; one of hall, open-loop".into())),
-        _ => Err(Refused(format!("--mode {name}: unknown mode; one of hall, open-loop"))),
+        "sensorless" => Ok(Mode::Sensorless),
+        _ => Err(Refused(format!("--mode {name}: unknown mode; one of sensorless, hall, open-loop"))),
     }
 }
 
@@ -166,15 +166,14 @@ mod tests {
     /// Every refusal names the argument, its value and the range, in one line.
     #[test]
     fn refusals() {
-        let cases: [(Arguments, &str); 12] = [
+        let cases: [(Arguments, &str); 11] = [
             (
                 Arguments { motor: "mn7005".into(), ..arguments() },
                 "--motor mn7005: unknown motor; one of ec45",
             ),
-            (Arguments { mode: "foc".into(), ..arguments() }, "--mode foc: unknown mode; one of hall"),
             (
-                Arguments { mode: "sensorless".into(), ..arguments() },
-                "--mode sensorless: not in this version",
+                Arguments { mode: "foc".into(), ..arguments() },
+                "--mode foc: unknown mode; one of sensorless, hall",
             ),
             (
                 Arguments { supply: Some("12".into()), ..arguments() },

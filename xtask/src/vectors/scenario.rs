@@ -84,6 +84,8 @@ struct PlantKeys {
     hall_polarity: u8,
     hall_offset_deg: f64,
     supply_resistance: f64,
+    /// Mechanical speed at power-up, rpm.
+    rpm: f64,
 }
 
 impl Default for PlantKeys {
@@ -97,6 +99,7 @@ impl Default for PlantKeys {
             hall_polarity: 0,
             hall_offset_deg: 0.0,
             supply_resistance: 0.1,
+            rpm: 0.0,
         }
     }
 }
@@ -198,6 +201,8 @@ impl PlantKeys {
             within("plant.hall_polarity", f64::from(self.hall_polarity), 0.0, 7.0, "")? as u8;
         plant.hall.offset_deg =
             within("plant.hall_offset_deg", self.hall_offset_deg, -180.0, 180.0, "degrees")?;
+        plant.speed =
+            within("plant.rpm", self.rpm, -20_000.0, 20_000.0, "rpm")? / 60.0 * core::f64::consts::TAU;
         plant.supply.resistance =
             within("plant.supply_resistance", self.supply_resistance, 0.0, 10.0, "ohm")?;
         Ok(plant)

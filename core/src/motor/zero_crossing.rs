@@ -1,0 +1,390 @@
+//! From zero crossings to angle and speed: interpolation, prediction with trend, plausibility, missed and late crossings.
+//!
+//! Crossings lie at 60 + 60 s degrees, the middle of sector s. Between them the angle runs on with the predicted speed, and the
+//! commutator finds its instants from it: crossing + 30 degrees - advance. A crossing that does not come is thereby commutated blind
+//! half an interval after it was due. What a level says for certain ("the rotor is not there yet") bounds the angle.
+
+use super::back_emf::{Level, Sight};
+use super::commutation::Direction;
+use super::gain::Gain;
+use super::hall::TICK;
+use serde::{Deserialize, Serialize};
+
+/// One sixth of a turn as a u32 angle.
+const SIXTH: u32 = u32::MAX / 6;
+const TWELFTH: u32 = u32::MAX / 12;
+/// Blind steps in a row that the duty fades over; then the rotor is lost.
+pub const BLIND_MAX: u8 = 6;
+/// Late crossings in a row that do the same.
+pub const LATE_MAX: u8 = 24;
+/// Consistent crossings, of both polarities, that make a hand-over (one electrical revolution).
+pub const PREPARED: u8 = 6;
+
+/// What became of the last step's crossing: the why-channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Why {
+    /// There has been none.
+    #[default]
+    None = 0,
+    /// Seen where it was expected.
+    Accepted = 1,
+    /// Earlier than half the expected interval: ignored.
+    Filtered = 2,
+    /// Not seen: commutated by prediction.
+    Blind = 3,
+    /// Hidden by demagnetisation, or earlier than the blanking ended.
+    DemagLate = 4,
+    /// Taken from the coasting motor's terminals.
+    Listened = 5,
+}
+
+/// State of the estimator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ZeroCrossing {
+    /// At the present boundary, u32 turn.
+    angle: u32,
+    /// Predicted for the next interval, 2^-32 turn a tick, signed.
+    speed: i32,
+    /// Over up to one revolution, the same unit.
+    speed_mean: i32,
+    /// Since the last accepted crossing, 1/65 536 tick, saturating.
+    since: u32,
+    /// Since the last evidence of rotation (crossing, or a level beyond one), 1/65 536 tick, saturating.
+    fresh: u32,
+    /// Place of the last accepted crossing, in twelfths of a turn.
+    place: u8,
+    /// Expected time of a sector, 1/65 536 tick; 0 unknown.
+    interval: u32,
+    intervals: [u32; 6],
+    valid: u8,
+    next: u8,
+    direction: Direction,
+    /// Accepted crossings in a row without a blind or late one between, and their polarities (bit 0 falling, 1 rising).
+    consistent: u8,
+    polarities: u8,
+    blind: u8,
+    late: u8,
+    /// Mean deviation of the interval from its prediction, 1/65 536 tick with 3 extra bits.
+    deviation: u32,
+    /// The last place was heard from the coasting motor.
+    coasting: bool,
+    why: Why,
+    /// How far the last crossing lay behind its prediction, 65 536 a turn.
+    margin: i16,
+    accepted: u32,
+}
+
+impl ZeroCrossing {
+    /// Time passes: call first in every tick.
+    pub fn advance(&mut self) {
+        self.since = self.since.saturating_add(TICK);
+        self.fresh = self.fresh.saturating_add(TICK);
+        self.angle = self.angle.wrapping_add(self.speed as u32);
+    }
+
+    /// Nothing is known but, perhaps, where the rotor rests.
+    pub fn start(&mut self, angle: u32, direction: Direction) {
+        let accepted = self.accepted;
+        *self = Self { angle, direction, since: u32::MAX, fresh: u32::MAX, accepted, ..Self::default() };
+    }
+
+    /// What a driven step showed. `starting`: the rotor is being brought to speed, and a level that stands beyond the crossing
+    /// means that it is ahead, so that the step is over; nothing is commutated by prediction yet. False if the crossing was too early to
+    /// be one.
+    pub fn observe(&mut self, sight: &Sight, back_emf: Gain, starting: bool) -> bool {
+        if sight.missed && self.valid > 0 {
+            self.blind = self.blind.saturating_add(1);
+            self.consistent = 0;
+            self.why = Why::Blind;
+        }
+        let Some(sector) = sight.sector else { return true };
+        self.coasting = false;
+        let place = 2 * ((sector + 1) % 6);
+        if let Some(age) = sight.crossing {
+            let offset = self.threshold_angle(sight.threshold, back_emf);
+            if starting && self.valid == 0 && self.since == u32::MAX {
+                // The first sign of motion: how fast is not known, and the next step pulls as well.
+                self.take_late(place, true);
+            } else if self.plausible(place, age) {
+                self.accept(place, offset, age, Why::Accepted);
+                if starting && self.consistent < 3 {
+                    // The interval may hold a rest: on to the next step, which pulls as well, until two have been measured.
+                    self.skip_to_end(place);
+                }
+                self.polarities |= 1 << (sector & 1);
+            } else {
+                self.why = Why::Filtered;
+                return false;
+            }
+        } else if sight.late {
+            self.take_late(place, starting);
+        } else if sight.level == Level::Before || (starting && !sight.passed) {
+            self.hold(place, starting);
+        }
+        true
+    }
+
+    /// The bridge went off: fewer places show from now on, and the first takes a moment to be heard.
+    pub fn begin_coasting(&mut self) {
+        if !self.coasting {
+            (self.coasting, self.fresh) = (true, 0);
+        }
+    }
+
+    /// A crossing of two terminals of the coasting motor at `place` (twelfths of a turn, 0..=11), `age` ago, while it turns in
+    /// `direction`.
+    pub fn observe_coasting(&mut self, place: u8, age: i32, direction: Direction) {
+        if direction != self.direction {
+            let angle = self.angle;
+            self.start(angle, direction);
+        }
+        self.polarities = 3;
+        self.coasting = true;
+        self.accept(place % 12, 0, age, Why::Listened);
+    }
+
+    /// Earlier than half the expected interval is no crossing.
+    fn plausible(&self, place: u8, age: i32) -> bool {
+        let twelfths = u32::from(self.twelfths_to(place));
+        let least = (self.interval / 4).saturating_mul(twelfths);
+        self.valid < 2 || self.consistent < 2 || (twelfths > 0 && elapsed(self.since, age) >= least)
+    }
+
+    /// Twelfths from the last crossing to `place` in the direction of motion, 0..=11.
+    fn twelfths_to(&self, place: u8) -> u8 {
+        match self.direction {
+            Direction::Forward => (place + 12 - self.place) % 12,
+            Direction::Reverse => (self.place + 12 - place) % 12,
+        }
+    }
+
+    /// How far beyond the true crossing the threshold lay, in the direction of motion, u32 turn. With E the line-to-line back-EMF the
+    /// signal's slope at its crossing is 1.85 E a radian, 11.6 E a turn, for both shapes within 3 %.
+    fn threshold_angle(&self, threshold: i32, back_emf: Gain) -> i32 {
+        if threshold == 0 || self.speed_mean == 0 {
+            return 0;
+        }
+        // 11.6 = 2969 / 256. At most 10 degrees.
+        let volts = back_emf.apply32(self.speed_mean.saturating_abs()).max(1) as u32;
+        let slope = (volts >> 4).saturating_mul(2969) >> 4;
+        let share = (threshold.unsigned_abs().min(0xFFFF) << 15) / slope.max(1);
+        let turn = (share.min(910) << 17) as i32;
+        if threshold < 0 { -turn } else { turn }
+    }
+
+    /// The rotor was `offset` beyond `place` (in the direction of motion) `age` ago.
+    fn accept(&mut self, place: u8, offset: i32, age: i32, why: Why) {
+        let sign = self.direction.sign();
+        let twelfths = self.twelfths_to(place);
+        let known = self.since < u32::MAX / 2 && twelfths > 0;
+        let each = elapsed(self.since, age).saturating_mul(2) / u32::from(twelfths.max(1));
+        let here = TWELFTH.wrapping_mul(place.into()).wrapping_add((offset.wrapping_mul(sign)) as u32);
+        let error = here.wrapping_sub(self.angle.wrapping_sub(part_of(self.speed, age))) as i32;
+        self.margin = ((error.wrapping_mul(-sign)) >> 16) as i16;
+        if known {
+            let off = each.abs_diff(self.interval);
+            if self.consistent < PREPARED {
+                self.deviation = 0;
+            } else {
+                self.deviation = self.deviation - (self.deviation >> 3) + off.min(self.interval);
+            }
+            for _ in 0..(twelfths / 2).clamp(1, 2) {
+                self.push(each.max(1));
+            }
+        }
+        let smooth = self.consistent >= PREPARED && (error.saturating_abs() as u32) < SIXTH / 4;
+        self.predict();
+        let corrected = if smooth { here.wrapping_sub((error / 2) as u32) } else { here };
+        self.angle = corrected.wrapping_add(part_of(self.speed, age));
+        (self.since, self.fresh, self.place) = (age.max(0) as u32, age.max(0) as u32, place);
+        self.consistent = self.consistent.saturating_add(1);
+        (self.blind, self.late) = (0, 0);
+        self.accepted = self.accepted.wrapping_add(1);
+        self.why = why;
+    }
+
+    fn push(&mut self, interval: u32) {
+        if let Some(slot) = self.intervals.get_mut(usize::from(self.next % 6)) {
+            *slot = interval;
+        }
+        self.next = (self.next + 1) % 6;
+        self.valid = (self.valid + 1).min(6);
+    }
+
+    /// Interval `back` places before the newest.
+    fn interval(&self, back: u8) -> u32 {
+        self.intervals.get(usize::from((self.next + 11 - back) % 6)).copied().unwrap_or(0)
+    }
+
+    /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend from the pair before: the
+    /// newest pair's middle lies one interval back, the one before three, the middle of the next interval half of one ahead.
+    fn predict(&mut self) {
+        let sum: u32 = (0..self.valid).fold(0, |sum, back| sum.saturating_add(self.interval(back)));
+        if self.valid == 0 {
+            return;
+        }
+        let mean = speed_of(self.valid, sum);
+        // A revolution back is too far while the speed changes by more than an eighth within it.
+        let last = speed_of(2, self.interval(0).saturating_add(self.interval(1)));
+        let mean = if self.valid > 2 && mean.abs_diff(last) > mean.unsigned_abs() / 8 { last } else { mean };
+        let (speed, interval) = match self.valid {
+            1 => (mean, self.interval(0)),
+            2 | 3 => {
+                let pair = self.interval(0).saturating_add(self.interval(1));
+                (speed_of(2, pair), pair / 2)
+            }
+            _ => {
+                let new = self.interval(0).saturating_add(self.interval(1));
+                let old = self.interval(2).saturating_add(self.interval(3));
+                let (fast, slow) = (speed_of(2, new), speed_of(2, old));
+                let trend = (fast - slow) / 4 * 3;
+                let bound = fast / 4;
+                let speed = fast + trend.min(bound).max(-bound);
+                let shrink = (new as i32).wrapping_sub(old as i32) / 8 * 3;
+                let bound = (new / 8) as i32;
+                (speed, (new / 2).saturating_add_signed(shrink.min(bound).max(-bound)))
+            }
+        };
+        let sign = self.direction.sign();
+        (self.speed, self.speed_mean, self.interval) = (speed * sign, mean * sign, interval.max(1));
+    }
+
+    /// The crossing came no later than now. A rotor that is being started may be anywhere beyond it: on to the next step.
+    fn take_late(&mut self, place: u8, starting: bool) {
+        self.late = self.late.saturating_add(1);
+        self.consistent = 0;
+        self.why = Why::DemagLate;
+        let sign = self.direction.sign();
+        if starting {
+            self.skip_to_end(place);
+            // It is faster than was thought, and by how much the next crossing tells.
+            if self.interval > 0 {
+                self.interval = (self.interval / 4 * 3).max(4 * TICK);
+                self.speed = speed_of(1, self.interval) * sign;
+            }
+            (self.since, self.place, self.valid) = (0, place, 0);
+        } else if self.valid > 0 {
+            // Behind the rotor: half way to the commutation, and a little faster, until the crossing shows again.
+            self.bring_to(place, TWELFTH / 2);
+            self.interval = (self.interval - self.interval / 8).max(TICK);
+            self.speed = speed_of(1, self.interval) * sign;
+        }
+        self.fresh = 0;
+    }
+
+    /// On to the next step.
+    fn skip_to_end(&mut self, place: u8) {
+        self.bring_to(place, TWELFTH + SIXTH / 64);
+    }
+
+    /// At least `beyond` after `place`.
+    fn bring_to(&mut self, place: u8, beyond: u32) {
+        let sign = self.direction.sign();
+        let least = TWELFTH.wrapping_mul(place.into()).wrapping_add((beyond as i32 * sign) as u32);
+        if (least.wrapping_sub(self.angle) as i32).wrapping_mul(sign) > 0 {
+            self.angle = least;
+        }
+    }
+
+    /// The rotor has certainly not reached `place`: no commutation by prediction yet, for two and a half intervals at most.
+    fn hold(&mut self, place: u8, starting: bool) {
+        let sign = self.direction.sign();
+        let here = TWELFTH.wrapping_mul(place.into());
+        let ahead = (self.angle.wrapping_sub(here) as i32).wrapping_mul(sign);
+        let patience = self.interval.saturating_mul(5) / 2;
+        if (0..(SIXTH as i32)).contains(&ahead) && (self.since < patience || starting) {
+            self.angle = here;
+        }
+    }
+
+    /// On to the next step without any evidence.
+    pub fn force_step(&mut self) {
+        let step = SIXTH as i32 * self.direction.sign();
+        self.angle = self.angle.wrapping_add(step as u32);
+    }
+
+    /// Angle at this tick's boundary, u32 turn.
+    pub const fn angle(&self) -> u32 {
+        self.angle
+    }
+
+    /// Speed that interpolates, 2^-32 turn a tick, signed.
+    pub const fn speed(&self) -> i32 {
+        self.speed
+    }
+
+    /// Speed over up to a revolution, but never more than the crossing that has not come allows.
+    pub fn speed_bounded(&self) -> i32 {
+        // A coasting motor shows three places a revolution, a driven one six.
+        let sixths = if self.coasting { 3 } else { 1 };
+        let patience = self.interval.saturating_mul(sixths);
+        if self.valid == 0 || self.fresh <= patience.saturating_add(self.interval / 4) {
+            return self.speed_mean;
+        }
+        let bound = speed_of(sixths as u8, self.fresh);
+        self.speed_mean.min(bound).max(-bound)
+    }
+
+    /// Expected time of a sector, 1/65 536 tick; 0 unknown.
+    pub const fn expected(&self) -> u32 {
+        self.interval
+    }
+
+    /// Since the last accepted crossing, 1/65 536 tick.
+    pub const fn since(&self) -> u32 {
+        self.since
+    }
+
+    /// Which way it turns.
+    pub const fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    /// At least [`PREPARED`] consistent crossings of both polarities.
+    pub const fn is_prepared(&self) -> bool {
+        self.consistent >= PREPARED && self.polarities == 3
+    }
+
+    /// The budget of blind or late steps is spent.
+    pub const fn is_lost(&self) -> bool {
+        self.blind > BLIND_MAX || self.late > LATE_MAX
+    }
+
+    /// How far the voltage fades for missed crossings, in 1/16.
+    pub fn fade(&self) -> u8 {
+        (self.blind.saturating_mul(2)).max(self.late / 2).min(14)
+    }
+
+    /// Neighbouring intervals differ by more than half: with a and b in turn the mean deviation from (a + b) / 2 is
+    /// (a - b) / 2, which is a quarter of that mean at a = 1.67 b. A first-order mean over 8 intervals.
+    pub const fn is_irregular(&self) -> bool {
+        self.valid == 6 && self.deviation >> 3 > self.interval / 4
+    }
+
+    /// What became of the last crossing, how far it lay behind its prediction (65 536 a turn), and how many were accepted.
+    pub const fn why(&self) -> (Why, i16, u32) {
+        (self.why, self.margin, self.accepted)
+    }
+}
+
+/// `since - age`, 1/65 536 tick.
+fn elapsed(since: u32, age: i32) -> u32 {
+    if age < 0 { since.saturating_add(age.unsigned_abs()) } else { since.saturating_sub(age.unsigned_abs()) }
+}
+
+/// `speed x age / tick`, u32 turn.
+fn part_of(speed: i32, age: i32) -> u32 {
+    ((i64::from(speed) * i64::from(age)) >> 16) as u32
+}
+
+/// `sixths / 6` turns in `time` (1/65 536 tick), 2^-32 turn a tick: a 32-bit division with 16 significant bits.
+fn speed_of(sixths: u8, time: u32) -> i32 {
+    let scale = 16_u32.saturating_sub(time.leading_zeros());
+    let turned = SIXTH.saturating_mul(u32::from(sixths.min(5)));
+    let turned = if sixths >= 6 { u32::MAX } else { turned };
+    let quotient = turned / (time >> scale).max(1);
+    let speed =
+        if scale >= 16 { quotient >> (scale - 16) } else { quotient.saturating_mul(1 << (16 - scale)) };
+    speed.min(i32::MAX as u32 / 2) as i32
+}

@@ -1,0 +1,83 @@
+//! A rotor that turns already when Drive is asked for: forward it is caught, backward it is braked within the bus limit first.
+
+use crate::bench::{Closed, MOTOR, RPM};
+use narx_core::motor::{Request, State};
+use narx_sim::plant::{LoadConfig, Plant, PlantConfig};
+
+/// What a start into a turning rotor came to.
+struct Flight {
+    closed: Closed,
+    /// Slowest and fastest, rpm.
+    slowest: f64,
+    peak: f64,
+    bus_max: f64,
+}
+
+/// Boots, lets the rotor turn with `rpm`, and asks for Drive; three seconds. `inertia` of the load, in rotors.
+fn fly(supply: f64, rpm: f64, inertia: f64) -> Flight {
+    let mut config = PlantConfig::new(MOTOR, supply);
+    config.load = LoadConfig { inertia: inertia * MOTOR.inertia, ..LoadConfig::default() };
+    config.angle_deg = 77.0;
+    let mut closed = Closed::sensorless(&config, &[]);
+    closed.boot();
+    config.speed = rpm / 60.0 * core::f64::consts::TAU;
+    closed.plant = Plant::new(&config);
+    for _ in 0..60 {
+        closed.tick();
+    }
+    closed.ask(Request::Drive);
+    let (mut slowest, mut peak, mut bus_max) = (f64::INFINITY, 0.0_f64, 0.0_f64);
+    for _ in 0..30_000 {
+        closed.tick();
+        let seen = closed.plant.observe();
+        slowest = slowest.min(closed.rpm());
+        (peak, bus_max) = (peak.max(seen.peak_current), bus_max.max(seen.bus_voltage));
+    }
+    Flight { closed, slowest, peak, bus_max }
+}
+
+/// Forward: caught at its speed and led to the set-point, neither to rest nor to the open-loop speed first; a faster one falls to the
+/// set-point by itself, since nothing may feed the bus.
+#[test]
+fn a_rotor_that_turns_forward_is_caught() {
+    for supply in [18.0, 24.0, 48.0, 60.0] {
+        for (rpm, inertia) in [(2800.0, 0.0), (1500.0, 0.0), (500.0, 20.0), (1000.0, 20.0), (2500.0, 5.0)] {
+            let flight = fly(supply, rpm, inertia);
+            let name = format!("{supply} V, {rpm} rpm, {inertia} rotors");
+            assert_eq!(flight.closed.drive.state(), State::SensorlessClosedLoop, "{name}");
+            // It coasts through rotor lock (T23): 0.15 s of friction.
+            let friction = MOTOR.static_friction / (MOTOR.inertia * (1.0 + inertia));
+            let coasted = rpm - 0.2 * friction * 60.0 / core::f64::consts::TAU;
+            assert!(flight.slowest > 0.9 * coasted.min(RPM), "{name}: {:.0} rpm", flight.slowest);
+            let error = (flight.closed.rpm() / RPM - 1.0).abs();
+            assert!(error < 0.02, "{name}: {:.0} rpm", flight.closed.rpm());
+            assert!(flight.peak <= 12.6 && flight.bus_max < 61.0, "{name}: {:.1} A", flight.peak);
+        }
+    }
+}
+
+/// Backward: shorted where the windings carry it, otherwise left to coast; then started. The bus stays below its threshold, the phase current
+/// within 12 A and 5 %.
+#[test]
+fn a_rotor_that_turns_backward_is_braked_first() {
+    for supply in [18.0, 24.0, 60.0] {
+        for (rpm, inertia) in [(-200.0, 0.0), (-900.0, 0.0), (-2800.0, 0.0), (-300.0, 20.0), (-1000.0, 20.0)]
+        {
+            let flight = fly(supply, rpm, inertia);
+            let name = format!("{supply} V, {rpm} rpm, {inertia} rotors");
+            assert_eq!(flight.closed.drive.state(), State::SensorlessClosedLoop, "{name}");
+            assert!(flight.closed.rpm() > 0.9 * RPM, "{name}: {:.0} rpm", flight.closed.rpm());
+            assert!(flight.bus_max < 61.0, "{name}: {:.1} V", flight.bus_max);
+            assert!(flight.peak <= 12.6, "{name}: {:.1} A", flight.peak);
+        }
+    }
+}
+
+/// Heavy, fast and backward: windings that could brake it would carry more than 12 A, and the bus takes nothing. It is left to coast and the
+/// drive gives up in Standby (T71), bridge off throughout.
+#[test]
+fn a_rotor_that_cannot_be_braked_is_left_alone() {
+    let flight = fly(24.0, -2500.0, 40.0);
+    assert_eq!(flight.closed.drive.state(), State::Standby);
+    assert!(flight.peak < 0.1 && flight.bus_max < 24.1, "{:.2} A", flight.peak);
+}

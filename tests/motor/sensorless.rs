@@ -1,0 +1,143 @@
+//! The sensorless drive on the plant: start, hand-over, load, flying start, rails.
+
+use crate::bench::{Closed, MOTOR, Outcome, RPM};
+use narx_core::dictionary::number;
+use narx_core::motor::{Cause, Request, State};
+use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, PlantConfig};
+
+/// Peak of any phase current allowed: 12 A (Table 1) and 10 %.
+const PEAK: f64 = 12.0 * 1.1;
+
+fn config(supply: f64) -> PlantConfig {
+    let mut config = PlantConfig::new(MOTOR, supply);
+    config.angle_deg = 77.0;
+    config
+}
+
+/// Runs until the state is reached; ticks it took.
+fn until(closed: &mut Closed, state: State, most: u64) -> Option<u64> {
+    (1..=most).find(|_| {
+        closed.tick();
+        closed.drive.state() == state
+    })
+}
+
+fn running(config: &PlantConfig, changes: &[(u16, i32)], request: Request) -> Closed {
+    let mut closed = Closed::sensorless(config, changes);
+    closed.boot();
+    closed.ask(request);
+    assert!(until(&mut closed, State::SensorlessClosedLoop, 8_000).is_some(), "{:?}", closed.status);
+    assert_eq!(closed.run(10_000), Outcome::Running);
+    assert_eq!(closed.drive.state(), State::SensorlessClosedLoop, "{:?}", closed.status);
+    closed
+}
+
+/// From any rest position, both ways, 18 to 60 V: closed loop within 0.8 s, at speed a second later, no over-current.
+#[test]
+fn starts_from_any_position_at_any_supply() {
+    let mut peak = 0.0_f64;
+    for (number, angle) in (0..360).step_by(20).enumerate() {
+        let mut config = config([18.0, 24.0, 36.0, 48.0, 60.0][number % 5]);
+        config.angle_deg = f64::from(angle);
+        let (request, sign) = if number % 2 == 0 { (Request::Drive, 1.0) } else { (Request::Reverse, -1.0) };
+        let closed = running(&config, &[], request);
+        assert!((closed.rpm() - sign * RPM).abs() < 0.01 * RPM, "{angle} degrees: {} rpm", closed.rpm());
+        let estimated = f64::from(closed.status.speed_sensorless.to_bits()) / 65_536.0 * 15.0;
+        assert!((estimated - closed.rpm()).abs() < 0.01 * RPM, "{estimated} rpm");
+        peak = peak.max(closed.peak);
+    }
+    println!("18 starts, peak {peak:.1} A");
+    assert!(peak <= PEAK, "{peak:.1} A");
+}
+
+/// The change from kick to speed loop, and from state 3 to 4: neither voltage nor speed jumps.
+#[test]
+fn hand_over_is_bumpless() {
+    let mut closed = Closed::sensorless(&config(24.0), &[]);
+    closed.boot();
+    closed.ask(Request::Drive);
+    assert!(until(&mut closed, State::SensorlessClosedLoop, 8_000).is_some());
+    let duty = f64::from(closed.status.duty.to_bits()) / 32_768.0;
+    let speed = closed.rpm();
+    for _ in 0..50 {
+        closed.tick();
+    }
+    let after = f64::from(closed.status.duty.to_bits()) / 32_768.0;
+    assert!((after - duty).abs() < 0.03, "duty {duty} to {after}");
+    assert!((closed.rpm() - speed).abs() < 100.0, "{speed} to {} rpm", closed.rpm());
+}
+
+/// No torque to the motor's rated torque in one step, and back: no desynchronisation, and the speed is back within 1 % in half a second.
+#[test]
+fn a_load_step_does_not_desynchronise() {
+    let mut closed = running(&config(24.0), &[], Request::Drive);
+    for torque in [0.1, 0.0, 0.1] {
+        closed.plant.set_load(LoadConfig { constant: torque, ..LoadConfig::default() });
+        assert_eq!(closed.run(5_000), Outcome::Running);
+        assert_eq!(closed.drive.state(), State::SensorlessClosedLoop, "{torque} N m: {:?}", closed.status);
+        assert!((closed.rpm() - RPM).abs() < 0.01 * RPM, "{torque} N m: {} rpm", closed.rpm());
+    }
+    assert!(closed.peak <= PEAK, "{:.1} A", closed.peak);
+}
+
+/// A reversal comes to rest first, and starts the other way.
+#[test]
+fn reversal_comes_to_rest_first() {
+    let mut closed = running(&config(24.0), &[], Request::Drive);
+    closed.ask(Request::Reverse);
+    assert_eq!(closed.run(40_000), Outcome::Running, "{:?}", closed.status);
+    assert!((closed.rpm() + RPM).abs() < 0.02 * RPM, "{} rpm", closed.rpm());
+    assert!(closed.peak <= PEAK && closed.bus_max < 61.0);
+}
+
+/// A held shaft: auto-restart (T47) for its two seconds, then Standby (T71) or a named fault; let go, it is running again (T74).
+#[test]
+fn a_stall_belongs_to_auto_restart() {
+    for held in [30_000, 3_000] {
+        let mut closed = running(&config(24.0), &[], Request::Drive);
+        closed.plant.inject(Injection::BlockedRotor);
+        assert!(until(&mut closed, State::SensorlessAutoRestart, 3_000).is_some(), "{:?}", closed.status);
+        let outcome = closed.run(held);
+        closed.plant.clear(Injection::BlockedRotor);
+        if held > 20_000 {
+            match outcome {
+                Outcome::Fault { code, .. } => assert_eq!(code, Cause::SensorlessStall as u16),
+                Outcome::Running => assert_eq!(closed.drive.state(), State::Standby),
+            }
+        } else {
+            assert_eq!(closed.run(25_000), Outcome::Running, "{:?}", closed.status);
+            assert_eq!(closed.drive.state(), State::SensorlessClosedLoop);
+            assert!((closed.rpm() - RPM).abs() < 0.02 * RPM, "{} rpm", closed.rpm());
+        }
+    }
+}
+
+/// Half of the true number of pole pairs: speed and voltage do not fit, and that has a name.
+#[test]
+fn a_wrong_number_of_pole_pairs_is_named() {
+    for pole_pairs in [2, 8] {
+        let mut closed = Closed::sensorless(&config(24.0), &[(number::MOTOR_POLE_PAIRS, pole_pairs)]);
+        closed.boot();
+        closed.ask(Request::Drive);
+        match closed.run(60_000) {
+            Outcome::Fault { code, .. } => assert!(
+                [Cause::WrongLock, Cause::SensorlessStall].map(|cause| cause as u16).contains(&code),
+                "{pole_pairs}: {code:04x}"
+            ),
+            Outcome::Running => {
+                panic!("{pole_pairs} pole pairs: {:?} at {} rpm", closed.drive.state(), closed.rpm())
+            }
+        }
+    }
+}
+
+/// Comparators with capture: the same drive beyond what samples can follow, two ticks a sector.
+#[test]
+fn comparator_edges_run_the_motor() {
+    let mut config = config(24.0);
+    config.comparator = Some(ComparatorConfig { delay: 2e-6, hysteresis: 0.1 });
+    config.board.comparator_capture = true;
+    let closed = running(&config, &[(number::ZC_DELAY, 2)], Request::Drive);
+    assert!((closed.rpm() - RPM).abs() < 0.01 * RPM, "{} rpm", closed.rpm());
+    assert!(closed.peak <= PEAK, "{:.1} A", closed.peak);
+}

@@ -1,0 +1,83 @@
+//! Starting without sensors: 200 random plants, every preset at every supply.
+
+use narx_sim::commissioning::Mode;
+use narx_sim::presets::PRESETS;
+use std::fmt::Write as _;
+use xtask::bench::{Point, Start, map};
+
+/// Cases that do not start yet, each with the fault that it ends in: 45 overspeed after hand-over (0x1b03; inertia x0.23), 119 over-voltage at 56.5 V (0x0201).
+/// Nothing may be added here: the promise is 99.9 % of all, which `cargo xtask bench` counts.
+const KNOWN: [u64; 2] = [45, 119];
+
+/// Two hundred of the ten thousand of the bench. None but the known ones may fail, at most a twentieth may need Auto-restart, and
+/// none may end without a name.
+#[test]
+fn two_hundred_random_plants_start() {
+    let cases: Vec<u64> = (0..200).collect();
+    let starts: Vec<Start> = map(&cases, |case| Start::run(*case)).into_iter().flatten().collect();
+    assert_eq!(starts.len(), cases.len(), "every seed draws a plant");
+    let list = |holds: &dyn Fn(&&Start) -> bool| -> String {
+        starts.iter().filter(holds).fold(String::new(), |mut text, start| {
+            let _ = writeln!(text, "{start}\n    cargo xtask bench --case {}", start.case);
+            text
+        })
+    };
+    let first = starts.iter().filter(|start| start.started_at_once()).count();
+    let started = starts.iter().filter(|start| start.started()).count();
+    println!("{first} at the first try, {started} within Auto-restart");
+    assert_eq!(list(&|start| !start.started() && !KNOWN.contains(&start.case)), "", "did not start");
+    assert!(first >= 190, "{first} at the first try; not:\n{}", list(&|start| !start.started_at_once()));
+    assert_eq!(list(&|start| !start.is_accounted_for()), "");
+    assert_eq!(list(&|start| start.to_closed_loop > 3.0), "");
+}
+
+/// One line of a table; rounded so that only what an eye would notice changes it.
+fn row(point: &Point) -> String {
+    let load = if point.load > 0.0 { "rated" } else { "none" };
+    let place = format!("{:<22} {:>4} V  {load:<5}", point.preset.name, point.supply);
+    match point.run() {
+        Err(why) => format!("{place}  {why}"),
+        Ok(f) => format!(
+            "{place}  {:>6}  {:>6.1} s  {:>6.1} s  {:>6.1} %  {:>5.0} %  {:>5.0}  {:>5.0} A",
+            f.rpm,
+            f.to_closed_loop,
+            f.to_speed,
+            // Half up, and no negative zero.
+            (1000.0 * f.error).round() / 10.0 + 0.0,
+            100.0 * f.jitter,
+            f.angle_mean.abs(),
+            f.peak_current,
+        ),
+    }
+}
+
+fn table(mode: Mode) -> String {
+    let mut points = Vec::new();
+    for preset in &PRESETS {
+        for supply in [18.0, 24.0, 48.0, 60.0] {
+            points.extend([0.0, 1.0].map(|load| Point { preset, mode, supply, load, rpm: None }));
+        }
+    }
+    let mut text = format!(
+        "{:<22} {:>6}  {:<5}  {:>6}  {:>8}  {:>8}  {:>8}  {:>7}  {:>5}  {:>7}\n",
+        "motor", "supply", "load", "rpm", "locked", "at speed", "error", "jitter", "angle", "current"
+    );
+    for row in map(&points, row) {
+        text.push_str(&row);
+        text.push('\n');
+    }
+    text
+}
+
+/// Time from the Drive request to closed loop and to within 1 % of the set-point, steady error, jitter of commutation (rms, of 60 degrees), its mean
+/// place (degrees), peak phase current. The set-point is the middle of the motor's range, or less for the output power.
+#[test]
+fn presets_with_hall_sensors() {
+    insta::assert_snapshot!(table(Mode::Hall));
+}
+
+/// The same without sensors.
+#[test]
+fn presets_without_sensors() {
+    insta::assert_snapshot!(table(Mode::Sensorless));
+}

@@ -1,0 +1,155 @@
+//! One sensorless start of a random plant, from the Drive request to its end.
+
+use super::trial::{TICK, Trial};
+use narx_core::motor::State;
+use narx_sim::random_plant::{RandomPlant, Spread};
+use std::f64::consts::TAU;
+use std::fmt;
+
+/// Closed loop must be held this long, s.
+const HELD: f64 = 1.0;
+/// A start that has come to no end by then has none, s.
+const LONGEST: f64 = 15.0;
+/// True speed over estimated speed at the end: further apart and the estimator runs something else than the rotor.
+const AGREEMENT: f64 = 0.05;
+
+/// How a start ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ending {
+    /// State 4 was held for a second, and the rotor turned as estimated.
+    Started {
+        /// Without Auto-restart.
+        first_try: bool,
+    },
+    /// The drive gave up and went to Standby.
+    Standby,
+    /// A fault with this extended code.
+    Fault(u16),
+    /// State 4 was held, but the rotor did not turn as estimated.
+    Deceived,
+    /// None of these within 15 s.
+    Undecided,
+}
+
+impl fmt::Display for Ending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Started { first_try: true } => write!(f, "started"),
+            Self::Started { first_try: false } => write!(f, "started within Auto-restart"),
+            Self::Standby => write!(f, "Standby"),
+            Self::Fault(code) => write!(f, "fault {code:#06x}"),
+            Self::Deceived => write!(f, "state 4 held, but the rotor does not turn as estimated"),
+            Self::Undecided => write!(f, "no end within 15 s"),
+        }
+    }
+}
+
+/// A start and how it ended.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Its seed: what `--case` replays.
+    pub case: u64,
+    /// What was started.
+    pub drawn: RandomPlant,
+    /// How it ended.
+    pub ending: Ending,
+    /// From the Drive request to the state 4 that was held, s; 0 if none was.
+    pub to_closed_loop: f64,
+    /// Largest magnitude of a phase current, A.
+    pub peak_current: f64,
+}
+
+impl Start {
+    /// Runs the start of that seed; `None` if its draw has no plant.
+    pub fn run(case: u64) -> Option<Self> {
+        let drawn = RandomPlant::new(case, &Spread::PROMISED)?;
+        let mut trial = Trial::new(&drawn.plant, &drawn.commissioning, "", false);
+        Some(Self::follow(case, drawn, &mut trial))
+    }
+
+    /// Asks for the start and follows it to its end.
+    pub(super) fn follow(case: u64, drawn: RandomPlant, trial: &mut Trial) -> Self {
+        trial.start(drawn.rpm);
+        let (mut first_try, mut driven, mut since) = (true, false, None);
+        let mut ending = Ending::Undecided;
+        let mut from = *trial.seen();
+        for tick in 1..=(LONGEST / TICK) as u32 {
+            trial.tick();
+            let (now, state) = (f64::from(tick) * TICK, trial.state());
+            driven |= state.is_driving();
+            first_try &= state != State::SensorlessAutoRestart;
+            match state {
+                State::SensorlessClosedLoop => {
+                    let held = now - *since.get_or_insert(now);
+                    if held < HELD - 0.1 {
+                        from = *trial.seen();
+                    }
+                    if held >= HELD {
+                        ending = judge(trial, from.angle, from.time, first_try);
+                        break;
+                    }
+                }
+                State::Standby if driven => {
+                    ending = Ending::Standby;
+                    break;
+                }
+                State::Fault => {
+                    ending = Ending::Fault(trial.bench.status().extended_code);
+                    break;
+                }
+                _ => since = None,
+            }
+        }
+        let to_closed_loop =
+            if matches!(ending, Ending::Started { .. }) { since.unwrap_or_default() } else { 0.0 };
+        Self { case, drawn, ending, to_closed_loop, peak_current: trial.peak }
+    }
+
+    /// Standby or a fault with a name, if not a start: never a rotor that does something else unnoticed.
+    pub const fn is_accounted_for(&self) -> bool {
+        !matches!(self.ending, Ending::Deceived | Ending::Undecided)
+    }
+
+    /// It runs.
+    pub const fn started(&self) -> bool {
+        matches!(self.ending, Ending::Started { .. })
+    }
+
+    /// It ran without Auto-restart.
+    pub const fn started_at_once(&self) -> bool {
+        matches!(self.ending, Ending::Started { first_try: true })
+    }
+}
+
+/// The true speed of the last tenth of a second against the estimate.
+fn judge(trial: &Trial, angle: f64, time: f64, first_try: bool) -> Ending {
+    let seen = trial.seen();
+    let pole_pairs = f64::from(trial.bench.plant().config().motor.pole_pairs);
+    let turning = (seen.angle - angle) / (seen.time - time) / TAU * pole_pairs;
+    let estimated = f64::from(trial.bench.status().speed_sensorless.to_bits()) / 65_536.0;
+    // While the speed still rises the mean lies behind: twice the tolerance over a tenth of a second of ramp.
+    let apart = (estimated - turning).abs() > AGREEMENT * 2.0 * turning.abs();
+    if apart { Ending::Deceived } else { Ending::Started { first_try } }
+}
+
+impl fmt::Display for Start {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let d = &self.drawn;
+        let kind = if d.quadratic { "quadratic" } else { "Coulomb" };
+        write!(
+            f,
+            "{}: {} at {:.1} V, {} rpm, inertia x{:.2}, friction x{:.2}, R x{:.2}, Ke x{:.2}, {kind} load {:.0} %, source {:.2} ohm, {:.0} deg",
+            self.ending,
+            d.preset.name,
+            d.plant.supply.voltage,
+            d.rpm,
+            d.inertia,
+            d.friction,
+            d.resistance,
+            d.back_emf,
+            100.0 * d.load,
+            d.plant.supply.resistance,
+            d.plant.angle_deg,
+        )
+    }
+}

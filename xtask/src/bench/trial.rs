@@ -1,0 +1,113 @@
+//! A commissioned drive on the bench, run tick by tick, with what the eye of a test engineer keeps of it.
+
+use crate::commutations::Commutations;
+use narx_core::motor::State;
+use narx_sim::bench::{Bench, BenchConfig};
+use narx_sim::commissioning::Commissioning;
+use narx_sim::operator::Operator;
+use narx_sim::plant::{Observation, PlantConfig};
+use std::f64::consts::TAU;
+
+/// Ticks from power-up until the drive takes requests: boot (0.5 s) and two of the operator's periods.
+const BOOT: u32 = 6_000;
+/// One tick, s.
+pub(super) const TICK: f64 = 1e-4;
+
+/// A run.
+pub(super) struct Trial {
+    pub(super) bench: Bench,
+    operator: Operator,
+    seen: Observation,
+    /// Largest magnitude of a phase current so far, A.
+    pub(super) peak: f64,
+    /// Highest bus voltage so far, V.
+    pub(super) bus_highest: f64,
+    commutations: Commutations,
+}
+
+impl Trial {
+    /// Powers up and waits until the drive takes requests. `keep` traces and records.
+    pub(super) fn new(plant: &PlantConfig, commissioning: &Commissioning, label: &str, keep: bool) -> Self {
+        let bench = Bench::new(&BenchConfig {
+            plant: plant.clone(),
+            parameters: commissioning.parameters.clone(),
+            label: label.into(),
+            trace: keep,
+        });
+        let bench = if keep { bench } else { bench.without_recording() };
+        let operator = Operator::new(bench.node().addresses());
+        let seen = bench.plant().observe();
+        let commutations = Commutations::default();
+        let mut trial = Self { bench, operator, seen, peak: 0.0, bus_highest: 0.0, commutations };
+        (0..BOOT).for_each(|_| trial.tick());
+        trial
+    }
+
+    /// Asks for a speed, rpm, negative in reverse.
+    pub(super) fn start(&mut self, rpm: i32) {
+        self.operator.start(rpm);
+    }
+
+    /// Asks for motor mode 3.
+    pub(super) fn shut_down(&mut self) {
+        self.operator.shut_down();
+    }
+
+    /// One control tick.
+    pub(super) fn tick(&mut self) {
+        while let Some(frame) = self.operator.poll(self.bench.now_ns()) {
+            // Two frames every 50 ms do not fill a queue of 64.
+            let _ = self.bench.send(frame);
+        }
+        self.bench.step();
+        while self.bench.receive().is_some() {}
+        while self.bench.overhear().is_some() {}
+        self.seen = self.bench.plant().observe();
+        self.peak = self.peak.max(self.seen.peak_current);
+        self.bus_highest = self.bus_highest.max(self.seen.bus_voltage);
+        self.commutations.watch(&self.bench);
+    }
+
+    /// `seconds` of ticks; false as soon as `holds` does not.
+    pub(super) fn run_while(&mut self, seconds: f64, holds: impl Fn(&Self) -> bool) -> bool {
+        let ticks = (seconds / TICK).round() as u32;
+        (0..ticks).all(|_| {
+            self.tick();
+            holds(self)
+        })
+    }
+
+    /// Seconds until `holds`, if it does within `most`.
+    pub(super) fn until(&mut self, most: f64, holds: impl Fn(&Self) -> bool) -> Option<f64> {
+        let ticks = (most / TICK).round() as u32;
+        let found = (1..=ticks).find(|_| {
+            self.tick();
+            holds(self)
+        });
+        found.map(|ticks| f64::from(ticks) * TICK)
+    }
+
+    /// Mean true speed over the next `seconds`, rpm.
+    pub(super) fn mean_rpm(&mut self, seconds: f64) -> f64 {
+        let from = self.seen;
+        self.run_while(seconds, |_| true);
+        (self.seen.angle - from.angle) / (self.seen.time - from.time) * 60.0 / TAU
+    }
+
+    /// The pattern changes of the next `seconds`.
+    pub(super) fn commutations(&mut self, seconds: f64) -> &Commutations {
+        self.commutations.clear();
+        self.run_while(seconds, |_| true);
+        &self.commutations
+    }
+
+    /// What the drive says its state is.
+    pub(super) fn state(&self) -> State {
+        self.bench.status().state
+    }
+
+    /// True values at the end of the last tick.
+    pub(super) const fn seen(&self) -> &Observation {
+        &self.seen
+    }
+}
