@@ -1,7 +1,7 @@
 //! The shaft: inertia, Coulomb friction with stiction, viscous and quadratic drag, cogging.
 
 use super::config::{LoadConfig, MotorConfig};
-use super::emf::sin_cos;
+use super::angle::sin_cos;
 use super::segment::Motion;
 
 /// The shaft's state and constants.
@@ -18,6 +18,8 @@ pub(crate) struct Shaft {
     /// Cogging periods per electrical turn.
     cogging_ratio: f64,
     load: LoadConfig,
+    /// 1 / (rotor and load), 1 / (kg m2).
+    per_inertia: f64,
     /// Electrical angle, turns, unwrapped.
     pub(crate) angle: f64,
     /// Mechanical speed, rad/s.
@@ -55,6 +57,7 @@ impl Shaft {
             turns_per_radian: f64::from(motor.pole_pairs.max(1)) / TAU,
             cogging_ratio: f64::from(motor.cogging_periods) / f64::from(motor.pole_pairs.max(1)),
             load,
+            per_inertia: 1.0 / (motor.inertia + load.inertia),
             angle,
             speed,
             acceleration: 0.0,
@@ -68,6 +71,7 @@ impl Shaft {
 
     pub(crate) fn set_load(&mut self, load: LoadConfig) {
         self.load = load;
+        self.per_inertia = 1.0 / (self.inertia + load.inertia);
     }
 
     /// Electrical turns per mechanical radian.
@@ -81,6 +85,7 @@ impl Shaft {
     }
 
     /// How the shaft is expected to move over `h` seconds.
+    #[inline]
     pub(crate) fn predict(&self, h: f64) -> Motion {
         let (speed, acceleration) = (self.speed, self.acceleration);
         if self.blocked || speed == 0.0 {
@@ -90,7 +95,7 @@ impl Shaft {
             // About to stop: on average half way there.
             return Motion { speed, acceleration: -speed / h, per_inertia: 0.0, h };
         }
-        Motion { speed, acceleration, per_inertia: 1.0 / (self.inertia + self.load.inertia), h }
+        Motion { speed, acceleration, per_inertia: self.per_inertia, h }
     }
 
     /// Kinetic and cogging energy, J.
@@ -109,6 +114,7 @@ impl Shaft {
     }
 
     /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here.
+    #[inline]
     fn cogging(&self, span: f64) -> f64 {
         if self.cogging_torque == 0.0 {
             return 0.0;
@@ -122,16 +128,17 @@ impl Shaft {
 
     /// What `h` seconds under the electrical angular impulse `impulse` (N m s) would do; `predicted` is the mean
     /// speed that the circuit was solved with.
-    pub(crate) fn turn(&self, impulse: f64, h: f64, predicted: f64) -> Turn {
+    #[inline]
+    pub(crate) fn turn(&self, impulse: f64, (h, per_h): (f64, f64), predicted: f64) -> Turn {
         if self.blocked {
             return Turn { friction: self.kinetic(self.speed), ..Turn::default() };
         }
         let cogging = self.cogging(predicted * h);
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
-        let (speed, path, slid) = self.slide(impulse / h + cogging, coulomb, viscous, h);
+        let (speed, path, slid) = self.slide(impulse * per_h + cogging, coulomb, viscous, h);
         // Coulomb friction works along the path, drag with the mean speed.
-        let drag = path * path / h;
+        let drag = path * path * per_h;
         let sign = if speed > 0.0 { 1.0 } else { -1.0 };
         Turn {
             speed,
@@ -142,19 +149,27 @@ impl Shaft {
         }
     }
 
+    /// Electrical angle of a turn, turns.
+    #[inline]
+    pub(crate) fn electrical(&self, turn: &Turn) -> f64 {
+        turn.path * self.turns_per_radian
+    }
+
     /// Takes over a turn; `torque` is the electrical torque at its end, N m.
+    #[inline]
     pub(crate) fn apply(&mut self, turn: &Turn, torque: f64) {
         self.speed = turn.speed;
         self.angle += turn.path * self.turns_per_radian();
         self.acceleration = if self.speed == 0.0 {
             0.0
         } else {
-            (torque + turn.opposing) / (self.inertia + self.load.inertia)
+            (torque + turn.opposing) * self.per_inertia
         };
     }
 
     /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m. The drag is taken at the
     /// mean of old and new speed, which is stable whatever the inertia and conserves energy exactly.
+    #[inline]
     fn slide(&self, drive: f64, coulomb: f64, viscous: f64, h: f64) -> (f64, f64, f64) {
         let inertia = self.inertia + self.load.inertia;
         let before = self.speed;

@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 
+mod angle;
 mod comparator;
 mod config;
 mod converter;
@@ -27,6 +28,7 @@ mod segment;
 mod simpson;
 mod slow;
 mod stage;
+mod wiring;
 
 pub use config::{
     BackEmf, ComparatorConfig, ConverterConfig, HallConfig, InverterConfig, LoadConfig, MotorConfig,
@@ -233,6 +235,7 @@ impl Plant {
         self.halls.start_period(&self.injected, self.period, &mut self.random);
         if self.tick.is_multiple_of(DRIFT_PERIODS) {
             self.warm(DRIFT_PERIODS as f64 * self.period);
+            self.stage.straighten();
         }
     }
 
@@ -246,7 +249,7 @@ impl Plant {
             electrical_turns: stage.shaft.angle,
             current: stage.electric.i,
             terminal: stage.terminals(),
-            neutral: stage.neutral,
+            neutral: stage.neutral(),
             bus_voltage: stage.electric.v,
             bus_current: self.bus_current,
             peak_current: self.peak_current,
