@@ -1,7 +1,7 @@
 //! The shaft: inertia, Coulomb friction with stiction, viscous and quadratic drag, cogging.
 
 use super::config::{LoadConfig, MotorConfig};
-use super::angle::sin_cos;
+use super::angle::Rotation;
 use super::segment::Motion;
 
 /// The shaft's state and constants.
@@ -22,6 +22,8 @@ pub(crate) struct Shaft {
     per_inertia: f64,
     /// Electrical angle, turns, unwrapped.
     pub(crate) angle: f64,
+    /// The angle of cogging, followed in small steps.
+    cogging_rotation: Rotation,
     /// Mechanical speed, rad/s.
     pub(crate) speed: f64,
     /// Acceleration at the end of the last interval, rad/s2.
@@ -48,6 +50,7 @@ const TAU: f64 = 2.0 * core::f64::consts::PI;
 
 impl Shaft {
     pub(crate) fn new(motor: &MotorConfig, load: LoadConfig, angle: f64, speed: f64) -> Self {
+        let cogging_ratio = f64::from(motor.cogging_periods) / f64::from(motor.pole_pairs.max(1));
         Self {
             inertia: motor.inertia,
             static_friction: motor.static_friction,
@@ -55,7 +58,8 @@ impl Shaft {
             cogging_torque: motor.cogging_torque,
             cogging_periods: f64::from(motor.cogging_periods),
             turns_per_radian: f64::from(motor.pole_pairs.max(1)) / TAU,
-            cogging_ratio: f64::from(motor.cogging_periods) / f64::from(motor.pole_pairs.max(1)),
+            cogging_ratio,
+            cogging_rotation: Rotation::of(cogging_ratio * angle),
             load,
             per_inertia: 1.0 / (motor.inertia + load.inertia),
             angle,
@@ -105,8 +109,13 @@ impl Shaft {
             return kinetic;
         }
         // T = -dU/dangle with T = amplitude sin(n angle)
-        let (_, cos) = sin_cos(self.cogging_ratio * self.angle);
+        let cos = self.cogging_rotation.cos;
         kinetic + self.cogging_torque / self.cogging_periods * cos
+    }
+
+    /// Keeps rounding from adding up in what is followed in small steps.
+    pub(crate) fn straighten(&mut self) {
+        self.cogging_rotation = Rotation::of(self.cogging_ratio * self.angle);
     }
 
     fn kinetic(&self, speed: f64) -> f64 {
@@ -119,10 +128,10 @@ impl Shaft {
         if self.cogging_torque == 0.0 {
             return 0.0;
         }
-        let middle = self.angle + 0.5 * span * self.turns_per_radian;
-        let (sin, _) = sin_cos(self.cogging_ratio * middle);
         // Mean of a sine over x = n span: its value in the middle times sin(x/2) / (x/2).
-        let y = 0.25 * self.cogging_periods * self.cogging_periods * span * span;
+        let half = 0.5 * self.cogging_periods * span;
+        let sin = self.cogging_rotation.and(&Rotation::by(half)).sin;
+        let y = half * half;
         self.cogging_torque * sin * (1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0)))
     }
 
@@ -159,7 +168,11 @@ impl Shaft {
     #[inline]
     pub(crate) fn apply(&mut self, turn: &Turn, torque: f64) {
         self.speed = turn.speed;
-        self.angle += turn.path * self.turns_per_radian();
+        self.angle += turn.path * self.turns_per_radian;
+        if self.cogging_torque != 0.0 {
+            let more = Rotation::by(self.cogging_periods * turn.path);
+            self.cogging_rotation = self.cogging_rotation.and(&more);
+        }
         self.acceleration = if self.speed == 0.0 {
             0.0
         } else {

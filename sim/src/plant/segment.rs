@@ -107,6 +107,9 @@ pub(crate) struct Segment {
     /// Diode drops along the coordinates, V.
     pub(crate) drop_s: f64,
     pub(crate) drop_d: f64,
+    /// Terminal of the one idle leg beside two that conduct, less its share of the bus voltage: at the start, V, and its
+    /// slope, V/s.
+    pub(crate) idle: (f64, f64),
     u0: f64,
     u1: f64,
     /// Particular solution p + q t, and what decays: start - p.
@@ -145,6 +148,7 @@ impl Segment {
             start: Reduced { s: wiring.s_of(&electric.i), d: wiring.d_of(&electric.i), v: electric.v },
             drop_s: network.drop * dot(&wiring.along, &diodes),
             drop_d: network.drop * dot(&wiring.across, &diodes),
+            idle: (0.0, 0.0),
             u0: 0.0,
             u1: 0.0,
             p: Reduced::default(),
@@ -153,6 +157,12 @@ impl Segment {
         };
         let forcing = segment.move_on(network, shape, motion);
         segment.solve(network, &forcing);
+        if wiring.conducting == 2 {
+            let (mean, emf, z) = (&wiring.mean, &segment.emf, wiring.idle);
+            let drops = network.drop * dot(mean, &diodes);
+            segment.idle =
+                (drops + emf.start[z] - dot(mean, &emf.start), emf.slope[z] - dot(mean, &emf.slope));
+        }
         segment
     }
 

@@ -116,6 +116,7 @@ impl Stage {
     /// Keeps rounding from adding up in what is followed in small steps; to be called now and then.
     pub(crate) fn straighten(&mut self) {
         self.rotation = Rotation::of(self.shaft.angle);
+        self.shaft.straighten();
     }
 
     /// Terminal voltages now, V. A broken cable leaves the motor's side to the divider: it reads 0.
@@ -181,6 +182,42 @@ impl Stage {
         }
     }
 
+    /// True if the current of `leg` would certainly go on through the diode beside the switch `gate` for the next `h`
+    /// seconds, whether that switch is on or off.
+    pub(crate) fn stays(&self, leg: usize, gate: Gate, h: f64) -> bool {
+        let Network { drop, rate, per_l, .. } = self.network;
+        let i = match gate {
+            Gate::Low => self.electric.i[leg],
+            Gate::High => -self.electric.i[leg],
+            Gate::Off => return false,
+        };
+        if self.watched || self.open[leg] || i < CURRENT_ZERO {
+            return false;
+        }
+        // All that may drive it towards zero: the bus, the largest line-to-line back-EMF, two drops.
+        let [a, b, c] = self.emf;
+        let emf = a.max(b).max(c) - a.min(b).min(c);
+        let against = self.electric.v + emf + 2.0 * drop;
+        i * (1.0 - rate * h) > against * per_l * h
+    }
+
+    /// What the drop of a diode in `leg`, beside the switch `gate`, does to the currents in a dead time of `h` seconds: it
+    /// is much shorter than L / R, so that it acts as a whole.
+    pub(crate) fn drop_of_dead_time(&mut self, leg: usize, gate: Gate, h: f64) {
+        let sign = if gate == Gate::High { 1.0 } else { -1.0 };
+        let wiring = Wiring::of(&self.legs);
+        if wiring.conducting < 2 {
+            return;
+        }
+        let step = sign * self.network.drop * h * self.network.per_l;
+        let before = self.electric.i[leg];
+        for x in 0..3 {
+            self.electric.i[x] -= step * wiring.mean[x];
+        }
+        self.electric.i[leg] += step;
+        self.ledger.diodes -= sign * self.network.drop * h * 0.5 * (before + self.electric.i[leg]);
+    }
+
     /// Breaks or mends cables.
     pub(crate) fn set_open(&mut self, open: [bool; 3]) {
         for x in 0..3 {
@@ -217,7 +254,8 @@ impl Stage {
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
         let mut motion = self.shaft.predict(self.longest(limit));
         for corrections in 0.. {
-            let solved = self.solve(&motion);
+            let segment = self.begin(&motion);
+            let solved = self.solve(&segment, motion.h);
             if solved.h <= INSTANT {
                 if let Some(event) = solved.event {
                     self.apply(event, true);
@@ -242,19 +280,23 @@ impl Stage {
         0.0
     }
 
-    /// Solves the circuit over `motion`'s interval or to its first event.
+    /// The circuit at the start of `motion`'s interval.
     #[inline]
-    fn solve(&mut self, motion: &Motion) -> Solved {
+    fn begin(&mut self, motion: &Motion) -> Segment {
         self.intervals += 1;
-        let h = motion.h;
-        let rate = (motion.speed + 0.5 * h * motion.acceleration) * self.shaft.turns_per_radian();
-        let shape = self.shape.over(self.shaft.angle, &self.rotation, rate, h);
-        let segment = self.settle(&shape, motion);
-        let (middle, end) = self.ends(&segment, h);
-        match self.first_event(&segment, h, &middle, &end) {
+        let rate = (motion.speed + 0.5 * motion.h * motion.acceleration) * self.shaft.turns_per_radian();
+        let shape = self.shape.over(self.shaft.angle, &self.rotation, rate, motion.h);
+        self.settle(&shape, motion)
+    }
+
+    /// Solves the circuit over `h` seconds or to its first event.
+    #[inline]
+    fn solve<'a>(&self, segment: &'a Segment, h: f64) -> Solved<'a> {
+        let (middle, end) = self.ends(segment, h);
+        match self.first_event(segment, h, &middle, &end) {
             None => Solved { segment, h, middle, end, event: None },
             Some((event, t)) => {
-                let (middle, end) = self.ends(&segment, t);
+                let (middle, end) = self.ends(segment, t);
                 Solved { segment, h: t, middle, end, event: Some(event) }
             }
         }
@@ -419,10 +461,15 @@ impl Stage {
     /// True if the terminal of any idle leg is outside the rails: a quick look before a close one.
     #[inline]
     fn outside(&self, segment: &Segment, t: f64, v: f64) -> bool {
-        if segment.wiring.conducting == 3 {
-            return false;
-        }
         let edge = self.network.drop + VOLTAGE_EDGE;
+        match segment.wiring.conducting {
+            3 => return false,
+            2 => {
+                let terminal = segment.idle.0 + segment.idle.1 * t + segment.wiring.high_share * v;
+                return terminal < -edge || terminal > v + edge;
+            }
+            _ => {}
+        }
         let emf = [0, 1, 2].map(|x| segment.emf_at(x, t));
         if segment.is_tied() {
             let neutral = neutral(segment.wiring, &segment.diodes, &emf, v, self.network.drop);
@@ -523,8 +570,8 @@ impl Stage {
 }
 
 /// One interval, solved.
-struct Solved {
-    segment: Segment,
+struct Solved<'a> {
+    segment: &'a Segment,
     h: f64,
     middle: Reduced,
     end: Reduced,
@@ -532,7 +579,7 @@ struct Solved {
     event: Option<Event>,
 }
 
-impl Solved {
+impl Solved<'_> {
     #[inline]
     fn simpson(&self) -> Simpson<'_> {
         Simpson { h: self.h, points: [&self.segment.start, &self.middle, &self.end] }

@@ -28,6 +28,8 @@ pub(crate) struct Wiring {
     pub(crate) k: f64,
     /// Share of the conducting legs that are tied to the bus: the neutral's part of the bus voltage.
     pub(crate) high_share: f64,
+    /// A leg that does not conduct; 0 if all do.
+    pub(crate) idle: usize,
     /// 1 / `conducting` for each leg that conducts: the neutral is their mean.
     pub(crate) mean: [f64; 3],
 }
@@ -96,10 +98,13 @@ const fn wiring(sides: [usize; 3]) -> Wiring {
     }
     let conducting = high + low;
     let mut mean = [0.0; 3];
+    let mut idle = 0;
     x = 0;
     while x < 3 {
         if sides[x] != 0 {
             mean[x] = 1.0 / conducting as f64;
+        } else {
+            idle = x;
         }
         x += 1;
     }
@@ -119,6 +124,7 @@ const fn wiring(sides: [usize; 3]) -> Wiring {
             _ => 2.0 / 3.0,
         },
         high_share: if conducting == 0 { 0.0 } else { high as f64 / conducting as f64 },
+        idle,
         mean,
     }
 }
