@@ -164,15 +164,14 @@ impl Bench {
     /// One control tick.
     pub fn step(&mut self) {
         let samples = self.plant.sample();
-        let event = self.event.take();
-        if let Some(event) = &event {
+        if let Some(event) = &self.event {
             self.drive.handle_event(event.clone());
         }
         let command = self.drive.step(&samples);
         let status = self.drive.poll_status();
         self.plant.finish_period(&command);
         if let Some(recorder) = &mut self.recorder
-            && recorder.record(event.as_ref(), &samples, &command, status.as_ref()).is_err()
+            && recorder.record(self.event.as_ref(), &samples, &command, status.as_ref()).is_err()
         {
             self.recorder = None;
         }

@@ -42,6 +42,38 @@ impl Rotation {
     }
 }
 
+/// An angle that moves on by an expected span.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sweep {
+    /// Turns.
+    span: f64,
+    half: Rotation,
+    /// Half way.
+    pub(crate) middle: Rotation,
+}
+
+impl Sweep {
+    /// From `start` on by `span` turns.
+    #[inline]
+    pub(crate) fn new(start: &Rotation, span: f64) -> Self {
+        let half = Rotation::by(0.5 * TAU * span);
+        Self { span, half, middle: start.and(&half) }
+    }
+
+    /// Where it arrives that began at `start` and turned by `turned` turns, which is about the span.
+    #[inline]
+    pub(crate) fn end(&self, start: &Rotation, turned: f64) -> Rotation {
+        let more = TAU * (turned - self.span);
+        if more.abs() > 1e-4 {
+            return start.and(&Rotation::by(TAU * turned));
+        }
+        // sin x = x - x^3 / 6, cos x = 1 - x^2 / 2.
+        let y = more * more;
+        let rest = Rotation { sin: more * (1.0 - y * (1.0 / 6.0)), cos: 1.0 - 0.5 * y };
+        self.middle.and(&self.half).and(&rest)
+    }
+}
+
 /// The part of `x` above the next lower whole number, in [0, 1).
 #[inline]
 pub(crate) fn fraction(x: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! Back-EMF per unit of speed against the electrical angle.
 
-use super::angle::{Rotation, fraction};
+use super::angle::{Sweep, fraction};
 use super::config::{BackEmf, MotorConfig};
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
@@ -66,16 +66,16 @@ impl EmfShape {
         self.flank == 0.0
     }
 
-    /// Values over an interval of `h` seconds that begins at `angle` (turns, and its sine and cosine) and turns by `rate`
-    /// turns a second: the straight line through the values at the interval's two Gauss points, so that the flux
+    /// Values over an interval of `h` seconds that begins at `angle` (turns; `sweep` has its sine and cosine) and turns by
+    /// `rate` turns a second: the straight line through the values at the interval's two Gauss points, so that the flux
     /// linkage is exact to the third order. A trapezoid is straight between its corners.
     #[inline]
-    pub(crate) fn over(&self, angle: f64, rotation: &Rotation, rate: f64, h: f64) -> Linear3 {
+    pub(crate) fn over(&self, angle: f64, sweep: &Sweep, rate: f64, h: f64) -> Linear3 {
         if self.flank != 0.0 {
             return self.trapezoids(angle + 0.5 * rate * h, rate, h);
         }
         let half = PI * rate * h;
-        let middle = rotation.and(&Rotation::by(half));
+        let middle = &sweep.middle;
         // Gauss points lie a = half / sqrt 3 to either side of the middle m. Mean of both: sin m cos a; slope: cos m
         // sin a / a times the angular speed.
         let y = half * half * (1.0 / 3.0);

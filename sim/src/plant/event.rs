@@ -46,22 +46,25 @@ impl Event {
         if matches!(self, Self::Stops(_)) { 0.0 } else { VOLTAGE_EDGE }
     }
 
-    /// The instant of the event, on the far side of it, inside of `bracket`. 0 if it has been reached at the start
-    /// already.
+    /// The instant of the event inside of `bracket`: of a voltage's on the far side of it. 0 if it has been reached at the
+    /// start already.
     fn locate(self, segment: &Segment, network: &Network, bracket: &Bracket) -> f64 {
         let evaluate = |t: f64| {
             let decay = network.decay(segment.topology(), segment.source_on, t);
             self.beyond(segment, network, t, &segment.at(network, t, &decay))
         };
-        // The place to hit is `close` wide and begins at the edge.
-        let edge = self.edge();
-        let close = if edge == 0.0 { 1e-8 } else { 1e-5 };
+        // The place to hit is `close` wide. A voltage's begins at the edge; a current ends there exactly (`end_current`),
+        // from whichever side.
+        let (edge, close) = match self {
+            Self::Stops(_) => (-5e-7, 1e-6),
+            _ => (self.edge(), 1e-5),
+        };
         let goal = edge + 0.5 * close;
         let Bracket { mut lower, mut upper, mut f_upper, .. } = *bracket;
-        if bracket.f_lower >= edge {
+        if bracket.f_lower >= self.edge() {
             // It starts on the edge: is there a way off it before the way back?
             lower = 0.125 * upper;
-            if evaluate(lower) >= edge {
+            if evaluate(lower) >= self.edge() {
                 return 0.0;
             }
         }

@@ -120,7 +120,7 @@ pub(crate) struct Segment {
 
 impl Segment {
     /// The circuit of `legs` from `electric` on; `shape` is the back-EMF per speed.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(
         network: &Network,
         legs: [Leg; 3],
@@ -130,98 +130,51 @@ impl Segment {
         motion: &Motion,
     ) -> Self {
         let wiring = Wiring::of(&legs);
+        let modes = network.modes(wiring.topology, source_on);
         let diodes = [legs[0].diode_sign(), legs[1].diode_sign(), legs[2].diode_sign()];
-        let mut segment = Self {
+        let drop_s = network.drop * dot(&wiring.along, &diodes);
+        let drop_d = network.drop * dot(&wiring.across, &diodes);
+        let start = Reduced { s: wiring.s_of(&electric.i), d: wiring.d_of(&electric.i), v: electric.v };
+        let reduced = Linear2 {
+            s: dot(&wiring.along, &shape.start),
+            d: dot(&wiring.across, &shape.start),
+            s_slope: dot(&wiring.along, &shape.slope),
+            d_slope: dot(&wiring.across, &shape.slope),
+        };
+        // What drives the coordinates: diode drops less back-EMF.
+        let (rest_s, rest_d) = (drop_s - reduced.s * motion.speed, drop_d - reduced.d * motion.speed);
+        let acceleration = motion.mean_acceleration(network, wiring, &start, &reduced, (rest_s, rest_d));
+        let middle = motion.speed + 0.5 * acceleration * motion.h;
+        let (gain, half) = (acceleration, 0.5 * motion.h);
+        let slope = |start: f64, slope: f64| slope * middle + (start + half * slope) * gain;
+        let emf = Linear3 {
+            start: [0, 1, 2].map(|x| shape.start[x] * motion.speed),
+            slope: [0, 1, 2].map(|x| slope(shape.start[x], shape.slope[x])),
+        };
+        let (u0, u1) = (wiring.k * rest_s, -wiring.k * slope(reduced.s, reduced.s_slope));
+        let (f0, f1) = (0.5 * rest_d, -0.5 * slope(reduced.d, reduced.d_slope));
+        let (p, q) = particular(network, modes, wiring.topology, (u0, u1), (f0, f1), start.v);
+        let fading = Reduced { s: start.s - p.s, d: start.d - p.d, v: start.v - p.v };
+        let idle = idle_terminal(wiring, network.drop, &diodes, &emf);
+        Self {
             legs,
             wiring,
             source_on,
             has_diodes: diodes != [0.0; 3],
             diodes,
-            emf: Linear3::default(),
-            shape: Linear2 {
-                s: dot(&wiring.along, &shape.start),
-                d: dot(&wiring.across, &shape.start),
-                s_slope: dot(&wiring.along, &shape.slope),
-                d_slope: dot(&wiring.across, &shape.slope),
-            },
-            acceleration: 0.0,
-            start: Reduced { s: wiring.s_of(&electric.i), d: wiring.d_of(&electric.i), v: electric.v },
-            drop_s: network.drop * dot(&wiring.along, &diodes),
-            drop_d: network.drop * dot(&wiring.across, &diodes),
-            idle: (0.0, 0.0),
-            u0: 0.0,
-            u1: 0.0,
-            p: Reduced::default(),
-            q: Reduced::default(),
-            fading: Reduced::default(),
-        };
-        let forcing = segment.move_on(network, shape, motion);
-        segment.solve(network, &forcing);
-        if wiring.conducting == 2 {
-            let (mean, emf, z) = (&wiring.mean, &segment.emf, wiring.idle);
-            let drops = network.drop * dot(mean, &diodes);
-            segment.idle =
-                (drops + emf.start[z] - dot(mean, &emf.start), emf.slope[z] - dot(mean, &emf.slope));
+            emf,
+            shape: reduced,
+            acceleration,
+            start,
+            drop_s,
+            drop_d,
+            idle,
+            u0,
+            u1,
+            p,
+            q,
+            fading,
         }
-        segment
-    }
-
-    /// Back-EMF over the interval: the shape times a speed that changes with the mean acceleration. The torque's own
-    /// slope gives the acceleration's, else a light rotor would outrun its prediction within one interval. Returns
-    /// what drives the coordinates: diode drops less back-EMF, V.
-    #[inline]
-    fn move_on(&mut self, network: &Network, shape: &Linear3, motion: &Motion) -> Linear2 {
-        let Motion { speed, acceleration, per_inertia, h } = *motion;
-        let along = &self.shape;
-        let k = self.wiring.k;
-        let (rest_s, rest_d) = (self.drop_s - along.s * speed, self.drop_d - along.d * speed);
-        let bus = if self.wiring.topology == Loop::Open { 0.0 } else { k * self.start.v };
-        let s_slope = bus + k * rest_s - network.r * self.start.s;
-        let d_slope = 0.5 * rest_d - network.r * self.start.d;
-        let jerk = (along.s * s_slope + along.d * d_slope) * network.per_l * per_inertia;
-        // Mean over the interval of alpha + jerk t, weighted as it acts on the way travelled: a third, not a half.
-        self.acceleration = acceleration + jerk * h * (1.0 / 3.0);
-        let middle = speed + 0.5 * self.acceleration * h;
-        let gain = self.acceleration;
-        let slope = |start: f64, slope: f64| slope * middle + (start + 0.5 * h * slope) * gain;
-        for x in 0..3 {
-            self.emf.start[x] = shape.start[x] * speed;
-            self.emf.slope[x] = slope(shape.start[x], shape.slope[x]);
-        }
-        Linear2 {
-            s: rest_s,
-            d: rest_d,
-            s_slope: -slope(along.s, along.s_slope),
-            d_slope: -slope(along.d, along.d_slope),
-        }
-    }
-
-    /// The particular solution and what decays towards it.
-    #[inline]
-    fn solve(&mut self, network: &Network, forcing: &Linear2) {
-        let modes = network.modes(self.wiring.topology, self.source_on);
-        let (l, per_r, lag) = (network.l, network.per_r, network.time_constant);
-        let k = self.wiring.k;
-        (self.u0, self.u1) = (k * forcing.s, k * forcing.s_slope);
-        self.q.d = 0.5 * forcing.d_slope * per_r;
-        self.p.d = 0.5 * forcing.d * per_r - lag * self.q.d;
-        if self.wiring.topology == Loop::Open {
-            self.q.s = self.u1 * per_r;
-            self.p.s = self.u0 * per_r - lag * self.q.s;
-            self.p.v = if modes.g > 0.0 { modes.j * modes.per_g } else { self.start.v };
-        } else {
-            // A q = -b1, A p = q - b0 with b0 = (u0 / L, j / C), b1 = (u1 / L, 0).
-            let Modes { g, j, per_det, .. } = *modes;
-            (self.q.s, self.q.v) = (self.u1 * g * per_det, -self.u1 * per_det);
-            let (rest_s, rest_v) = (l * self.q.s - self.u0, network.c * self.q.v - j);
-            self.p.s = -(g * rest_s + k * rest_v) * per_det;
-            self.p.v = (rest_s - network.r * rest_v) * per_det;
-        }
-        self.fading = Reduced {
-            s: self.start.s - self.p.s,
-            d: self.start.d - self.p.d,
-            v: self.start.v - self.p.v,
-        };
     }
 
     /// State `t` seconds after the start; `decay` is the transition over `t`.
@@ -311,6 +264,66 @@ impl Segment {
         let terminal = self.terminal(network, x, 0.0, &resting);
         (terminal - self.neutral(0.0, v, network.drop) - self.emf_at(x, 0.0)) * network.per_l
     }
+}
+
+impl Motion {
+    /// The torque's own slope gives the acceleration's, else a light rotor would outrun its prediction within one
+    /// interval.
+    #[inline(always)]
+    fn mean_acceleration(
+        &self,
+        network: &Network,
+        wiring: &Wiring,
+        start: &Reduced,
+        shape: &Linear2,
+        (rest_s, rest_d): (f64, f64),
+    ) -> f64 {
+        let bus = if wiring.topology == Loop::Open { 0.0 } else { start.v };
+        let s_slope = wiring.k * (bus + rest_s) - network.r * start.s;
+        let d_slope = 0.5 * rest_d - network.r * start.d;
+        let jerk = (shape.s * s_slope + shape.d * d_slope) * network.per_l * self.per_inertia;
+        // Mean over the interval of alpha + jerk t, weighted as it acts on the way travelled: a third, not a half.
+        self.acceleration + jerk * self.h * (1.0 / 3.0)
+    }
+}
+
+/// The particular solution p + q t.
+#[inline(always)]
+fn particular(
+    network: &Network,
+    modes: &Modes,
+    topology: Loop,
+    (u0, u1): (f64, f64),
+    (f0, f1): (f64, f64),
+    v: f64,
+) -> (Reduced, Reduced) {
+    let (per_r, lag) = (network.per_r, network.time_constant);
+    let q_d = f1 * per_r;
+    let p_d = f0 * per_r - lag * q_d;
+    if topology == Loop::Open {
+        let q_s = u1 * per_r;
+        let p_v = if modes.g > 0.0 { modes.j * modes.per_g } else { v };
+        let p = Reduced { s: u0 * per_r - lag * q_s, d: p_d, v: p_v };
+        return (p, Reduced { s: q_s, d: q_d, v: 0.0 });
+    }
+    // A q = -b1, A p = q - b0 with b0 = (u0 / L, j / C), b1 = (u1 / L, 0).
+    let Modes { g, j, k, per_det, .. } = *modes;
+    let (q_s, q_v) = (u1 * g * per_det, -u1 * per_det);
+    let (rest_s, rest_v) = (network.l * q_s - u0, network.c * q_v - j);
+    let p_s = -(g * rest_s + k * rest_v) * per_det;
+    let p_v = (rest_s - network.r * rest_v) * per_det;
+    (Reduced { s: p_s, d: p_d, v: p_v }, Reduced { s: q_s, d: q_d, v: q_v })
+}
+
+/// Terminal of the one idle leg beside two that conduct, less its share of the bus voltage: at the start, V, and its slope, V/s.
+#[inline(always)]
+fn idle_terminal(wiring: &Wiring, drop: f64, diodes: &[f64; 3], emf: &Linear3) -> (f64, f64) {
+    if wiring.conducting != 2 {
+        return (0.0, 0.0);
+    }
+    let (mean, z) = (&wiring.mean, wiring.idle);
+    let start = emf.start[z] + drop * dot(mean, diodes) - dot(mean, &emf.start);
+    (start, emf.slope[z] - dot(mean, &emf.slope))
 }
 
 /// Voltage of the star point: the conducting legs' terminal voltages less back-EMF average to it, because their currents sum

@@ -1,6 +1,6 @@
 //! The continuous plant: circuit and shaft, advanced from one switching event to the next.
 
-use super::angle::Rotation;
+use super::angle::{Rotation, Sweep};
 use super::config::{PlantConfig, SupplyConfig};
 use super::emf::{EmfShape, Linear3};
 use super::event::{Event, First};
@@ -254,7 +254,20 @@ impl Stage {
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
         let mut motion = self.shaft.predict(self.longest(limit));
         for corrections in 0.. {
-            let segment = self.begin(&motion);
+            self.intervals += 1;
+            let rate = (motion.speed + 0.5 * motion.h * motion.acceleration) * self.shaft.turns_per_radian();
+            let sweep = Sweep::new(&self.rotation, rate * motion.h);
+            let shape = self.shape.over(self.shaft.angle, &sweep, rate, motion.h);
+            self.settle_source();
+            let mut segment = self.circuit(&shape, &motion);
+            // Diodes turn on or off until they agree with the voltages: each pass changes one, six are more than three legs can
+            // need.
+            let mut passes = 6;
+            while passes > 0 && self.settle_diode(&segment) {
+                segment = self.circuit(&shape, &motion);
+                self.diode_events += 1;
+                passes -= 1;
+            }
             let solved = self.solve(&segment, motion.h);
             if solved.h <= INSTANT {
                 if let Some(event) = solved.event {
@@ -269,7 +282,7 @@ impl Stage {
             let turn = self.shaft.turn(impulse, (solved.h, per_h), expected);
             let mean = turn.path * per_h;
             if corrections == CORRECTIONS_MAX || (mean - expected).abs() * self.shape.peak() < EMF_ERROR {
-                self.commit(&solved, per_h, impulse, &turn);
+                self.commit(&solved, per_h, impulse, &turn, &sweep);
                 return solved.h;
             }
             // The shaft went faster or slower than the circuit was told: once more with what it did.
@@ -280,13 +293,9 @@ impl Stage {
         0.0
     }
 
-    /// The circuit at the start of `motion`'s interval.
-    #[inline]
-    fn begin(&mut self, motion: &Motion) -> Segment {
-        self.intervals += 1;
-        let rate = (motion.speed + 0.5 * motion.h * motion.acceleration) * self.shaft.turns_per_radian();
-        let shape = self.shape.over(self.shaft.angle, &self.rotation, rate, motion.h);
-        self.settle(&shape, motion)
+    #[inline(always)]
+    fn circuit(&self, shape: &Linear3, motion: &Motion) -> Segment {
+        Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion)
     }
 
     /// Solves the circuit over `h` seconds or to its first event.
@@ -330,22 +339,6 @@ impl Stage {
         h
     }
 
-    /// Turns diodes and source on or off until they agree with the voltages, and returns the circuit.
-    fn settle(&mut self, shape: &Linear3, motion: &Motion) -> Segment {
-        self.settle_source();
-        // Each pass changes one diode; six are more than three legs can need.
-        let mut passes = 6;
-        loop {
-            let segment =
-                Segment::new(&self.network, self.legs, self.source_on, &self.electric, shape, motion);
-            if passes == 0 || !self.settle_diode(&segment) {
-                return segment;
-            }
-            self.diode_events += 1;
-            passes -= 1;
-        }
-    }
-
     fn settle_source(&mut self) {
         let excess = self.electric.v - self.network.source_v;
         if self.may_sink || excess < -VOLTAGE_EDGE {
@@ -356,7 +349,13 @@ impl Stage {
     }
 
     /// Turns the diode on that is most in need of it, or a currentless one off. False if all agree.
+    #[inline]
     fn settle_diode(&mut self, segment: &Segment) -> bool {
+        let idle = segment.has_diodes && (0..3).any(|x| segment.diodes[x] != 0.0 && self.electric.i[x] == 0.0);
+        (idle || self.outside(segment, 0.0, self.electric.v)) && self.change_diode(segment)
+    }
+
+    fn change_diode(&mut self, segment: &Segment) -> bool {
         for x in 0..3 {
             if segment.diodes[x] != 0.0 && self.electric.i[x] == 0.0 {
                 let slope = segment.slope_from_rest(&self.network, x, self.electric.v);
@@ -504,7 +503,7 @@ impl Stage {
 
     /// Takes over what was solved, books the energies and lets the event happen.
     #[inline]
-    fn commit(&mut self, solved: &Solved, per_h: f64, impulse: f64, turn: &Turn) {
+    fn commit(&mut self, solved: &Solved, per_h: f64, impulse: f64, turn: &Turn, sweep: &Sweep) {
         let Solved { segment, h, end, event, .. } = solved;
         let before = self.electric;
         let (link, volt_seconds) = segment.integrals(&self.network, *h, end);
@@ -517,8 +516,7 @@ impl Stage {
         let shape = &segment.shape;
         let torque = (shape.s + shape.s_slope * h) * end.s + (shape.d + shape.d_slope * h) * end.d;
         if self.shape.is_sine() {
-            let radians = core::f64::consts::TAU * self.shaft.electrical(turn);
-            self.rotation = self.rotation.and(&Rotation::by(radians));
+            self.rotation = sweep.end(&self.rotation, self.shaft.electrical(turn));
         }
         self.shaft.apply(turn, torque);
         let i = segment.wiring.currents(end.s, end.d);
