@@ -75,7 +75,7 @@ fn main() -> ExitCode {
     let after = bench.plant().observe();
     let simulated = after.time - before.time;
     println!(
-        "{name} {mode:?}: {:.1} simulated seconds a second, {:.2} intervals and {:.2} changes of diodes a tick, {:.0} rpm",
+        "{:.1} simulated seconds a second: {name}, {mode:?}, {:.2} intervals and {:.2} changes of diodes a tick, {:.0} rpm",
         simulated / elapsed,
         (after.intervals - before.intervals) as f64 / ticks as f64,
         (after.diode_events - before.diode_events) as f64 / ticks as f64,

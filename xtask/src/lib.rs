@@ -1,10 +1,12 @@
 //! What the developer commands are made of.
 
 pub mod bench;
+pub mod callgrind;
 pub mod candump;
 pub mod coverage;
 pub mod csv;
 pub mod demo;
+pub mod driven;
 pub mod firmware;
 pub mod header;
 pub mod install;

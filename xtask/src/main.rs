@@ -4,6 +4,7 @@ use clap::{Parser, Subcommand};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::bench;
+use xtask::callgrind;
 use xtask::coverage;
 use xtask::demo;
 use xtask::firmware;
@@ -31,6 +32,12 @@ enum Job {
     Test {
         /// What to test; without a name everything
         target: Option<Target>,
+    },
+    /// Make tests/golden/callgrind.toml anew: instructions of a simulated tick on this machine
+    Callgrind {
+        /// Write nothing; fail if a figure is another one
+        #[arg(long)]
+        check: bool,
     },
     /// Make tests/coverage.md anew: each row of the specification, its code and its tests
     Coverage {
@@ -72,6 +79,7 @@ fn main() -> ExitCode {
         Job::Bench(arguments) => bench::command(&arguments),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
+        Job::Callgrind { check } => callgrind::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
@@ -100,6 +108,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
+        Step::new("callgrind", move || callgrind::regenerate(root, false)),
         Step::new("wasm", move || web::generate(root)),
     ])
 }

@@ -143,11 +143,8 @@ impl First<'_> {
             return;
         }
         let start = look(0.0, &segment.start);
-        let bracket = if middle.1 > edge {
-            Bracket::new(start, middle, end)
-        } else {
-            Bracket::new(middle, end, start)
-        };
+        let bracket =
+            if middle.1 > edge { Bracket::new(start, middle, end) } else { Bracket::new(middle, end, start) };
         let t = event.locate(segment, network, &bracket);
         if self.found.is_none_or(|(_, earliest)| t < earliest) {
             self.found = Some((event, t));

@@ -145,7 +145,8 @@ impl Gates {
         gates
     }
 
-    /// The one leg that waits out its dead time, what it waits for, and when it will be over, s.
+    /// The one leg that waits out its dead time, what it waits for, and when it will be over, s; only if nothing else switches
+    /// until then.
     #[inline]
     pub(crate) fn waiting(&self, t: f64) -> Option<(usize, Gate, f64)> {
         let [a, b, c] = &self.drivers;
@@ -155,7 +156,8 @@ impl Gates {
             (false, false, true) => 2,
             _ => return None,
         };
-        Some((leg, self.wanted(leg, t), self.drivers[leg].off_since + self.dead_time))
+        let over = self.drivers[leg].off_since + self.dead_time;
+        (self.next_change(t, over) >= over).then(|| (leg, self.wanted(leg, t), over))
     }
 
     /// Turns `leg` on to `gate` without waiting any longer.
@@ -169,9 +171,11 @@ impl Gates {
     pub(crate) fn changing_sides(&self, edge: f64) -> Option<(usize, Gate, f64)> {
         let leg = self.only_switched?;
         let gate = self.drivers[leg].gate;
-        let crosses = (edge == self.on_until && gate == Gate::High) || (edge == self.on_from && gate == Gate::Low);
-        (crosses && self.rectification == Rectification::Synchronous && self.on_until < self.on_from)
-            .then_some((leg, gate, edge + self.dead_time))
+        let crosses =
+            (edge == self.on_until && gate == Gate::High) || (edge == self.on_from && gate == Gate::Low);
+        let over = edge + self.dead_time;
+        (crosses && self.rectification == Rectification::Synchronous && self.next_change(edge, over) >= over)
+            .then_some((leg, gate, over))
     }
 
     /// `leg` was turned off at `t`.

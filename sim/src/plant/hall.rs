@@ -1,7 +1,7 @@
 //! Three hall sensors, their wiring and what can break in it.
 
-use super::config::HallConfig;
 use super::angle::fraction;
+use super::config::HallConfig;
 use super::injection::Injected;
 use crate::random::Random;
 use heapless::Vec;

@@ -1,7 +1,7 @@
 //! The shaft: inertia, Coulomb friction with stiction, viscous and quadratic drag, cogging.
 
-use super::config::{LoadConfig, MotorConfig};
 use super::angle::Rotation;
+use super::config::{LoadConfig, MotorConfig};
 use super::segment::Motion;
 
 /// The shaft's state and constants.
@@ -173,11 +173,7 @@ impl Shaft {
             let more = Rotation::by(self.cogging_periods * turn.path);
             self.cogging_rotation = self.cogging_rotation.and(&more);
         }
-        self.acceleration = if self.speed == 0.0 {
-            0.0
-        } else {
-            (torque + turn.opposing) * self.per_inertia
-        };
+        self.acceleration = if self.speed == 0.0 { 0.0 } else { (torque + turn.opposing) * self.per_inertia };
     }
 
     /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m. The drag is taken at the

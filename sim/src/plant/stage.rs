@@ -351,7 +351,8 @@ impl Stage {
     /// Turns the diode on that is most in need of it, or a currentless one off. False if all agree.
     #[inline]
     fn settle_diode(&mut self, segment: &Segment) -> bool {
-        let idle = segment.has_diodes && (0..3).any(|x| segment.diodes[x] != 0.0 && self.electric.i[x] == 0.0);
+        let idle =
+            segment.has_diodes && (0..3).any(|x| segment.diodes[x] != 0.0 && self.electric.i[x] == 0.0);
         (idle || self.outside(segment, 0.0, self.electric.v)) && self.change_diode(segment)
     }
 
@@ -432,7 +433,8 @@ impl Stage {
         middle: &Reduced,
         end: &Reduced,
     ) -> Option<(Event, f64)> {
-        let stops = segment.has_diodes && (segment.is_against_a_diode(middle) || segment.is_against_a_diode(end));
+        let stops =
+            segment.has_diodes && (segment.is_against_a_diode(middle) || segment.is_against_a_diode(end));
         let starts = segment.wiring.conducting < 3
             && (self.outside(segment, 0.5 * h, middle.v) || self.outside(segment, h, end.v));
         let source_v = self.network.source_v;
@@ -551,8 +553,8 @@ impl Stage {
         ledger.switches += network.switch * squares;
         if segment.has_diodes {
             // A diode's drop is against its current.
-            ledger.diodes -= segment.drop_s * simpson.integral(|at| at.s)
-                + segment.drop_d * simpson.integral(|at| at.d);
+            ledger.diodes -=
+                segment.drop_s * simpson.integral(|at| at.s) + segment.drop_d * simpson.integral(|at| at.d);
         }
         if segment.source_on {
             let fall = network.source_v * simpson.h - volt_seconds;

@@ -8,6 +8,7 @@ mod operating;
 mod parallel;
 mod picture;
 mod report;
+mod speed;
 mod start;
 mod starts;
 mod steady;
@@ -78,6 +79,7 @@ fn measure(arguments: &Arguments) -> io::Result<bool> {
         ("load steps", load_step::rows),
         ("top speed", top_speed::rows),
         ("faults", faults::rows),
+        ("speed of simulation", speed::rows),
     ] {
         let begun = Instant::now();
         println!("{name}");
