@@ -203,7 +203,11 @@ impl Bench {
             // Room was just seen.
             let _ = self.bus.send(self.device, frame, now_ns);
         }
-        self.event = self.node.poll_event();
+        // Most often there is none, and an event is large.
+        match self.node.poll_event() {
+            None => self.event = None,
+            event => self.event = event,
+        }
         if let Some(Action::Reboot) = self.node.poll_action() {
             self.boot();
         }

@@ -28,6 +28,8 @@ enum Job {
     Demo(demo::Arguments),
     /// Measure what narx promises of its control: every goal with its figure and verdict
     Bench(bench::Arguments),
+    /// Measure how fast the bench simulates, beside a C loop: a part of `bench`
+    Speed,
     /// Test everything, or one target; installs what that needs
     Test {
         /// What to test; without a name everything
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
         Job::Bench(arguments) => bench::command(&arguments),
+        Job::Speed => bench::speed(),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Callgrind { check } => callgrind::command(root, check),

@@ -50,6 +50,9 @@ use stage::Stage;
 const REFERENCE_TEMPERATURE: f64 = 25.0;
 /// Less than this is no time, s.
 const INSTANT: f64 = 1e-12;
+/// A dead time goes without an interval of its own if the current would outlast so many: a small one stops, and lets other
+/// diodes conduct beside it.
+const DEAD_TIME_MARGIN: f64 = 8.0;
 /// Periods between two updates of what drifts with temperature.
 const DRIFT_PERIODS: u64 = 128;
 
@@ -416,7 +419,7 @@ impl Plant {
         let mut gates = self.gates.at(self.t, &self.injected.driver);
         if let Some((leg, gate, over)) = self.gates.waiting(self.t)
             && over <= target
-            && self.stage.stays(leg, gate, over - self.t)
+            && self.stage.stays(leg, gate, DEAD_TIME_MARGIN * (over - self.t))
         {
             self.gates.turn_on(leg, gate);
             gates[leg] = gate;

@@ -194,10 +194,13 @@ impl Stage {
         if self.watched || self.open[leg] || i < CURRENT_ZERO {
             return false;
         }
-        // All that may drive it towards zero: the bus, the largest line-to-line back-EMF, two drops.
+        // All that may drive it towards zero: the largest line-to-line back-EMF, two drops, and the bus unless all that
+        // conduct stay on the low side.
         let [a, b, c] = self.emf;
         let emf = a.max(b).max(c) - a.min(b).min(c);
-        let against = self.electric.v + emf + 2.0 * drop;
+        let all_low = gate == Gate::Low && Wiring::of(&self.legs).high_share == 0.0;
+        let bus = if all_low { 0.0 } else { self.electric.v };
+        let against = bus + emf + 2.0 * drop;
         i * (1.0 - rate * h) > against * per_l * h
     }
 

@@ -17,6 +17,7 @@ mod trial;
 
 pub use operating::{Figures, Point};
 pub use parallel::map;
+pub use speed::command as speed;
 pub use start::{Ending, Start};
 
 use clap::Args;
