@@ -5,7 +5,7 @@
 
 use core::fmt;
 use heapless::Vec;
-use libm::{fmax, fmin, sqrt};
+use libm::{exp, fmax, fmin, sqrt};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::Board;
 
@@ -181,8 +181,6 @@ impl core::error::Error for CommissioningError {}
 pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
 /// Peak phase current (Table 1: 12 A) less what commutation adds to the ripple, which a bus shunt does not see, A.
 const PEAK: f64 = 11.4;
-/// And this much less without sensors, whose commutation is a few degrees off while a heavy rotor accelerates, A.
-const SENSORLESS_PEAK: f64 = PEAK - 0.8;
 /// Continuous phase current (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
 /// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).
@@ -329,8 +327,6 @@ impl Nameplate {
 /// Figures that several rules share.
 struct Design {
     duty_max: f64,
-    /// Largest, A peak to peak.
-    ripple: f64,
     phase_current: f64,
     start_current: f64,
     speed_min: f64,
@@ -344,14 +340,26 @@ impl Design {
         let period = 1.0 / f64::from(Board::BENCH.tick_rate);
         // A quarter above the rated current, so that the limit does not bind at the rated load.
         let needed = fmin(1.25 * plate.rated_current.unwrap_or(CONTINUOUS), CONTINUOUS);
-        // Ripple V D (1 - D) T / L, and mean plus half of it within the peak.
+        // Ripple V D (1 - D) T / L, and the crest of a step plus half of it within the peak.
         let ripple = |duty: f64| plate.supply * duty * (1.0 - duty) * period / m.inductance;
         let duty_max = duty_within(2.0 * (PEAK - needed) * m.inductance / (plate.supply * period));
         let widest = ripple(fmin(duty_max, 0.5));
-        let phase_current = fmin(PEAK - widest / 2.0, PEAK);
+        let crest = PEAK - widest / 2.0;
+        let poles = f64::from(m.pole_pairs);
+        let speed_min = ELECTRICAL_RPM_MIN / poles;
+        let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);
+        // 5 % of the voltage is left to the speed loop. Every commutation costs the volt-seconds that turn the current
+        // over, L I / 2 in each of six a revolution: as if the back-EMF constant were larger.
+        let left = 0.95 * duty_max * plate.supply - m.resistance * needed;
+        let turning_over = 3.0 * m.inductance * needed * poles / TWO_PI;
+        let supply_speed = left / (m.torque_constant + turning_over) * 60.0 / TWO_PI;
+        let speed_max = fmin(fmin(supply_speed, tick_speed), 32_767.0);
+        // Steps are shortest at full speed.
+        let step = 60.0 / (6.0 * poles * speed_max);
+        let phase_current = crest * mean_of_crest(step * m.resistance / m.inductance);
         if duty_max < DUTY_MAX {
             push(notes, Note::DutyForRipple { duty: duty_max, ripple: widest });
-        } else if phase_current < 0.8 * PEAK {
+        } else if crest < 0.8 * PEAK {
             push(notes, Note::CurrentForRipple { current: phase_current, ripple: widest });
         }
         // L I^2 / 2 <= C (V_max^2 - V^2) / 2.
@@ -362,15 +370,6 @@ impl Design {
             push(notes, Note::CurrentForBus { current: returned });
         }
         let phase_current = fmin(phase_current, returned);
-        let poles = f64::from(m.pole_pairs);
-        let speed_min = ELECTRICAL_RPM_MIN / poles;
-        let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);
-        // 5 % of the voltage is left to the speed loop. Every commutation costs the volt-seconds that turn the current
-        // over, L I / 2 in each of six a revolution: as if the back-EMF constant were larger.
-        let left = 0.95 * duty_max * plate.supply - m.resistance * needed;
-        let turning_over = 3.0 * m.inductance * needed * poles / TWO_PI;
-        let supply_speed = left / (m.torque_constant + turning_over) * 60.0 / TWO_PI;
-        let speed_max = fmin(fmin(supply_speed, tick_speed), 32_767.0);
         if tick_speed < supply_speed {
             push(notes, Note::SpeedForTick { speed: tick_speed });
         }
@@ -382,18 +381,17 @@ impl Design {
         // A third of the rated torque accelerates, and full speed takes 0.4 s at least.
         let acceleration = m.torque_constant * needed / m.inertia / 3.0 * 60.0 / TWO_PI;
         let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), 32_767.0);
-        Ok(Self { duty_max, ripple: widest, phase_current, start_current, speed_min, speed_max, speed_rate })
+        Ok(Self { duty_max, phase_current, start_current, speed_min, speed_max, speed_rate })
     }
 }
 
 impl Design {
-    /// Four samples of back-EMF a sector, with 2 % for the speed loop to swing, and less current.
+    /// Four samples of back-EMF a sector, with 2 % for the speed loop to swing.
     fn leave_room_for_samples(
         &mut self,
         pole_pairs: u8,
         notes: &mut Vec<Note, 5>,
     ) -> Result<(), CommissioningError> {
-        self.phase_current = fmin(self.phase_current, SENSORLESS_PEAK - self.ripple / 2.0);
         let speed = 0.98 * f64::from(Board::BENCH.tick_rate) * 60.0 / (6.0 * 4.0 * f64::from(pole_pairs));
         if speed < self.speed_max {
             push(notes, Note::SpeedForSampling { speed });
@@ -404,6 +402,17 @@ impl Design {
         }
         Ok(())
     }
+}
+
+/// Mean phase current of a step over its crest, for steps of `length` winding time constants (L / R).
+///
+/// While a phase hands over to the next, its current falls by `(D V + 2 e) / 3 L` and that of the phase which goes on by
+/// `(4 e - D V) / 3 L`; with `D V = 2 e` half as fast, so that commutation leaves half of the crest. The step makes up for it, from 1/2 to 1 along
+/// `end - (end - 1/2) exp(-t)`: three quarters in the mean if it is short, all of it if it is long.
+fn mean_of_crest(length: f64) -> f64 {
+    let left = exp(-length);
+    let end = (1.0 - left / 2.0) / (1.0 - left);
+    end - (end - 0.5) * (1.0 - left) / length
 }
 
 /// The largest duty up to [`DUTY_MAX`] for which no duty below has `D (1 - D)` above `product`.

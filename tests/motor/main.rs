@@ -16,6 +16,7 @@ mod limits;
 mod live;
 mod machine_search;
 mod must_have;
+mod peak_current;
 mod presets;
 mod protection;
 mod robustness;
