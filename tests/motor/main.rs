@@ -8,6 +8,7 @@ mod boot;
 mod build;
 mod closed_loop;
 mod commutation;
+mod commutation_angle;
 mod extremes;
 mod flying_start;
 mod hall;

@@ -18,7 +18,8 @@ impl Commutations {
     }
 
     /// Call after every tick: the changes of the period that has just passed, `step` at the board's `earliest`, the others at their
-    /// instants. A step belongs to the 60 degrees between two multiples of 60 after 30 (`Step`): commutation is ideal on their edges.
+    /// instants. A step belongs to 60 degrees (`Step`): commutation from another is ideal on the edge where the rotor enters them. A bridge
+    /// that was off may go on anywhere within them, and off anywhere.
     pub fn watch(&mut self, bench: &Bench) {
         let before = core::mem::replace(&mut self.turns, bench.plant().observe().electrical_turns);
         let command = *bench.command();
@@ -26,10 +27,17 @@ impl Commutations {
         let first = (earliest, command.step);
         let others = command.commutations.iter().map(|next| (next.instant.max(earliest), next.step));
         for (instant, step) in core::iter::once(first).chain(others) {
-            if core::mem::replace(&mut self.step, step) != step {
-                let turned = self.turns - before;
-                let degrees = 360.0 * (before + turned * f64::from(instant) / 65_536.0);
-                self.errors.push((degrees.rem_euclid(60.0) - 30.0) * turned.signum());
+            let was = core::mem::replace(&mut self.step, step);
+            let Some(sector) = step.sector().filter(|_| was != step) else { continue };
+            let turned = self.turns - before;
+            let degrees = 360.0 * (before + turned * f64::from(instant) / 65_536.0);
+            // Torque goes with the motion: backward the step is that of the opposite sector.
+            let middle = 60.0 * f64::from(sector + 1) + if turned < 0.0 { 180.0 } else { 0.0 };
+            let beyond = ((degrees - middle) * turned.signum() + 180.0).rem_euclid(360.0) - 180.0;
+            if was.sector().is_some() {
+                self.errors.push(beyond + 30.0);
+            } else if beyond.abs() > 30.0 {
+                self.errors.push(beyond - 30.0_f64.copysign(beyond));
             }
         }
     }
