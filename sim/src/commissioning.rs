@@ -181,6 +181,8 @@ impl core::error::Error for CommissioningError {}
 pub const SUPPLY: core::ops::RangeInclusive<f64> = 18.0..=60.0;
 /// Peak phase current (Table 1: 12 A) less what commutation adds to the ripple, which a bus shunt does not see, A.
 const PEAK: f64 = 11.4;
+/// And this much less without sensors, whose commutation is a few degrees off at times, A.
+const SENSORLESS_PEAK: f64 = PEAK - 0.8;
 /// Continuous phase current (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
 /// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).
@@ -327,6 +329,8 @@ impl Nameplate {
 /// Figures that several rules share.
 struct Design {
     duty_max: f64,
+    /// Largest, A peak to peak.
+    ripple: f64,
     phase_current: f64,
     start_current: f64,
     speed_min: f64,
@@ -381,17 +385,18 @@ impl Design {
         // A third of the rated torque accelerates, and full speed takes 0.4 s at least.
         let acceleration = m.torque_constant * needed / m.inertia / 3.0 * 60.0 / TWO_PI;
         let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), 32_767.0);
-        Ok(Self { duty_max, phase_current, start_current, speed_min, speed_max, speed_rate })
+        Ok(Self { duty_max, ripple: widest, phase_current, start_current, speed_min, speed_max, speed_rate })
     }
 }
 
 impl Design {
-    /// Four samples of back-EMF a sector, with 2 % for the speed loop to swing.
+    /// Four samples of back-EMF a sector, with 2 % for the speed loop to swing, and no more current than leaves its crest room.
     fn leave_room_for_samples(
         &mut self,
         pole_pairs: u8,
         notes: &mut Vec<Note, 5>,
     ) -> Result<(), CommissioningError> {
+        self.phase_current = fmin(self.phase_current, SENSORLESS_PEAK - self.ripple / 2.0);
         let speed = 0.98 * f64::from(Board::BENCH.tick_rate) * 60.0 / (6.0 * 4.0 * f64::from(pole_pairs));
         if speed < self.speed_max {
             push(notes, Note::SpeedForSampling { speed });
