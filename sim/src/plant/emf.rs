@@ -1,5 +1,6 @@
 //! Back-EMF per unit of speed against the electrical angle.
 
+use super::angle::{Sweep, fraction};
 use super::config::{BackEmf, MotorConfig};
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
@@ -14,8 +15,10 @@ pub(crate) struct EmfShape {
     peak: f64,
     /// Half a flank in turns; 0 for a sine.
     flank: f64,
-    /// Winding of each leg.
-    order: [usize; 3],
+    /// Each leg's winding lags by this, turns, and its cosine and sine.
+    lag: [f64; 3],
+    lag_cos: [f64; 3],
+    lag_sin: [f64; 3],
 }
 
 /// A quantity of each leg that runs linearly over an interval: `start + slope t`.
@@ -36,7 +39,15 @@ impl EmfShape {
                 (0.5 * k / mean_over_conduction(flank_deg), flank_deg / 360.0)
             }
         };
-        Self { nominal, peak: nominal, flank, order: motor.phase_order.map(|phase| phase.index()) }
+        let winding = motor.phase_order.map(|phase| phase.index());
+        Self {
+            nominal,
+            peak: nominal,
+            flank,
+            lag: winding.map(|x| [0.0, 1.0 / 3.0, 2.0 / 3.0][x]),
+            lag_cos: winding.map(|x| [1.0, -0.5, -0.5][x]),
+            lag_sin: winding.map(|x| [0.0, 0.5 * SQRT_3, -0.5 * SQRT_3][x]),
+        }
     }
 
     /// Applies the magnets' drift: `factor` times the value at 25 degrees Celsius.
@@ -49,25 +60,34 @@ impl EmfShape {
         self.peak
     }
 
-    /// Values at the two Gauss points of an interval of length `h` joined by straight lines, so that the flux
-    /// linkage over the interval is exact to the third order. `middle` is the angle in the interval's middle,
-    /// `span` the angle it covers, both in turns.
-    pub(crate) fn over(&self, middle: f64, span: f64, h: f64) -> Linear3 {
-        // Gauss points lie h / (2 sqrt 3) to either side of the middle.
-        let aside = span * (0.5 / SQRT_3);
-        let (first, second) = if self.flank == 0.0 {
-            sine_pair(middle, aside)
-        } else {
-            (self.trapezoids(middle - aside), self.trapezoids(middle + aside))
-        };
-        let per_h = SQRT_3 / h;
+    /// The shape is a sine.
+    #[inline]
+    pub(crate) fn is_sine(&self) -> bool {
+        self.flank == 0.0
+    }
+
+    /// Values over an interval of `h` seconds that begins at `angle` (turns; `sweep` has its sine and cosine) and turns by
+    /// `rate` turns a second: the straight line through the values at the interval's two Gauss points, so that the flux
+    /// linkage is exact to the third order. A trapezoid is straight between its corners.
+    #[inline]
+    pub(crate) fn over(&self, angle: f64, sweep: &Sweep, rate: f64, h: f64) -> Linear3 {
+        if self.flank != 0.0 {
+            return self.trapezoids(angle + 0.5 * rate * h, rate, h);
+        }
+        let half = PI * rate * h;
+        let middle = &sweep.middle;
+        // Gauss points lie a = half / sqrt 3 to either side of the middle m. Mean of both: sin m cos a; slope: cos m
+        // sin a / a times the angular speed.
+        let y = half * half * (1.0 / 3.0);
+        let mean = self.peak * (1.0 - y * 0.5 * (1.0 - y * (1.0 / 12.0)));
+        let per_second = self.peak * (1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0))) * (2.0 * PI) * rate;
+        let (sin, cos) = (mean * middle.sin, mean * middle.cos);
+        let (sin_slope, cos_slope) = (per_second * middle.cos, per_second * middle.sin);
         let mut line = Linear3::default();
         for leg in 0..3 {
-            let winding = self.order[leg];
-            let mean = 0.5 * self.peak * (first[winding] + second[winding]);
-            let slope = self.peak * (second[winding] - first[winding]) * per_h;
+            let slope = sin_slope * self.lag_cos[leg] + cos_slope * self.lag_sin[leg];
             line.slope[leg] = slope;
-            line.start[leg] = mean - 0.5 * h * slope;
+            line.start[leg] = sin * self.lag_cos[leg] - cos * self.lag_sin[leg] - 0.5 * h * slope;
         }
         line
     }
@@ -88,19 +108,24 @@ impl EmfShape {
         Some(ahead(corner).min(ahead(1.0 - corner)) * (1.0 / 6.0))
     }
 
-    fn trapezoids(&self, angle: f64) -> [f64; 3] {
+    fn trapezoids(&self, middle: f64, rate: f64, h: f64) -> Linear3 {
         let scale = 1.0 / self.flank;
-        [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|lag| {
-            let x = fraction(angle - lag);
-            let ramp = if x < 0.25 {
-                x
+        let mut line = Linear3::default();
+        for leg in 0..3 {
+            let x = fraction(middle - self.lag[leg]);
+            let (ramp, sign) = if x < 0.25 {
+                (x, 1.0)
             } else if x < 0.75 {
-                0.5 - x
+                (0.5 - x, -1.0)
             } else {
-                x - 1.0
+                (x - 1.0, 1.0)
             };
-            (ramp * scale).clamp(-1.0, 1.0)
-        })
+            let value = ramp * scale;
+            let slope = if value.abs() < 1.0 { self.peak * sign * scale * rate } else { 0.0 };
+            line.slope[leg] = slope;
+            line.start[leg] = self.peak * value.clamp(-1.0, 1.0) - 0.5 * h * slope;
+        }
+        line
     }
 }
 
@@ -112,69 +137,4 @@ fn mean_over_conduction(flank_deg: f64) -> f64 {
     } else {
         ((flank_deg * flank_deg - 900.0) / (2.0 * flank_deg) + 90.0 - flank_deg) / 60.0
     }
-}
-
-/// The three sines at `middle - aside` and at `middle + aside` (turns).
-fn sine_pair(middle: f64, aside: f64) -> ([f64; 3], [f64; 3]) {
-    let (sin_m, cos_m) = sin_cos(middle);
-    let (sin_a, cos_a) = if aside.abs() < 0.016 { tiny_sin_cos(aside) } else { sin_cos(aside) };
-    let (ss, cs, sc, cc) = (sin_m * sin_a, cos_m * sin_a, sin_m * cos_a, cos_m * cos_a);
-    (three_sines(sc - cs, cc + ss), three_sines(sc + cs, cc - ss))
-}
-
-/// sin x, sin (x - 120), sin (x + 120) degrees.
-fn three_sines(sin: f64, cos: f64) -> [f64; 3] {
-    let (half, rest) = (-0.5 * sin, 0.5 * SQRT_3 * cos);
-    [sin, half - rest, half + rest]
-}
-
-/// The part of `x` above the next lower whole number, in [0, 1).
-pub(crate) fn fraction(x: f64) -> f64 {
-    let rest = x - x as i64 as f64;
-    if rest < 0.0 { rest + 1.0 } else { rest }
-}
-
-/// Sine and cosine of an angle in turns, to 1e-11: the nearest quarter turn, then the series.
-pub(crate) fn sin_cos(turns: f64) -> (f64, f64) {
-    let x = fraction(turns);
-    let quarter = (4.0 * x + 0.5) as i32;
-    let (s, c) = small_sin_cos(x - 0.25 * f64::from(quarter));
-    match quarter & 3 {
-        0 => (s, c),
-        1 => (c, -s),
-        2 => (-s, -c),
-        _ => (-c, s),
-    }
-}
-
-/// The same, for angles up to 0.1 rad, to 1e-11.
-fn tiny_sin_cos(turns: f64) -> (f64, f64) {
-    let x = turns * (2.0 * PI);
-    let y = x * x;
-    let s = 1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0) * (1.0 - y * (1.0 / 42.0)));
-    let c = 1.0 - y * 0.5 * (1.0 - y * (1.0 / 12.0) * (1.0 - y * (1.0 / 30.0) * (1.0 - y * (1.0 / 56.0))));
-    (x * s, c)
-}
-
-/// Taylor series about 0, for angles up to an eighth of a turn.
-fn small_sin_cos(turns: f64) -> (f64, f64) {
-    let x = turns * (2.0 * PI);
-    let y = x * x;
-    let s = 1.0
-        - y * (1.0 / 6.0)
-            * (1.0
-                - y * (1.0 / 20.0)
-                    * (1.0
-                        - y * (1.0 / 42.0)
-                            * (1.0
-                                - y * (1.0 / 72.0) * (1.0 - y * (1.0 / 110.0) * (1.0 - y * (1.0 / 156.0))))));
-    let c = 1.0
-        - y * 0.5
-            * (1.0
-                - y * (1.0 / 12.0)
-                    * (1.0
-                        - y * (1.0 / 30.0)
-                            * (1.0
-                                - y * (1.0 / 56.0) * (1.0 - y * (1.0 / 90.0) * (1.0 - y * (1.0 / 132.0))))));
-    (x * s, c)
 }

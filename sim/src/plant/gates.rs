@@ -32,6 +32,8 @@ pub(crate) struct Gates {
     step: Step,
     legs: [Role; 3],
     switched: bool,
+    /// The switched leg, where there is just one.
+    only_switched: Option<usize>,
     rectification: Rectification,
     period: f64,
     dead_time: f64,
@@ -49,6 +51,7 @@ impl Gates {
             step: Step::Coast,
             legs: Step::Coast.legs(),
             switched: false,
+            only_switched: None,
             rectification: Rectification::Diode,
             period,
             dead_time,
@@ -74,7 +77,10 @@ impl Gates {
     pub(crate) fn set_step(&mut self, step: Step) {
         self.step = step;
         self.legs = step.legs();
-        self.switched = self.legs.contains(&Role::Switched);
+        let mut switched = (0..3).filter(|leg| self.legs[*leg] == Role::Switched);
+        let first = switched.next();
+        self.switched = first.is_some();
+        self.only_switched = if switched.next().is_none() { first } else { None };
     }
 
     /// Legs that the step leaves floating.
@@ -137,6 +143,47 @@ impl Gates {
             gates[leg] = driver.gate;
         }
         gates
+    }
+
+    /// The one leg that waits out its dead time, what it waits for, and when it will be over, s; only if nothing else switches
+    /// until then.
+    #[inline]
+    pub(crate) fn waiting(&self, t: f64) -> Option<(usize, Gate, f64)> {
+        let [a, b, c] = &self.drivers;
+        let leg = match (a.waiting, b.waiting, c.waiting) {
+            (true, false, false) => 0,
+            (false, true, false) => 1,
+            (false, false, true) => 2,
+            _ => return None,
+        };
+        let over = self.drivers[leg].off_since + self.dead_time;
+        (self.next_change(t, over) >= over).then(|| (leg, self.wanted(leg, t), over))
+    }
+
+    /// Turns `leg` on to `gate` without waiting any longer.
+    pub(crate) fn turn_on(&mut self, leg: usize, gate: Gate) {
+        self.drivers[leg].gate = gate;
+        self.drivers[leg].waiting = false;
+    }
+
+    /// The leg that will change sides at `edge`, the switch that is on until then, and when its dead time will be over, s.
+    #[inline]
+    pub(crate) fn changing_sides(&self, edge: f64) -> Option<(usize, Gate, f64)> {
+        let leg = self.only_switched?;
+        let gate = self.drivers[leg].gate;
+        let crosses =
+            (edge == self.on_until && gate == Gate::High) || (edge == self.on_from && gate == Gate::Low);
+        let over = edge + self.dead_time;
+        (crosses && self.rectification == Rectification::Synchronous && self.next_change(edge, over) >= over)
+            .then_some((leg, gate, over))
+    }
+
+    /// `leg` was turned off at `t`.
+    pub(crate) fn turned_off(&mut self, leg: usize, t: f64) {
+        let driver = &mut self.drivers[leg];
+        driver.last_on = driver.gate;
+        driver.off_since = t;
+        driver.gate = Gate::Off;
     }
 
     /// The next instant after `t` at which a gate may change by itself, at most `until`.

@@ -1,7 +1,7 @@
 //! The shaft: inertia, Coulomb friction with stiction, viscous and quadratic drag, cogging.
 
+use super::angle::Rotation;
 use super::config::{LoadConfig, MotorConfig};
-use super::emf::sin_cos;
 use super::segment::Motion;
 
 /// The shaft's state and constants.
@@ -18,8 +18,12 @@ pub(crate) struct Shaft {
     /// Cogging periods per electrical turn.
     cogging_ratio: f64,
     load: LoadConfig,
+    /// 1 / (rotor and load), 1 / (kg m2).
+    per_inertia: f64,
     /// Electrical angle, turns, unwrapped.
     pub(crate) angle: f64,
+    /// The angle of cogging, followed in small steps.
+    cogging_rotation: Rotation,
     /// Mechanical speed, rad/s.
     pub(crate) speed: f64,
     /// Acceleration at the end of the last interval, rad/s2.
@@ -46,6 +50,7 @@ const TAU: f64 = 2.0 * core::f64::consts::PI;
 
 impl Shaft {
     pub(crate) fn new(motor: &MotorConfig, load: LoadConfig, angle: f64, speed: f64) -> Self {
+        let cogging_ratio = f64::from(motor.cogging_periods) / f64::from(motor.pole_pairs.max(1));
         Self {
             inertia: motor.inertia,
             static_friction: motor.static_friction,
@@ -53,8 +58,10 @@ impl Shaft {
             cogging_torque: motor.cogging_torque,
             cogging_periods: f64::from(motor.cogging_periods),
             turns_per_radian: f64::from(motor.pole_pairs.max(1)) / TAU,
-            cogging_ratio: f64::from(motor.cogging_periods) / f64::from(motor.pole_pairs.max(1)),
+            cogging_ratio,
+            cogging_rotation: Rotation::of(cogging_ratio * angle),
             load,
+            per_inertia: 1.0 / (motor.inertia + load.inertia),
             angle,
             speed,
             acceleration: 0.0,
@@ -68,6 +75,7 @@ impl Shaft {
 
     pub(crate) fn set_load(&mut self, load: LoadConfig) {
         self.load = load;
+        self.per_inertia = 1.0 / (self.inertia + load.inertia);
     }
 
     /// Electrical turns per mechanical radian.
@@ -81,6 +89,7 @@ impl Shaft {
     }
 
     /// How the shaft is expected to move over `h` seconds.
+    #[inline]
     pub(crate) fn predict(&self, h: f64) -> Motion {
         let (speed, acceleration) = (self.speed, self.acceleration);
         if self.blocked || speed == 0.0 {
@@ -90,7 +99,7 @@ impl Shaft {
             // About to stop: on average half way there.
             return Motion { speed, acceleration: -speed / h, per_inertia: 0.0, h };
         }
-        Motion { speed, acceleration, per_inertia: 1.0 / (self.inertia + self.load.inertia), h }
+        Motion { speed, acceleration, per_inertia: self.per_inertia, h }
     }
 
     /// Kinetic and cogging energy, J.
@@ -100,8 +109,13 @@ impl Shaft {
             return kinetic;
         }
         // T = -dU/dangle with T = amplitude sin(n angle)
-        let (_, cos) = sin_cos(self.cogging_ratio * self.angle);
+        let cos = self.cogging_rotation.cos;
         kinetic + self.cogging_torque / self.cogging_periods * cos
+    }
+
+    /// Keeps rounding from adding up in what is followed in small steps.
+    pub(crate) fn straighten(&mut self) {
+        self.cogging_rotation = Rotation::of(self.cogging_ratio * self.angle);
     }
 
     fn kinetic(&self, speed: f64) -> f64 {
@@ -109,29 +123,31 @@ impl Shaft {
     }
 
     /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here.
+    #[inline]
     fn cogging(&self, span: f64) -> f64 {
         if self.cogging_torque == 0.0 {
             return 0.0;
         }
-        let middle = self.angle + 0.5 * span * self.turns_per_radian;
-        let (sin, _) = sin_cos(self.cogging_ratio * middle);
         // Mean of a sine over x = n span: its value in the middle times sin(x/2) / (x/2).
-        let y = 0.25 * self.cogging_periods * self.cogging_periods * span * span;
+        let half = 0.5 * self.cogging_periods * span;
+        let sin = self.cogging_rotation.and(&Rotation::by(half)).sin;
+        let y = half * half;
         self.cogging_torque * sin * (1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0)))
     }
 
     /// What `h` seconds under the electrical angular impulse `impulse` (N m s) would do; `predicted` is the mean
     /// speed that the circuit was solved with.
-    pub(crate) fn turn(&self, impulse: f64, h: f64, predicted: f64) -> Turn {
+    #[inline]
+    pub(crate) fn turn(&self, impulse: f64, (h, per_h): (f64, f64), predicted: f64) -> Turn {
         if self.blocked {
             return Turn { friction: self.kinetic(self.speed), ..Turn::default() };
         }
         let cogging = self.cogging(predicted * h);
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
-        let (speed, path, slid) = self.slide(impulse / h + cogging, coulomb, viscous, h);
+        let (speed, path, slid) = self.slide(impulse * per_h + cogging, coulomb, viscous, h);
         // Coulomb friction works along the path, drag with the mean speed.
-        let drag = path * path / h;
+        let drag = path * path * per_h;
         let sign = if speed > 0.0 { 1.0 } else { -1.0 };
         Turn {
             speed,
@@ -142,19 +158,27 @@ impl Shaft {
         }
     }
 
+    /// Electrical angle of a turn, turns.
+    #[inline]
+    pub(crate) fn electrical(&self, turn: &Turn) -> f64 {
+        turn.path * self.turns_per_radian
+    }
+
     /// Takes over a turn; `torque` is the electrical torque at its end, N m.
+    #[inline]
     pub(crate) fn apply(&mut self, turn: &Turn, torque: f64) {
         self.speed = turn.speed;
-        self.angle += turn.path * self.turns_per_radian();
-        self.acceleration = if self.speed == 0.0 {
-            0.0
-        } else {
-            (torque + turn.opposing) / (self.inertia + self.load.inertia)
-        };
+        self.angle += turn.path * self.turns_per_radian;
+        if self.cogging_torque != 0.0 {
+            let more = Rotation::by(self.cogging_periods * turn.path);
+            self.cogging_rotation = self.cogging_rotation.and(&more);
+        }
+        self.acceleration = if self.speed == 0.0 { 0.0 } else { (torque + turn.opposing) * self.per_inertia };
     }
 
     /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m. The drag is taken at the
     /// mean of old and new speed, which is stable whatever the inertia and conserves energy exactly.
+    #[inline]
     fn slide(&self, drive: f64, coulomb: f64, viscous: f64, h: f64) -> (f64, f64, f64) {
         let inertia = self.inertia + self.load.inertia;
         let before = self.speed;

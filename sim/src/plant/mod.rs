@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 
+mod angle;
 mod comparator;
 mod config;
 mod converter;
@@ -27,6 +28,7 @@ mod segment;
 mod simpson;
 mod slow;
 mod stage;
+mod wiring;
 
 pub use config::{
     BackEmf, ComparatorConfig, ConverterConfig, HallConfig, InverterConfig, LoadConfig, MotorConfig,
@@ -48,6 +50,9 @@ use stage::Stage;
 const REFERENCE_TEMPERATURE: f64 = 25.0;
 /// Less than this is no time, s.
 const INSTANT: f64 = 1e-12;
+/// A dead time goes without an interval of its own if the current would outlast so many: a small one stops, and lets other
+/// diodes conduct beside it.
+const DEAD_TIME_MARGIN: f64 = 8.0;
 /// Periods between two updates of what drifts with temperature.
 const DRIFT_PERIODS: u64 = 128;
 
@@ -56,6 +61,8 @@ const DRIFT_PERIODS: u64 = 128;
 pub struct Plant {
     config: PlantConfig,
     period: f64,
+    /// 65 536 / `period`.
+    parts_per_second: f64,
     tick: u64,
     /// Instant inside the period, s.
     t: f64,
@@ -127,6 +134,7 @@ impl Plant {
         let period = 1.0 / f64::from(config.board.tick_rate);
         let mut plant = Self {
             period,
+            parts_per_second: 65_536.0 / period,
             tick: 0,
             t: 0.0,
             gates: Gates::new(period, f64::from(config.board.dead_time_ns) * 1e-9),
@@ -163,7 +171,7 @@ impl Plant {
         if skew > 0 {
             self.advance((self.t + self.instant(skew)).min(self.period));
         }
-        let last = self.stage.terminals();
+        let last = if skew > 0 { self.stage.terminals() } else { first };
         let now = self.tick as f64 * self.period + self.t;
         let charge = self.stage.shunt_charge;
         // The DC-link current is averaged by the amplifier's filter since the last reading.
@@ -233,6 +241,7 @@ impl Plant {
         self.halls.start_period(&self.injected, self.period, &mut self.random);
         if self.tick.is_multiple_of(DRIFT_PERIODS) {
             self.warm(DRIFT_PERIODS as f64 * self.period);
+            self.stage.straighten();
         }
     }
 
@@ -246,7 +255,7 @@ impl Plant {
             electrical_turns: stage.shaft.angle,
             current: stage.electric.i,
             terminal: stage.terminals(),
-            neutral: stage.neutral,
+            neutral: stage.neutral(),
             bus_voltage: stage.electric.v,
             bus_current: self.bus_current,
             peak_current: self.peak_current,
@@ -372,18 +381,27 @@ impl Plant {
     /// Runs to `target`, s from the start of the period; nothing if that has passed.
     fn advance(&mut self, target: f64) {
         while target - self.t > INSTANT {
-            let gates = self.gates.at(self.t, &self.injected.driver);
-            self.stage.set_gates(&gates);
-            let until = self.gates.next_change(self.t, target);
-            if until - self.t <= INSTANT {
+            self.switch(target);
+            let change = self.gates.next_change(self.t, target);
+            if change - self.t <= INSTANT {
                 // A dead time that ends with the period is a rounding error away from its end.
-                self.t = until;
+                self.t = change;
                 continue;
             }
+            let stretched = self.gates.changing_sides(change).filter(|&(leg, gate, over)| {
+                over <= target && !self.injected.driver[leg] && self.stage.stays(leg, gate, over - self.t)
+            });
+            let until = stretched.map_or(change, |(.., over)| over);
             let before = self.stage.shaft.angle;
             let h = self.stage.interval(until - self.t);
             let from = self.t;
             self.t = if h >= until - from { until } else { from + h };
+            if let Some((leg, gate, _)) = stretched
+                && self.t > change
+            {
+                self.gates.turned_off(leg, change);
+                self.stage.drop_of_dead_time(leg, gate, self.t - change);
+            }
             self.follow_halls(before, from);
             if let Some(comparators) = &mut self.comparators
                 && self.t > from
@@ -394,8 +412,26 @@ impl Plant {
         }
     }
 
+    /// Sets the gates for the time from now on. During a dead time the current leads through the diode beside the switch
+    /// that was on, or beside the one that will be on: the circuit is then the same as with that switch, but for the
+    /// diode's drop, and where nothing else can happen until `target` the dead time needs no interval of its own.
+    fn switch(&mut self, target: f64) {
+        let mut gates = self.gates.at(self.t, &self.injected.driver);
+        if let Some((leg, gate, over)) = self.gates.waiting(self.t)
+            && over <= target
+            && self.stage.stays(leg, gate, DEAD_TIME_MARGIN * (over - self.t))
+        {
+            self.gates.turn_on(leg, gate);
+            gates[leg] = gate;
+            self.stage.set_gates(&gates);
+            self.stage.drop_of_dead_time(leg, gate, over - self.t);
+        } else {
+            self.stage.set_gates(&gates);
+        }
+    }
+
     fn follow_halls(&mut self, angle_before: f64, from: f64) {
-        let per_period = 65_536.0 / self.period;
+        let per_period = self.parts_per_second;
         self.halls.follow(
             (angle_before, self.stage.shaft.angle),
             (from * per_period, self.t * per_period),
