@@ -2,7 +2,7 @@
 
 const TAU: f64 = 2.0 * core::f64::consts::PI;
 /// Largest angle for which the short series of [`Rotation::by`] is good, rad.
-const SMALL: f64 = 0.3;
+const SMALL: f64 = 0.4;
 
 /// Sine and cosine of an angle.
 #[derive(Clone, Copy, Debug)]
@@ -18,11 +18,11 @@ impl Rotation {
         Self { sin, cos }
     }
 
-    /// Of an angle in radians; to 1e-13 for small ones, and those should be small.
-    #[inline]
+    /// Of an angle in radians; to 1e-12 for small ones, and those should be small.
+    #[inline(always)]
     pub(crate) fn by(x: f64) -> Self {
         if x.abs() > SMALL {
-            return Self::of(x * (1.0 / TAU));
+            return Self::by_much(x);
         }
         let y = x * x;
         let y2 = y * y;
@@ -33,8 +33,14 @@ impl Rotation {
         Self { sin, cos }
     }
 
+    #[cold]
+    #[inline(never)]
+    fn by_much(x: f64) -> Self {
+        Self::of(x * (1.0 / TAU))
+    }
+
     /// This angle and another one.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn and(&self, more: &Self) -> Self {
         Self {
             sin: self.sin * more.cos + self.cos * more.sin,
@@ -46,7 +52,7 @@ impl Rotation {
 /// An angle that moves on by an expected span.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sweep {
-    /// Turns.
+    /// rad.
     span: f64,
     half: Rotation,
     /// Half way.
@@ -54,24 +60,21 @@ pub(crate) struct Sweep {
 }
 
 impl Sweep {
-    /// From `start` on by `span` turns.
-    #[inline]
+    /// From `start` on by `span` rad.
+    #[inline(always)]
     pub(crate) fn new(start: &Rotation, span: f64) -> Self {
-        let half = Rotation::by(0.5 * TAU * span);
+        let half = Rotation::by(0.5 * span);
         Self { span, half, middle: start.and(&half) }
     }
 
-    /// Where it arrives that began at `start` and turned by `turned` turns, which is about the span.
-    #[inline]
-    pub(crate) fn end(&self, start: &Rotation, turned: f64) -> Rotation {
-        let more = TAU * (turned - self.span);
-        if more.abs() > 1e-4 {
-            return start.and(&Rotation::by(TAU * turned));
-        }
-        // sin x = x - x^3 / 6, cos x = 1 - x^2 / 2.
-        let y = more * more;
-        let rest = Rotation { sin: more * (1.0 - y * (1.0 / 6.0)), cos: 1.0 - 0.5 * y };
-        self.middle.and(&self.half).and(&rest)
+    /// Where it arrives that turned by `turned` rad, which is about the span.
+    #[inline(always)]
+    pub(crate) fn end(&self, turned: f64) -> Rotation {
+        let more = turned - self.span;
+        let end = self.middle.and(&self.half);
+        // sin x = x, cos x = 1 - x^2 / 2.
+        let rest = if more.abs() > 1e-4 { Rotation::by(more) } else { Rotation { sin: more, cos: 1.0 - 0.5 * more * more } };
+        end.and(&rest)
     }
 }
 

@@ -1,7 +1,9 @@
 //! Back-EMF per unit of speed against the electrical angle.
 
-use super::angle::{Sweep, fraction};
+use super::angle::{Rotation, Sweep, fraction};
 use super::config::{BackEmf, MotorConfig};
+use super::segment::Shape;
+use super::wiring::{self, Wiring, dot};
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 const PI: f64 = core::f64::consts::PI;
@@ -19,13 +21,30 @@ pub(crate) struct EmfShape {
     lag: [f64; 3],
     lag_cos: [f64; 3],
     lag_sin: [f64; 3],
+    /// For every [`Wiring`].
+    mixes: [Mix; wiring::COUNT],
 }
 
-/// A quantity of each leg that runs linearly over an interval: `start + slope t`.
+/// Parts of the angle's sine and cosine in a sinusoidal motor's back-EMF along the coordinates of a wiring.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Linear3 {
-    pub(crate) start: [f64; 3],
-    pub(crate) slope: [f64; 3],
+struct Mix {
+    s: [f64; 2],
+    d: [f64; 2],
+    idle: [f64; 2],
+}
+
+/// A quantity that runs linearly over an interval: `start + slope t`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Line {
+    pub(crate) start: f64,
+    pub(crate) slope: f64,
+}
+
+impl Line {
+    #[inline(always)]
+    pub(crate) fn at(&self, t: f64) -> f64 {
+        self.start + self.slope * t
+    }
 }
 
 impl EmfShape {
@@ -40,13 +59,16 @@ impl EmfShape {
             }
         };
         let winding = motor.phase_order.map(|phase| phase.index());
+        let lag_cos = winding.map(|x| [1.0, -0.5, -0.5][x]);
+        let lag_sin = winding.map(|x| [0.0, 0.5 * SQRT_3, -0.5 * SQRT_3][x]);
         Self {
             nominal,
             peak: nominal,
             flank,
             lag: winding.map(|x| [0.0, 1.0 / 3.0, 2.0 / 3.0][x]),
-            lag_cos: winding.map(|x| [1.0, -0.5, -0.5][x]),
-            lag_sin: winding.map(|x| [0.0, 0.5 * SQRT_3, -0.5 * SQRT_3][x]),
+            lag_cos,
+            lag_sin,
+            mixes: core::array::from_fn(|index| Mix::new(Wiring::numbered(index), &lag_cos, &lag_sin)),
         }
     }
 
@@ -66,30 +88,66 @@ impl EmfShape {
         self.flank == 0.0
     }
 
-    /// Values over an interval of `h` seconds that begins at `angle` (turns; `sweep` has its sine and cosine) and turns by
-    /// `rate` turns a second: the straight line through the values at the interval's two Gauss points, so that the flux
-    /// linkage is exact to the third order. A trapezoid is straight between its corners.
-    #[inline]
-    pub(crate) fn over(&self, angle: f64, sweep: &Sweep, rate: f64, h: f64) -> Linear3 {
+    /// Largest difference of two phases, V s/rad or less.
+    pub(crate) fn line_peak(&self) -> f64 {
+        2.0 * self.peak
+    }
+
+    /// Values along the coordinates of `wiring` over an interval of `h` seconds that begins at `angle` (turns; `sweep` has its
+    /// sine and cosine) and turns by `rate` electrical rad/s: the straight line through the values at the interval's two Gauss
+    /// points, so that the flux linkage is exact to the third order. A trapezoid is straight between its corners.
+    #[inline(always)]
+    pub(crate) fn along(&self, wiring: &Wiring, angle: f64, sweep: &Sweep, rate: f64, h: f64) -> Shape {
         if self.flank != 0.0 {
-            return self.trapezoids(angle + 0.5 * rate * h, rate, h);
+            return self.trapezoids_along(wiring, angle, rate, h);
         }
-        let half = PI * rate * h;
-        let middle = &sweep.middle;
-        // Gauss points lie a = half / sqrt 3 to either side of the middle m. Mean of both: sin m cos a; slope: cos m
-        // sin a / a times the angular speed.
-        let y = half * half * (1.0 / 3.0);
-        let mean = self.peak * (1.0 - y * 0.5 * (1.0 - y * (1.0 / 12.0)));
-        let per_second = self.peak * (1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0))) * (2.0 * PI) * rate;
-        let (sin, cos) = (mean * middle.sin, mean * middle.cos);
+        let (value, per_second) = self.gauss(rate, h);
+        let (mix, middle) = (&self.mixes[wiring.index & 31], &sweep.middle);
+        let (sin, cos) = (value * middle.sin, value * middle.cos);
         let (sin_slope, cos_slope) = (per_second * middle.cos, per_second * middle.sin);
-        let mut line = Linear3::default();
-        for leg in 0..3 {
-            let slope = sin_slope * self.lag_cos[leg] + cos_slope * self.lag_sin[leg];
-            line.slope[leg] = slope;
-            line.start[leg] = sin * self.lag_cos[leg] - cos * self.lag_sin[leg] - 0.5 * h * slope;
+        let line = |mix: &[f64; 2]| {
+            let slope = mix[0] * sin_slope - mix[1] * cos_slope;
+            Line { start: mix[0] * sin + mix[1] * cos - 0.5 * h * slope, slope }
+        };
+        let mut shape = Shape { s: line(&mix.s), ..Shape::default() };
+        if wiring.conducting == 3 {
+            shape.d = line(&mix.d);
+        } else {
+            shape.idle = line(&mix.idle);
         }
-        line
+        shape
+    }
+
+    /// The same of every leg.
+    pub(crate) fn legs(&self, angle: f64, sweep: &Sweep, rate: f64, h: f64) -> [Line; 3] {
+        if self.flank != 0.0 {
+            return self.trapezoids(angle + 0.5 * rate * h * (0.5 / PI), rate, h);
+        }
+        let (value, per_second) = self.gauss(rate, h);
+        [0, 1, 2].map(|leg| {
+            let (sin, cos) = (self.lag_cos[leg], -self.lag_sin[leg]);
+            let slope = per_second * (sin * sweep.middle.cos - cos * sweep.middle.sin);
+            Line { start: value * (sin * sweep.middle.sin + cos * sweep.middle.cos) - 0.5 * h * slope, slope }
+        })
+    }
+
+    /// Gauss points lie a = half / sqrt 3 to either side of the middle m. Mean of both: sin m cos a; slope: cos m sin a / a
+    /// times the angular speed.
+    #[inline(always)]
+    fn gauss(&self, rate: f64, h: f64) -> (f64, f64) {
+        let half = 0.5 * rate * h;
+        let y = half * half * (1.0 / 3.0);
+        let value = self.peak * (1.0 - y * (0.5 - y * (1.0 / 24.0)));
+        (value, self.peak * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))) * rate)
+    }
+
+    /// Values of every leg at an angle in turns, whose sine and cosine are `rotation`.
+    pub(crate) fn now(&self, angle: f64, rotation: &Rotation) -> [f64; 3] {
+        if self.flank != 0.0 {
+            return self.trapezoids(angle, 0.0, 0.0).map(|line| line.start);
+        }
+        let Rotation { sin, cos } = rotation;
+        [0, 1, 2].map(|leg| self.peak * (self.lag_cos[leg] * sin - self.lag_sin[leg] * cos))
     }
 
     /// Turns from `angle` to the shape's next corner in the direction of `sign`; none for a sine.
@@ -108,11 +166,18 @@ impl EmfShape {
         Some(ahead(corner).min(ahead(1.0 - corner)) * (1.0 / 6.0))
     }
 
-    fn trapezoids(&self, middle: f64, rate: f64, h: f64) -> Linear3 {
+    #[inline(never)]
+    fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64, h: f64) -> Shape {
+        let legs = self.trapezoids(angle + 0.5 * rate * h * (0.5 / PI), rate, h);
+        let (start, slope) = (legs.map(|line| line.start), legs.map(|line| line.slope));
+        let line = |parts: &[f64; 3]| Line { start: dot(parts, &start), slope: dot(parts, &slope) };
+        Shape { s: line(&wiring.along), d: line(&wiring.across), idle: line(&wiring.aside) }
+    }
+
+    fn trapezoids(&self, middle: f64, rate: f64, h: f64) -> [Line; 3] {
         let scale = 1.0 / self.flank;
-        let mut line = Linear3::default();
-        for leg in 0..3 {
-            let x = fraction(middle - self.lag[leg]);
+        self.lag.map(|lag| {
+            let x = fraction(middle - lag);
             let (ramp, sign) = if x < 0.25 {
                 (x, 1.0)
             } else if x < 0.75 {
@@ -121,11 +186,16 @@ impl EmfShape {
                 (x - 1.0, 1.0)
             };
             let value = ramp * scale;
-            let slope = if value.abs() < 1.0 { self.peak * sign * scale * rate } else { 0.0 };
-            line.slope[leg] = slope;
-            line.start[leg] = self.peak * value.clamp(-1.0, 1.0) - 0.5 * h * slope;
-        }
-        line
+            let slope = if value.abs() < 1.0 { self.peak * sign * scale * rate * (0.5 / PI) } else { 0.0 };
+            Line { start: self.peak * value.clamp(-1.0, 1.0) - 0.5 * h * slope, slope }
+        })
+    }
+}
+
+impl Mix {
+    fn new(wiring: &Wiring, lag_cos: &[f64; 3], lag_sin: &[f64; 3]) -> Self {
+        let mix = |parts: &[f64; 3]| [dot(parts, lag_cos), -dot(parts, lag_sin)];
+        Self { s: mix(&wiring.along), d: mix(&wiring.across), idle: mix(&wiring.aside) }
     }
 }
 

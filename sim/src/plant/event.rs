@@ -1,7 +1,9 @@
 //! What may end an interval: a diode or the source starts or stops conducting.
 
+use super::circuit::{Circuit, Reduced};
+use super::emf::Line;
 use super::network::Network;
-use super::segment::{Reduced, Segment};
+use super::segment::Segment;
 use super::stage::VOLTAGE_EDGE;
 
 /// A change of state inside an interval.
@@ -21,23 +23,39 @@ pub(crate) enum Event {
     SourceStarts,
 }
 
+/// What events are looked for in: an interval, its circuit, and what decides beside them.
+pub(crate) struct Scene<'a> {
+    pub(crate) segment: Segment,
+    pub(crate) circuit: &'a Circuit,
+    pub(crate) network: &'a Network,
+    /// Back-EMF of every leg, V.
+    pub(crate) emf: [Line; 3],
+}
+
+impl Scene<'_> {
+    /// Terminal voltage of the idle leg `x`.
+    fn idle_terminal(&self, x: usize, t: f64, v: f64) -> f64 {
+        if self.circuit.wiring.conducting == 2 {
+            return self.segment.idle.at(t) + self.circuit.wiring.high_share * v;
+        }
+        let emf = [0, 1, 2].map(|x| self.emf[x].at(t));
+        self.circuit.neutral(&emf, v, self.network.drop) + emf[x]
+    }
+}
+
 impl Event {
     /// How far beyond the event the circuit is at `t`: negative before it, A or V.
-    pub(crate) fn beyond(self, segment: &Segment, network: &Network, t: f64, at: &Reduced) -> f64 {
+    pub(crate) fn beyond(self, scene: &Scene, t: f64, at: &Reduced) -> f64 {
         match self {
             Self::Stops(x) => {
-                let wiring = segment.wiring;
-                segment.diodes[x] * (wiring.along[x] * at.s + wiring.across[x] * at.d)
+                let Circuit { wiring, diodes, .. } = scene.circuit;
+                diodes[x] * (wiring.along[x] * at.s + wiring.across[x] * at.d)
             }
-            Self::HighStarts(x) => {
-                segment.neutral(t, at.v, network.drop) + segment.emf_at(x, t) - at.v - network.drop
-            }
-            Self::LowStarts(x) => {
-                -network.drop - segment.neutral(t, at.v, network.drop) - segment.emf_at(x, t)
-            }
-            Self::PairStarts(x, y) => segment.emf_at(x, t) - segment.emf_at(y, t) - at.v - 2.0 * network.drop,
-            Self::SourceStops => at.v - network.source_v,
-            Self::SourceStarts => network.source_v - at.v,
+            Self::HighStarts(x) => scene.idle_terminal(x, t, at.v) - at.v - scene.network.drop,
+            Self::LowStarts(x) => -scene.network.drop - scene.idle_terminal(x, t, at.v),
+            Self::PairStarts(x, y) => scene.emf[x].at(t) - scene.emf[y].at(t) - at.v - 2.0 * scene.network.drop,
+            Self::SourceStops => at.v - scene.network.source_v,
+            Self::SourceStarts => scene.network.source_v - at.v,
         }
     }
 
@@ -48,11 +66,8 @@ impl Event {
 
     /// The instant of the event inside of `bracket`: of a voltage's on the far side of it. 0 if it has been reached at the
     /// start already.
-    fn locate(self, segment: &Segment, network: &Network, bracket: &Bracket) -> f64 {
-        let evaluate = |t: f64| {
-            let decay = network.decay(segment.topology(), segment.source_on, t);
-            self.beyond(segment, network, t, &segment.at(network, t, &decay))
-        };
+    fn locate(self, scene: &Scene, bracket: &Bracket) -> f64 {
+        let evaluate = |t: f64| self.beyond(scene, t, &scene.segment.at(scene.network, t));
         // The place to hit is `close` wide. A voltage's begins at the edge; a current ends there exactly (`end_current`),
         // from whichever side.
         let (edge, close) = match self {
@@ -124,8 +139,7 @@ impl Bracket {
 
 /// The search for the first event of an interval.
 pub(crate) struct First<'a> {
-    pub(crate) network: &'a Network,
-    pub(crate) segment: &'a Segment,
+    pub(crate) scene: &'a Scene<'a>,
     pub(crate) h: f64,
     pub(crate) middle: &'a Reduced,
     pub(crate) end: &'a Reduced,
@@ -134,18 +148,18 @@ pub(crate) struct First<'a> {
 
 impl First<'_> {
     pub(crate) fn consider(&mut self, event: Event) {
-        let (network, segment, h) = (self.network, self.segment, self.h);
+        let (scene, h) = (self.scene, self.h);
         let edge = event.edge();
-        let look = |t: f64, at: &Reduced| (t, event.beyond(segment, network, t, at));
+        let look = |t: f64, at: &Reduced| (t, event.beyond(scene, t, at));
         let middle = look(0.5 * h, self.middle);
         let end = look(h, self.end);
         if middle.1 <= edge && end.1 <= edge {
             return;
         }
-        let start = look(0.0, &segment.start);
+        let start = look(0.0, &scene.segment.start);
         let bracket =
             if middle.1 > edge { Bracket::new(start, middle, end) } else { Bracket::new(middle, end, start) };
-        let t = event.locate(segment, network, &bracket);
+        let t = event.locate(scene, &bracket);
         if self.found.is_none_or(|(_, earliest)| t < earliest) {
             self.found = Some((event, t));
         }

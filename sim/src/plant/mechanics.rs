@@ -1,6 +1,6 @@
 //! The shaft: inertia, Coulomb friction with stiction, viscous and quadratic drag, cogging.
 
-use super::angle::Rotation;
+use super::angle::{Rotation, Sweep};
 use super::config::{LoadConfig, MotorConfig};
 use super::segment::Motion;
 
@@ -13,8 +13,9 @@ pub(crate) struct Shaft {
     viscous_friction: f64,
     cogging_torque: f64,
     cogging_periods: f64,
-    /// Electrical turns per mechanical radian.
+    /// Electrical turns per mechanical radian, and electrical radians.
     turns_per_radian: f64,
+    pole_pairs: f64,
     /// Cogging periods per electrical turn.
     cogging_ratio: f64,
     load: LoadConfig,
@@ -32,10 +33,11 @@ pub(crate) struct Shaft {
 }
 
 /// What one interval does to the shaft.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
-    /// Speed at the end, rad/s.
+    /// Speed at the end, rad/s, and its mean.
     speed: f64,
+    pub(crate) mean: f64,
     /// Mechanical angle turned, rad.
     pub(crate) path: f64,
     /// Energy lost in the motor's friction (and the block), J.
@@ -44,6 +46,20 @@ pub(crate) struct Turn {
     pub(crate) load: f64,
     /// Torque of cogging less all friction at the end, N m.
     opposing: f64,
+    /// The angle of cogging at the end.
+    cogging_rotation: Rotation,
+}
+
+/// What moves the shaft over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Push {
+    /// Length, s, and 1 / length.
+    pub(crate) h: f64,
+    pub(crate) per_h: f64,
+    /// Electrical angular impulse, N m s.
+    pub(crate) impulse: f64,
+    /// Mean speed that the circuit was solved with, rad/s.
+    pub(crate) speed: f64,
 }
 
 const TAU: f64 = 2.0 * core::f64::consts::PI;
@@ -58,6 +74,7 @@ impl Shaft {
             cogging_torque: motor.cogging_torque,
             cogging_periods: f64::from(motor.cogging_periods),
             turns_per_radian: f64::from(motor.pole_pairs.max(1)) / TAU,
+            pole_pairs: f64::from(motor.pole_pairs.max(1)),
             cogging_ratio,
             cogging_rotation: Rotation::of(cogging_ratio * angle),
             load,
@@ -81,6 +98,11 @@ impl Shaft {
     /// Electrical turns per mechanical radian.
     pub(crate) fn turns_per_radian(&self) -> f64 {
         self.turns_per_radian
+    }
+
+    /// Electrical radians per mechanical radian.
+    pub(crate) fn pole_pairs(&self) -> f64 {
+        self.pole_pairs
     }
 
     /// Mechanical angle, rad.
@@ -122,63 +144,84 @@ impl Shaft {
         0.5 * (self.inertia + self.load.inertia) * speed * speed
     }
 
-    /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here.
-    #[inline]
-    fn cogging(&self, span: f64) -> f64 {
-        if self.cogging_torque == 0.0 {
-            return 0.0;
-        }
-        // Mean of a sine over x = n span: its value in the middle times sin(x/2) / (x/2).
-        let half = 0.5 * self.cogging_periods * span;
-        let sin = self.cogging_rotation.and(&Rotation::by(half)).sin;
-        let y = half * half;
-        self.cogging_torque * sin * (1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0)))
+    /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here, and the angle of
+    /// cogging in its course.
+    #[inline(always)]
+    fn cogging(&self, span: f64) -> (f64, Sweep) {
+        let span = self.cogging_periods * span;
+        let sweep = Sweep::new(&self.cogging_rotation, span);
+        // Mean of a sine over x: its value in the middle times sin(x/2) / (x/2).
+        let y = 0.25 * span * span;
+        (self.cogging_torque * sweep.middle.sin * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))), sweep)
     }
 
-    /// What `h` seconds under the electrical angular impulse `impulse` (N m s) would do; `predicted` is the mean
-    /// speed that the circuit was solved with.
-    #[inline]
-    pub(crate) fn turn(&self, impulse: f64, (h, per_h): (f64, f64), predicted: f64) -> Turn {
-        if self.blocked {
-            return Turn { friction: self.kinetic(self.speed), ..Turn::default() };
-        }
-        let cogging = self.cogging(predicted * h);
+    /// What an interval would do.
+    #[inline(always)]
+    pub(crate) fn turn(&self, push: &Push) -> Turn {
+        let (cogging, sweep) =
+            if self.cogging_torque == 0.0 { (0.0, None) } else { let (t, s) = self.cogging(push.speed * push.h); (t, Some(s)) };
+        let Push { h, per_h, impulse, speed: predicted } = *push;
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
-        let (speed, path, slid) = self.slide(impulse * per_h + cogging, coulomb, viscous, h);
+        let inertia = self.inertia + self.load.inertia;
+        // The drag is taken at the mean of old and new speed, which is stable whatever the inertia and conserves energy exactly.
+        let drag = 0.5 * viscous * h;
+        let mut sign = if self.speed > 0.0 { 1.0 } else { -1.0 };
+        let mut speed =
+            (self.speed * (inertia - drag) + impulse + (cogging - sign * coulomb) * h) / (inertia + drag);
+        let mut mean = 0.5 * (self.speed + speed);
+        let mut path = mean * h;
+        let mut slid = path.abs();
+        if speed * self.speed <= 0.0 || self.blocked {
+            if self.blocked {
+                return self.block();
+            }
+            (speed, path, slid) = self.slide(impulse * per_h + cogging, coulomb, viscous, h);
+            sign = if speed > 0.0 { 1.0 } else { -1.0 };
+            mean = path * per_h;
+        }
         // Coulomb friction works along the path, drag with the mean speed.
-        let drag = path * path * per_h;
-        let sign = if speed > 0.0 { 1.0 } else { -1.0 };
+        let dragged = path * mean;
         Turn {
             speed,
+            mean,
             path,
-            friction: self.static_friction * slid + self.viscous_friction * drag,
-            load: self.load.constant * slid + (viscous - self.viscous_friction) * drag,
+            friction: self.static_friction * slid + self.viscous_friction * dragged,
+            load: self.load.constant * slid + (viscous - self.viscous_friction) * dragged,
             opposing: cogging - sign * coulomb - viscous * speed,
+            cogging_rotation: match sweep {
+                Some(sweep) => sweep.end(self.cogging_periods * path),
+                None => self.cogging_rotation,
+            },
         }
     }
 
-    /// Electrical angle of a turn, turns.
-    #[inline]
-    pub(crate) fn electrical(&self, turn: &Turn) -> f64 {
-        turn.path * self.turns_per_radian
+    /// A block takes all kinetic energy.
+    #[cold]
+    fn block(&self) -> Turn {
+        Turn {
+            speed: 0.0,
+            mean: 0.0,
+            path: 0.0,
+            friction: self.kinetic(self.speed),
+            load: 0.0,
+            opposing: 0.0,
+            cogging_rotation: self.cogging_rotation,
+        }
     }
 
     /// Takes over a turn; `torque` is the electrical torque at its end, N m.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn apply(&mut self, turn: &Turn, torque: f64) {
         self.speed = turn.speed;
         self.angle += turn.path * self.turns_per_radian;
-        if self.cogging_torque != 0.0 {
-            let more = Rotation::by(self.cogging_periods * turn.path);
-            self.cogging_rotation = self.cogging_rotation.and(&more);
-        }
+        self.cogging_rotation = turn.cogging_rotation;
         self.acceleration = if self.speed == 0.0 { 0.0 } else { (torque + turn.opposing) * self.per_inertia };
     }
 
-    /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m. The drag is taken at the
-    /// mean of old and new speed, which is stable whatever the inertia and conserves energy exactly.
-    #[inline]
+    /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m, where the shaft may stop.
+    #[cold]
+    #[inline(never)]
     fn slide(&self, drive: f64, coulomb: f64, viscous: f64, h: f64) -> (f64, f64, f64) {
         let inertia = self.inertia + self.load.inertia;
         let before = self.speed;

@@ -13,19 +13,22 @@
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 
 mod angle;
+mod circuit;
 mod comparator;
 mod config;
 mod converter;
+mod diodes;
 mod emf;
 mod event;
+mod exponential;
 mod gates;
 mod hall;
 mod injection;
+mod interval;
 mod ledger;
 mod mechanics;
 mod network;
 mod segment;
-mod simpson;
 mod slow;
 mod stage;
 mod wiring;

@@ -10,6 +10,7 @@
 //! ```
 
 use super::config::SupplyConfig;
+use super::exponential::falling;
 
 /// Values of the elements, all in SI units.
 #[derive(Clone, Debug)]
@@ -69,14 +70,6 @@ pub(crate) struct Modes {
     pub(crate) per_g: f64,
     /// 1 / (r g + k).
     pub(crate) per_det: f64,
-}
-
-/// The state transition over some time: exp(A t) = `alpha` + `beta` A for (S, v), `leg` for every difference.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Decay {
-    pub(crate) leg: f64,
-    pub(crate) alpha: f64,
-    pub(crate) beta: f64,
 }
 
 /// Which second-order system applies.
@@ -168,28 +161,29 @@ impl Network {
         }
     }
 
-    /// Energy lost in the source resistance over `h` seconds in which the bus goes from `v0` to `v1`, J. `fall` is the
-    /// integral of y = source voltage - v, `links` the link current S at start, middle and end.
+    /// Integral of y^2, y = source voltage - v, over `h` seconds in which the bus goes from `v0` to `v1`, V2 s. `fall` is the
+    /// integral of y, `links` the link current S at start and end, `charge` its integral.
     ///
     /// y has a fast part (source resistance times bus capacitance), which a quadrature would miss. The bus equation
     /// C dv/dt = G y - S - g v, multiplied by y, gives the integral of y^2 from that of S y, and S is smooth: it is
     /// taken as a straight line, and the moment of y that it needs is exact, again from the bus equation.
-    #[inline]
-    pub(crate) fn source_loss(
+    #[inline(always)]
+    pub(crate) fn fall_squared(
         &self,
         (h, per_h): (f64, f64),
         (v0, v1): (f64, f64),
         fall: f64,
-        links: [f64; 3],
+        links: [f64; 2],
+        charge: f64,
     ) -> f64 {
         let (y0, y1) = (self.source_v - v0, self.source_v - v1);
         let per_g = self.modes(Loop::Open, true).per_g;
-        let link_moment = h * h * (1.0 / 6.0) * (2.0 * links[1] + links[2]);
-        let volt_seconds = self.source_v * h - fall;
+        let rise = links[1] - links[0];
+        let link_moment = h * (0.5 * charge + h * rise * (1.0 / 12.0));
         let leak = self.leak_g * self.source_v;
-        let moment = (self.c * (h * v1 - volt_seconds) + link_moment + 0.5 * leak * h * h) * per_g;
-        let product = links[0] * fall + (links[2] - links[0]) * per_h * moment;
-        self.source_g * per_g * (0.5 * self.c * (y0 * y0 - y1 * y1) + product + leak * fall)
+        let moment = (self.c * (fall - h * y1) + link_moment + 0.5 * leak * h * h) * per_g;
+        let product = links[0] * fall + rise * per_h * moment;
+        per_g * (0.5 * self.c * (y0 * y0 - y1 * y1) + product + leak * fall)
     }
 
     /// What hangs at the bus.
@@ -198,47 +192,36 @@ impl Network {
         &self.modes[usize::from(source_on)][topology as usize]
     }
 
-    /// Transition over `t` seconds.
-    #[inline]
-    pub(crate) fn decay(&self, topology: Loop, source_on: bool, t: f64) -> Decay {
-        let modes = self.modes(topology, source_on);
-        let (alpha, beta) = match topology {
-            Loop::Open => (exp_falling(modes.a_vv * t), 0.0),
-            _ => modes.transition(t),
-        };
-        // Two legs share one current: nothing decays apart from the loop.
-        let leg = if topology == Loop::TwoLegs { 0.0 } else { exp_falling(-self.rate * t) };
-        Decay { leg, alpha, beta }
+    /// What is left after `t` seconds of a current that decays on its own, and of a bus without the motor.
+    #[inline(always)]
+    pub(crate) fn separate_decay(&self, modes: &Modes, t: f64) -> [f64; 2] {
+        falling([-self.rate * t, modes.a_vv * t])
     }
 
-    /// Transition over twice the time of `half`, by Cayley and Hamilton: A^2 = trace A - det.
-    #[inline]
-    pub(crate) fn squared(&self, topology: Loop, source_on: bool, half: &Decay) -> Decay {
-        let modes = self.modes(topology, source_on);
-        let bb = half.beta * half.beta;
-        Decay {
-            leg: half.leg * half.leg,
-            alpha: half.alpha * half.alpha - bb * modes.det,
-            beta: 2.0 * half.alpha * half.beta + bb * modes.trace,
-        }
+    /// What is left after `t` seconds of a current that decays on its own.
+    #[inline(always)]
+    pub(crate) fn leg_decay(&self, t: f64) -> f64 {
+        falling([-self.rate * t; 2])[0]
     }
 }
 
 impl Modes {
-    #[inline]
-    fn transition(&self, t: f64) -> (f64, f64) {
+    /// exp(A t) = `alpha` + `beta` A.
+    #[inline(always)]
+    pub(crate) fn transition(&self, t: f64) -> (f64, f64) {
         if self.complex || self.distance * t < 1e-6 {
             return self.rare_transition(t);
         }
-        let (e_slow, e_fast) = (exp_falling(self.slow * t), exp_falling(self.fast * t));
+        let [e_slow, e_fast] = falling([self.slow * t, self.fast * t]);
         let beta = (e_slow - e_fast) * self.per_distance;
         (e_slow - beta * self.slow, beta)
     }
 
     /// Complex or nearly equal eigenvalues.
     #[cold]
+    #[inline(never)]
     fn rare_transition(&self, t: f64) -> (f64, f64) {
-        let envelope = exp_falling(self.middle * t);
+        let [envelope, _] = falling([self.middle * t; 2]);
         if self.complex {
             let angle = self.distance * t;
             let beta = envelope * libm::sin(angle) / self.distance;
@@ -247,33 +230,4 @@ impl Modes {
         let beta = envelope * t;
         (envelope - self.middle * beta, beta)
     }
-}
-
-/// exp(x) of a number that is not positive, to 1e-13; 0 where that cannot be told from it.
-///
-/// x = n ln 2 + r with a whole n and |r| <= ln 2 / 2, and the series of exp(r), in an order that keeps several
-/// multiplications under way at once.
-#[inline]
-fn exp_falling(x: f64) -> f64 {
-    if x > -0.03 {
-        // x^7 / 7! is below 5e-15.
-        let square = x * x;
-        let low = 1.0 + x + square * (1.0 / 2.0 + x * (1.0 / 6.0));
-        return low + square * square * (1.0 / 24.0 + x * (1.0 / 120.0) + square * (1.0 / 720.0));
-    }
-    if x < -80.0 {
-        return 0.0;
-    }
-    const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
-    const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
-    // Rounded to the nearest by the cast, which truncates towards 0.
-    let n = (x * core::f64::consts::LOG2_E - 0.5) as i32;
-    let r = (x - f64::from(n) * LN_2_HIGH) - f64::from(n) * LN_2_LOW;
-    let (r2, r4) = (r * r, (r * r) * (r * r));
-    let a = (1.0 + r) + r2 * (1.0 / 2.0 + r * (1.0 / 6.0));
-    let b = (1.0 / 24.0 + r * (1.0 / 120.0)) + r2 * (1.0 / 720.0 + r * (1.0 / 5040.0));
-    let c = (1.0 / 40_320.0 + r * (1.0 / 362_880.0)) + r2 * (1.0 / 3_628_800.0 + r * (1.0 / 39_916_800.0));
-    let series = a + r4 * (b + r4 * c);
-    // 2^n from its exponent: n is at least -116.
-    series * f64::from_bits(((n + 1023) as u64) << 52)
 }

@@ -11,11 +11,16 @@
 //! for every combination of idle, high and low.
 
 use super::network::Loop;
-use super::segment::Leg;
+use super::circuit::Leg;
+
+/// Entries of the table: 27 combinations, and room for an index of five bits.
+pub(crate) const COUNT: usize = 32;
 
 /// The coordinates of one combination.
 #[derive(Debug)]
 pub(crate) struct Wiring {
+    /// Its place in the table.
+    pub(crate) index: usize,
     /// Legs tied to bus or ground.
     pub(crate) conducting: u8,
     /// What the bus sees of them.
@@ -28,10 +33,10 @@ pub(crate) struct Wiring {
     pub(crate) k: f64,
     /// Share of the conducting legs that are tied to the bus: the neutral's part of the bus voltage.
     pub(crate) high_share: f64,
-    /// A leg that does not conduct; 0 if all do.
-    pub(crate) idle: usize,
     /// 1 / `conducting` for each leg that conducts: the neutral is their mean.
     pub(crate) mean: [f64; 3],
+    /// The one leg that does not conduct beside two that do, less their mean; 0 elsewhere.
+    pub(crate) aside: [f64; 3],
 }
 
 impl Wiring {
@@ -40,7 +45,13 @@ impl Wiring {
     pub(crate) fn of(legs: &[Leg; 3]) -> &'static Self {
         let index = legs[0].side() + 3 * legs[1].side() + 9 * legs[2].side();
         // Sides are 0 to 2, so the index is below 27; the mask tells the compiler that it is below 32.
-        &TABLE[index & 31]
+        Self::numbered(index & 31)
+    }
+
+    /// The wiring at a place of the table, below [`COUNT`].
+    #[inline]
+    pub(crate) fn numbered(index: usize) -> &'static Self {
+        &TABLE[index]
     }
 
     /// The coordinate `s` of three currents.
@@ -73,19 +84,19 @@ pub(crate) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 const HIGH: usize = 1;
 const LOW: usize = 2;
 
-static TABLE: [Wiring; 32] = table();
+static TABLE: [Wiring; COUNT] = table();
 
-const fn table() -> [Wiring; 32] {
-    let mut table = [const { wiring([0; 3]) }; 32];
+const fn table() -> [Wiring; COUNT] {
+    let mut table = [const { wiring(0, [0; 3]) }; COUNT];
     let mut index = 0;
     while index < 27 {
-        table[index] = wiring([index % 3, index / 3 % 3, index / 9]);
+        table[index] = wiring(index, [index % 3, index / 3 % 3, index / 9]);
         index += 1;
     }
     table
 }
 
-const fn wiring(sides: [usize; 3]) -> Wiring {
+const fn wiring(index: usize, sides: [usize; 3]) -> Wiring {
     let (mut high, mut low) = (0u8, 0u8);
     let mut x = 0;
     while x < 3 {
@@ -97,19 +108,20 @@ const fn wiring(sides: [usize; 3]) -> Wiring {
         x += 1;
     }
     let conducting = high + low;
-    let mut mean = [0.0; 3];
-    let mut idle = 0;
+    let (mut mean, mut aside) = ([0.0; 3], [0.0; 3]);
     x = 0;
     while x < 3 {
         if sides[x] != 0 {
             mean[x] = 1.0 / conducting as f64;
-        } else {
-            idle = x;
+        }
+        if conducting == 2 {
+            aside[x] = if sides[x] == 0 { 1.0 } else { -0.5 };
         }
         x += 1;
     }
     let (along, across) = free_currents(sides, high, low);
     Wiring {
+        index,
         conducting,
         topology: match (high, low) {
             (0, _) | (_, 0) => Loop::Open,
@@ -124,8 +136,8 @@ const fn wiring(sides: [usize; 3]) -> Wiring {
             _ => 2.0 / 3.0,
         },
         high_share: if conducting == 0 { 0.0 } else { high as f64 / conducting as f64 },
-        idle,
         mean,
+        aside,
     }
 }
 
