@@ -33,6 +33,16 @@ impl Rotation {
         Self { sin, cos }
     }
 
+    /// Of an angle up to 0.15 rad, to 2e-8.
+    #[inline(always)]
+    pub(crate) fn by_little(x: f64) -> Self {
+        let y = x * x;
+        Self {
+            sin: x * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))),
+            cos: 1.0 - y * (0.5 - y * (1.0 / 24.0)),
+        }
+    }
+
     #[cold]
     #[inline(never)]
     fn by_much(x: f64) -> Self {
@@ -53,7 +63,7 @@ impl Rotation {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sweep {
     /// rad.
-    span: f64,
+    pub(crate) span: f64,
     half: Rotation,
     /// Half way.
     pub(crate) middle: Rotation,

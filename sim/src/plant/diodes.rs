@@ -1,11 +1,15 @@
 //! Which diodes conduct, and when that changes: the rare part of an interval.
 
-use super::angle::Sweep;
-use super::circuit::{Leg, Reduced};
+use super::circuit::{Circuit, Leg, Reduced};
 use super::emf::Line;
 use super::event::{Event, First, Scene};
 use super::segment::Segment;
 use super::stage::{Stage, VOLTAGE_EDGE};
+
+/// A diode's current below this has ended, A.
+const STOPPED: f64 = 1e-6;
+/// Shorter times are none, s.
+const INSTANT: f64 = 1e-13;
 
 impl Stage {
     /// Turns the diode on that is most in need of it, or a currentless one off. False if all agree.
@@ -84,23 +88,67 @@ impl Stage {
         }
     }
 
-    /// Looks closely at an interval in which something may happen: what happens first, and when.
+    /// The plain end of a diode's current: the only diode beside two legs that conduct, its current on one side of zero at the
+    /// start and on the other `h` seconds later, in `end`. None if it is not as plain as that.
     #[inline(never)]
-    pub(crate) fn search(
+    pub(crate) fn diode_stop(
         &self,
         segment: Segment,
         h: f64,
         end: Reduced,
-        sweep: &Sweep,
-        rate: f64,
-    ) -> Option<(Event, f64)> {
+    ) -> Option<(Event, f64, Reduced)> {
+        let Circuit { wiring, diodes, .. } = self.circuit;
+        let x = match diodes.map(|sign| sign != 0.0) {
+            [true, false, false] => 0,
+            [false, true, false] => 1,
+            [false, false, true] => 2,
+            _ => return None,
+        };
+        // Its current, positive beyond zero.
+        let (along, across) = (diodes[x] * wiring.along[x], diodes[x] * wiring.across[x]);
+        let current = |at: &Reduced| along * at.s + across * at.d;
+        let slope = |t: f64, at: &Reduced| {
+            let (s, d) = segment.slopes(&self.network, t, at);
+            along * s + across * d
+        };
+        let start = &segment.start;
+        let (f0, f1, first) = (current(start), current(&end), slope(0.0, start));
+        let second = (f1 - f0 - first * h) / (h * h);
+        let root = first * first - 4.0 * second * f0;
+        if f0 >= 0.0 || f1 <= 0.0 || root <= 0.0 {
+            return None;
+        }
+        // Where the parabola with the slope at the start rises through zero, then Newton's method on the solution.
+        let mut t = if first > 0.0 {
+            -2.0 * f0 / (first + libm::sqrt(root))
+        } else {
+            (libm::sqrt(root) - first) / (2.0 * second)
+        };
+        for _ in 0..6 {
+            if !(t > INSTANT && t < h) {
+                return None;
+            }
+            let at = segment.at(&self.network, t);
+            let f = current(&at);
+            if f.abs() < STOPPED {
+                return Some((Event::Stops(x), t, at));
+            }
+            t -= f / slope(t, &at);
+        }
+        None
+    }
+
+    /// Looks closely at an interval in which something may happen: what happens first, and when.
+    #[inline(never)]
+    pub(crate) fn search(&self, segment: Segment, h: f64, end: Reduced) -> Option<(Event, f64)> {
         let (circuit, network) = (&self.circuit, &self.network);
         let mut emf = [Line::default(); 3];
         if circuit.wiring.conducting < 2 {
-            let middle = self.shaft.speed + 0.5 * segment.acceleration * h;
-            emf = self.shape.legs(self.shaft.angle, sweep, rate, h).map(|shape| Line {
-                start: shape.start * self.shaft.speed,
-                slope: shape.slope * middle + (shape.start + 0.5 * h * shape.slope) * segment.acceleration,
+            let (speed, acceleration) = (segment.speed, segment.acceleration);
+            let middle = speed + 0.5 * acceleration * h;
+            emf = self.course.legs(&self.shape, &self.shaft, h).map(|shape| Line {
+                start: shape.start * speed,
+                slope: shape.slope * middle + (shape.start + 0.5 * h * shape.slope) * acceleration,
             });
         }
         let scene = Scene { segment, circuit, network, emf };

@@ -1,6 +1,6 @@
 //! Back-EMF per unit of speed against the electrical angle.
 
-use super::angle::{Rotation, Sweep, fraction};
+use super::angle::{Rotation, fraction};
 use super::config::{BackEmf, MotorConfig};
 use super::segment::Shape;
 use super::wiring::{self, Wiring, dot};
@@ -93,16 +93,13 @@ impl EmfShape {
         2.0 * self.peak
     }
 
-    /// Values along the coordinates of `wiring` over an interval of `h` seconds that begins at `angle` (turns; `sweep` has its
-    /// sine and cosine) and turns by `rate` electrical rad/s: the straight line through the values at the interval's two Gauss
-    /// points, so that the flux linkage is exact to the third order. A trapezoid is straight between its corners.
+    /// Values along the coordinates of `wiring` over `h` seconds, of a sine, that turn by `rate` electrical rad/s about the angle
+    /// `middle`: the straight line through the values at the interval's two Gauss points, so that the flux linkage is exact to
+    /// the third order.
     #[inline(always)]
-    pub(crate) fn along(&self, wiring: &Wiring, angle: f64, sweep: &Sweep, rate: f64, h: f64) -> Shape {
-        if self.flank != 0.0 {
-            return self.trapezoids_along(wiring, angle, rate, h);
-        }
+    pub(crate) fn along(&self, wiring: &Wiring, middle: &Rotation, rate: f64, h: f64) -> Shape {
         let (value, per_second) = self.gauss(rate, h);
-        let (mix, middle) = (&self.mixes[wiring.index & 31], &sweep.middle);
+        let mix = &self.mixes[wiring.index & 31];
         let (sin, cos) = (value * middle.sin, value * middle.cos);
         let (sin_slope, cos_slope) = (per_second * middle.cos, per_second * middle.sin);
         let line = |mix: &[f64; 2]| {
@@ -118,16 +115,16 @@ impl EmfShape {
         shape
     }
 
-    /// The same of every leg.
-    pub(crate) fn legs(&self, angle: f64, sweep: &Sweep, rate: f64, h: f64) -> [Line; 3] {
+    /// The same of every leg of a motor of any shape; `angle` is the middle in turns.
+    pub(crate) fn legs(&self, angle: f64, middle: &Rotation, rate: f64, h: f64) -> [Line; 3] {
         if self.flank != 0.0 {
-            return self.trapezoids(angle + 0.5 * rate * h * (0.5 / PI), rate, h);
+            return self.trapezoids(angle, rate, h);
         }
         let (value, per_second) = self.gauss(rate, h);
         [0, 1, 2].map(|leg| {
             let (sin, cos) = (self.lag_cos[leg], -self.lag_sin[leg]);
-            let slope = per_second * (sin * sweep.middle.cos - cos * sweep.middle.sin);
-            Line { start: value * (sin * sweep.middle.sin + cos * sweep.middle.cos) - 0.5 * h * slope, slope }
+            let slope = per_second * (sin * middle.cos - cos * middle.sin);
+            Line { start: value * (sin * middle.sin + cos * middle.cos) - 0.5 * h * slope, slope }
         })
     }
 
@@ -137,8 +134,8 @@ impl EmfShape {
     fn gauss(&self, rate: f64, h: f64) -> (f64, f64) {
         let half = 0.5 * rate * h;
         let y = half * half * (1.0 / 3.0);
-        let value = self.peak * (1.0 - y * (0.5 - y * (1.0 / 24.0)));
-        (value, self.peak * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))) * rate)
+        // The next terms are below 1e-6.
+        (self.peak * (1.0 - 0.5 * y), self.peak * rate * (1.0 - y * (1.0 / 6.0)))
     }
 
     /// Values of every leg at an angle in turns, whose sine and cosine are `rotation`.
@@ -166,9 +163,11 @@ impl EmfShape {
         Some(ahead(corner).min(ahead(1.0 - corner)) * (1.0 / 6.0))
     }
 
+    /// Values along the coordinates of `wiring` of a trapezoid, which is straight between its corners; `angle` is the middle in
+    /// turns.
     #[inline(never)]
-    fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64, h: f64) -> Shape {
-        let legs = self.trapezoids(angle + 0.5 * rate * h * (0.5 / PI), rate, h);
+    pub(crate) fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64, h: f64) -> Shape {
+        let legs = self.trapezoids(angle, rate, h);
         let (start, slope) = (legs.map(|line| line.start), legs.map(|line| line.slope));
         let line = |parts: &[f64; 3]| Line { start: dot(parts, &start), slope: dot(parts, &slope) };
         Shape { s: line(&wiring.along), d: line(&wiring.across), idle: line(&wiring.aside) }

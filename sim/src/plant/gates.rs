@@ -26,6 +26,22 @@ struct Driver {
     waiting: bool,
 }
 
+impl Driver {
+    /// Turns what is on off at `t`, and `wanted` on unless the dead time is still to wait for.
+    fn change(&mut self, wanted: Gate, t: f64, dead_time: f64) {
+        if self.gate != Gate::Off {
+            self.last_on = self.gate;
+            self.off_since = t;
+            self.gate = Gate::Off;
+        }
+        let crosses = wanted != self.last_on && self.last_on != Gate::Off && wanted != Gate::Off;
+        self.waiting = crosses && t < self.off_since + dead_time;
+        if !self.waiting {
+            self.gate = wanted;
+        }
+    }
+}
+
 /// The modulator and the drivers of three legs.
 #[derive(Clone, Debug)]
 pub(crate) struct Gates {
@@ -41,6 +57,8 @@ pub(crate) struct Gates {
     on_until: f64,
     on_from: f64,
     drivers: [Driver; 3],
+    /// Any of them waits.
+    waits: bool,
     sample_at: u16,
     sample_mode: SampleMode,
 }
@@ -58,6 +76,7 @@ impl Gates {
             on_until: 0.0,
             on_from: period,
             drivers: [Driver { off_since: -1.0, ..Driver::default() }; 3],
+            waits: false,
             sample_at: 0,
             sample_mode: SampleMode::OffTime,
         };
@@ -109,46 +128,55 @@ impl Gates {
         self.on_from = if duty == Duty::ONE { half_on } else { self.period - half_on };
     }
 
+    /// What a switched leg's gates ask for at `t`.
+    #[inline(always)]
+    fn switched_gate(&self, t: f64) -> Gate {
+        if t < self.on_until || t >= self.on_from {
+            Gate::High
+        } else if self.rectification == Rectification::Synchronous {
+            Gate::Low
+        } else {
+            Gate::Off
+        }
+    }
+
     fn wanted(&self, leg: usize, t: f64) -> Gate {
         match self.legs[leg] {
             Role::Floating => Gate::Off,
             Role::Low => Gate::Low,
-            Role::Switched if t < self.on_until || t >= self.on_from => Gate::High,
-            Role::Switched => match self.rectification {
-                Rectification::Diode => Gate::Off,
-                Rectification::Synchronous => Gate::Low,
-            },
+            Role::Switched => self.switched_gate(t),
         }
     }
 
     /// The gates from `t` on, s after the start of the period. A `dead` leg stays off.
+    #[inline]
     pub(crate) fn at(&mut self, t: f64, dead: &[bool; 3]) -> [Gate; 3] {
-        let mut gates = [Gate::Off; 3];
+        let switched = self.switched_gate(t);
+        self.waits = false;
         for leg in 0..3 {
-            let wanted = if dead[leg] { Gate::Off } else { self.wanted(leg, t) };
+            let wanted = match self.legs[leg] {
+                _ if dead[leg] => Gate::Off,
+                Role::Floating => Gate::Off,
+                Role::Low => Gate::Low,
+                Role::Switched => switched,
+            };
             let driver = &mut self.drivers[leg];
             driver.waiting = false;
-            if driver.gate != Gate::Off && wanted != driver.gate {
-                driver.last_on = driver.gate;
-                driver.off_since = t;
-                driver.gate = Gate::Off;
-            }
             if wanted != driver.gate {
-                let crosses = wanted != driver.last_on && driver.last_on != Gate::Off;
-                driver.waiting = crosses && t < driver.off_since + self.dead_time;
-                if !driver.waiting {
-                    driver.gate = wanted;
-                }
+                driver.change(wanted, t, self.dead_time);
+                self.waits |= driver.waiting;
             }
-            gates[leg] = driver.gate;
         }
-        gates
+        [0, 1, 2].map(|leg| self.drivers[leg].gate)
     }
 
     /// The one leg that waits out its dead time, what it waits for, and when it will be over, s; only if nothing else switches
     /// until then.
     #[inline]
     pub(crate) fn waiting(&self, t: f64) -> Option<(usize, Gate, f64)> {
+        if !self.waits {
+            return None;
+        }
         let [a, b, c] = &self.drivers;
         let leg = match (a.waiting, b.waiting, c.waiting) {
             (true, false, false) => 0,
@@ -164,6 +192,8 @@ impl Gates {
     pub(crate) fn turn_on(&mut self, leg: usize, gate: Gate) {
         self.drivers[leg].gate = gate;
         self.drivers[leg].waiting = false;
+        // It was the only one.
+        self.waits = false;
     }
 
     /// The leg that will change sides at `edge`, the switch that is on until then, and when its dead time will be over, s.
@@ -187,18 +217,21 @@ impl Gates {
     }
 
     /// The next instant after `t` at which a gate may change by itself, at most `until`.
+    #[inline]
     pub(crate) fn next_change(&self, t: f64, until: f64) -> f64 {
         let mut next = until;
         if self.switched {
             for edge in [self.on_until, self.on_from] {
-                if edge > t {
-                    next = next.min(edge);
+                if edge > t && edge < next {
+                    next = edge;
                 }
             }
         }
-        for driver in &self.drivers {
-            if driver.waiting {
-                next = next.min(driver.off_since + self.dead_time);
+        if self.waits {
+            for driver in &self.drivers {
+                if driver.waiting {
+                    next = next.min(driver.off_since + self.dead_time);
+                }
             }
         }
         next

@@ -2,7 +2,6 @@
 
 use super::angle::{Rotation, Sweep};
 use super::config::{LoadConfig, MotorConfig};
-use super::segment::Motion;
 
 /// The shaft's state and constants.
 #[derive(Clone, Debug)]
@@ -27,8 +26,8 @@ pub(crate) struct Shaft {
     cogging_rotation: Rotation,
     /// Mechanical speed, rad/s.
     pub(crate) speed: f64,
-    /// Acceleration at the end of the last interval, rad/s2.
-    acceleration: f64,
+    /// Torque of cogging less all friction at the end of the last turn, N m.
+    opposing: f64,
     pub(crate) blocked: bool,
 }
 
@@ -50,6 +49,17 @@ pub(crate) struct Turn {
     cogging_rotation: Rotation,
 }
 
+/// How the shaft is expected to move: by its drag, and by the electrical impulse as it comes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    /// At the start, rad/s.
+    pub(crate) speed: f64,
+    /// Acceleration without electrical torque, rad/s2.
+    pub(crate) drift: f64,
+    /// 1 / (kg m2), or 0 if the electrical torque moves nothing.
+    pub(crate) per_inertia: f64,
+}
+
 /// What moves the shaft over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Push {
@@ -58,6 +68,8 @@ pub(crate) struct Push {
     pub(crate) per_h: f64,
     /// Electrical angular impulse, N m s.
     pub(crate) impulse: f64,
+    /// How far it acts before the middle on the whole: its moment about the middle, N m s2.
+    pub(crate) lead: f64,
     /// Mean speed that the circuit was solved with, rad/s.
     pub(crate) speed: f64,
 }
@@ -81,7 +93,7 @@ impl Shaft {
             per_inertia: 1.0 / (motor.inertia + load.inertia),
             angle,
             speed,
-            acceleration: 0.0,
+            opposing: 0.0,
             blocked: false,
         }
     }
@@ -110,18 +122,30 @@ impl Shaft {
         self.angle / self.turns_per_radian()
     }
 
-    /// How the shaft is expected to move over `h` seconds.
-    #[inline]
-    pub(crate) fn predict(&self, h: f64) -> Motion {
-        let (speed, acceleration) = (self.speed, self.acceleration);
+    /// How the shaft is expected to move for `h` seconds if the electrical torque is `torque` at first, N m.
+    #[inline(always)]
+    pub(crate) fn predict(&self, torque: f64, h: f64) -> Motion {
+        let (speed, per_inertia) = (self.speed, self.per_inertia);
         if self.blocked || speed == 0.0 {
-            return Motion { speed: 0.0, acceleration: 0.0, per_inertia: 0.0, h };
+            return self.predict_from_rest(torque);
         }
-        if (speed + acceleration * h) * speed <= 0.0 {
+        let drift = self.opposing * per_inertia;
+        if (speed + (drift + torque * per_inertia) * h) * speed <= 0.0 {
             // About to stop: on average half way there.
-            return Motion { speed, acceleration: -speed / h, per_inertia: 0.0, h };
+            return Motion { speed, drift: -speed / h, per_inertia: 0.0 };
         }
-        Motion { speed, acceleration, per_inertia: self.per_inertia, h }
+        Motion { speed, drift, per_inertia }
+    }
+
+    /// The same of a shaft that is held or at rest.
+    fn predict_from_rest(&self, torque: f64) -> Motion {
+        let coulomb = self.static_friction + self.load.constant;
+        let drive = torque + self.cogging_torque * self.cogging_rotation.sin;
+        if self.blocked || drive.abs() < coulomb {
+            return Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 };
+        }
+        let friction = if drive > 0.0 { coulomb } else { -coulomb };
+        Motion { speed: 0.0, drift: (drive - torque - friction) * self.per_inertia, per_inertia: self.per_inertia }
     }
 
     /// Kinetic and cogging energy, J.
@@ -160,7 +184,7 @@ impl Shaft {
     pub(crate) fn turn(&self, push: &Push) -> Turn {
         let (cogging, sweep) =
             if self.cogging_torque == 0.0 { (0.0, None) } else { let (t, s) = self.cogging(push.speed * push.h); (t, Some(s)) };
-        let Push { h, per_h, impulse, speed: predicted } = *push;
+        let Push { h, per_h, impulse, lead, speed: predicted } = *push;
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
         let inertia = self.inertia + self.load.inertia;
@@ -172,6 +196,7 @@ impl Shaft {
         let mut mean = 0.5 * (self.speed + speed);
         let mut path = mean * h;
         let mut slid = path.abs();
+        path += lead * self.per_inertia;
         if speed * self.speed <= 0.0 || self.blocked {
             if self.blocked {
                 return self.block();
@@ -180,8 +205,9 @@ impl Shaft {
             sign = if speed > 0.0 { 1.0 } else { -1.0 };
             mean = path * per_h;
         }
-        // Coulomb friction works along the path, drag with the mean speed.
-        let dragged = path * mean;
+        // Coulomb friction works along the way, drag with the mean speed; both with the mean of old and new speed, as the shaft
+        // gets its energy.
+        let dragged = slid * mean.abs();
         Turn {
             speed,
             mean,
@@ -210,13 +236,13 @@ impl Shaft {
         }
     }
 
-    /// Takes over a turn; `torque` is the electrical torque at its end, N m.
+    /// Takes over a turn.
     #[inline(always)]
-    pub(crate) fn apply(&mut self, turn: &Turn, torque: f64) {
+    pub(crate) fn apply(&mut self, turn: &Turn) {
         self.speed = turn.speed;
         self.angle += turn.path * self.turns_per_radian;
         self.cogging_rotation = turn.cogging_rotation;
-        self.acceleration = if self.speed == 0.0 { 0.0 } else { (torque + turn.opposing) * self.per_inertia };
+        self.opposing = turn.opposing;
     }
 
     /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m, where the shaft may stop.

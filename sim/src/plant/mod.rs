@@ -17,6 +17,7 @@ mod circuit;
 mod comparator;
 mod config;
 mod converter;
+mod course;
 mod diodes;
 mod emf;
 mod event;
@@ -70,6 +71,8 @@ pub struct Plant {
     /// Instant inside the period, s.
     t: f64,
     gates: Gates,
+    /// No gate changes before this instant of the period, s.
+    gates_until: f64,
     command: PwmCommand,
     stage: Stage,
     halls: Halls,
@@ -141,6 +144,7 @@ impl Plant {
             tick: 0,
             t: 0.0,
             gates: Gates::new(period, f64::from(config.board.dead_time_ns) * 1e-9),
+            gates_until: 0.0,
             command: PwmCommand::default(),
             stage: Stage::new(config),
             halls: Halls::new(&config.hall, config.angle_deg / 360.0),
@@ -219,6 +223,7 @@ impl Plant {
         if step != self.gates.step() {
             self.advance(instant);
             self.gates.set_step(step);
+            self.gates_until = 0.0;
         }
     }
 
@@ -232,6 +237,7 @@ impl Plant {
         self.tick += 1;
         self.t = 0.0;
         self.gates.latch(command);
+        self.gates_until = 0.0;
         self.command = *command;
         if !self.config.board.hall_capture {
             self.capture = Capture::default();
@@ -350,6 +356,7 @@ impl Plant {
     }
 
     fn apply_injections(&mut self) {
+        self.gates_until = 0.0;
         self.stage.set_open(self.injected.open);
         self.stage.shaft.blocked = self.injected.blocked;
         let leak = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
@@ -384,34 +391,52 @@ impl Plant {
     /// Runs to `target`, s from the start of the period; nothing if that has passed.
     fn advance(&mut self, target: f64) {
         while target - self.t > INSTANT {
-            self.switch(target);
-            let change = self.gates.next_change(self.t, target);
+            let (from, before) = (self.t, self.stage.shaft.angle);
+            let goal = from + self.stage.set_out(target - from);
+            let goal = if target - goal > INSTANT { goal } else { target };
+            while goal - self.t > INSTANT {
+                self.run(goal);
+            }
+            self.stage.arrive();
+            self.follow_halls(before, from);
+        }
+    }
+
+    /// One interval of the stage, to `goal` at most.
+    #[inline(always)]
+    fn run(&mut self, goal: f64) {
+        if self.t >= self.gates_until {
+            self.switch(goal);
+        }
+        let mut stretched = None;
+        let mut change = goal;
+        if self.gates_until <= goal {
+            change = self.gates_until;
             if change - self.t <= INSTANT {
                 // A dead time that ends with the period is a rounding error away from its end.
                 self.t = change;
-                continue;
+                return;
             }
-            let stretched = self.gates.changing_sides(change).filter(|&(leg, gate, over)| {
-                over <= target && !self.injected.driver[leg] && self.stage.stays(leg, gate, over - self.t)
+            stretched = self.gates.changing_sides(change).filter(|&(leg, gate, over)| {
+                over <= goal && !self.injected.driver[leg] && self.stage.stays(leg, gate, over - self.t)
             });
-            let until = stretched.map_or(change, |(.., over)| over);
-            let before = self.stage.shaft.angle;
-            let h = self.stage.interval(until - self.t);
-            let from = self.t;
-            self.t = if h >= until - from { until } else { from + h };
-            if let Some((leg, gate, _)) = stretched
-                && self.t > change
-            {
-                self.gates.turned_off(leg, change);
-                self.stage.drop_of_dead_time(leg, gate, self.t - change);
-            }
-            self.follow_halls(before, from);
-            if let Some(comparators) = &mut self.comparators
-                && self.t > from
-            {
-                let [start, end] = &self.stage.against_mean;
-                comparators.follow(&self.gates.floating(), start, end, from, self.t);
-            }
+        }
+        let until = stretched.map_or(change, |(.., over)| over);
+        let h = self.stage.interval(until - self.t);
+        let from = self.t;
+        self.t = if h >= until - from { until } else { from + h };
+        if let Some((leg, gate, _)) = stretched
+            && self.t > change
+        {
+            self.gates.turned_off(leg, change);
+            self.gates_until = 0.0;
+            self.stage.drop_of_dead_time(leg, gate, self.t - change);
+        }
+        if let Some(comparators) = &mut self.comparators
+            && self.t > from
+        {
+            let [start, end] = &self.stage.against_mean;
+            comparators.follow(&self.gates.floating(), start, end, from, self.t);
         }
     }
 
@@ -431,6 +456,7 @@ impl Plant {
         } else {
             self.stage.set_gates(&gates);
         }
+        self.gates_until = self.gates.next_change(self.t, f64::INFINITY);
     }
 
     fn follow_halls(&mut self, angle_before: f64, from: f64) {

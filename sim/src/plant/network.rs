@@ -9,6 +9,7 @@
 //!   C dv/dt = -S - g v + j             g, j: conductance and short-circuit current of what hangs at the bus
 //! ```
 
+use super::angle::Rotation;
 use super::config::SupplyConfig;
 use super::exponential::falling;
 
@@ -55,8 +56,6 @@ pub(crate) struct Modes {
     slow: f64,
     fast: f64,
     per_distance: f64,
-    trace: f64,
-    det: f64,
     /// A's rows.
     pub(crate) a_ss: f64,
     pub(crate) a_sv: f64,
@@ -147,8 +146,6 @@ impl Network {
             slow: det / fast,
             fast,
             per_distance: 0.5 / distance.max(1e-9),
-            trace,
-            det,
             a_ss: -r / l,
             a_sv: k / l,
             a_vs: -1.0 / c,
@@ -162,7 +159,7 @@ impl Network {
     }
 
     /// Integral of y^2, y = source voltage - v, over `h` seconds in which the bus goes from `v0` to `v1`, V2 s. `fall` is the
-    /// integral of y, `links` the link current S at start and end, `charge` its integral.
+    /// integral of y, `link` the link current S at start and end and its integral, if there is any.
     ///
     /// y has a fast part (source resistance times bus capacitance), which a quadrature would miss. The bus equation
     /// C dv/dt = G y - S - g v, multiplied by y, gives the integral of y^2 from that of S y, and S is smooth: it is
@@ -173,17 +170,17 @@ impl Network {
         (h, per_h): (f64, f64),
         (v0, v1): (f64, f64),
         fall: f64,
-        links: [f64; 2],
-        charge: f64,
+        link: Option<([f64; 2], f64)>,
     ) -> f64 {
         let (y0, y1) = (self.source_v - v0, self.source_v - v1);
         let per_g = self.modes(Loop::Open, true).per_g;
+        let leak = self.leak_g * self.source_v;
+        let alone = 0.5 * self.c * (y0 + y1) * (y0 - y1) + leak * fall;
+        let Some((links, charge)) = link else { return per_g * alone };
         let rise = links[1] - links[0];
         let link_moment = h * (0.5 * charge + h * rise * (1.0 / 12.0));
-        let leak = self.leak_g * self.source_v;
         let moment = (self.c * (fall - h * y1) + link_moment + 0.5 * leak * h * h) * per_g;
-        let product = links[0] * fall + rise * per_h * moment;
-        per_g * (0.5 * self.c * (y0 * y0 - y1 * y1) + product + leak * fall)
+        per_g * (alone + links[0] * fall + rise * per_h * moment)
     }
 
     /// What hangs at the bus.
@@ -223,9 +220,9 @@ impl Modes {
     fn rare_transition(&self, t: f64) -> (f64, f64) {
         let [envelope, _] = falling([self.middle * t; 2]);
         if self.complex {
-            let angle = self.distance * t;
-            let beta = envelope * libm::sin(angle) / self.distance;
-            return (envelope * libm::cos(angle) - self.middle * beta, beta);
+            let Rotation { sin, cos } = Rotation::by(self.distance * t);
+            let beta = 2.0 * self.per_distance * envelope * sin;
+            return (envelope * cos - self.middle * beta, beta);
         }
         let beta = envelope * t;
         (envelope - self.middle * beta, beta)

@@ -4,19 +4,6 @@ use super::circuit::{Circuit, Reduced};
 use super::emf::Line;
 use super::network::{Loop, Modes, Network};
 
-/// How the shaft is expected to move over an interval.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
-    /// Mechanical speed at the start, rad/s.
-    pub(crate) speed: f64,
-    /// Acceleration at the start, rad/s2.
-    pub(crate) acceleration: f64,
-    /// 1 / (kg m2) to let the acceleration follow the currents, 0 to keep it.
-    pub(crate) per_inertia: f64,
-    /// Length of the interval, s.
-    pub(crate) h: f64,
-}
-
 /// Back-EMF per speed along the coordinates of a circuit, V s/rad; `idle` is that of the one idle leg beside two that conduct,
 /// less the mean of theirs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,11 +23,14 @@ pub(crate) struct Shape {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment {
     topology: Loop,
+    /// All three legs conduct.
+    three: bool,
     source_on: bool,
+    /// Mechanical speed at the start, rad/s, and acceleration, rad/s2.
+    pub(crate) speed: f64,
+    pub(crate) acceleration: f64,
     pub(crate) start: Reduced,
     pub(crate) shape: Shape,
-    /// Mean acceleration that the back-EMF was taken with, rad/s2.
-    pub(crate) acceleration: f64,
     /// Terminal of the one idle leg beside two that conduct, less its share of the bus voltage, V.
     pub(crate) idle: Line,
     u: Line,
@@ -62,7 +52,8 @@ pub(crate) struct Sums {
 }
 
 impl Segment {
-    /// The circuit from `start` on; `shape` is the back-EMF per speed.
+    /// The circuit from `start` on for `h` seconds; `shape` is the back-EMF per speed, `motion` speed (rad/s) and acceleration
+    /// (rad/s2).
     #[inline(always)]
     pub(crate) fn new(
         network: &Network,
@@ -70,68 +61,37 @@ impl Segment {
         source_on: bool,
         start: Reduced,
         shape: Shape,
-        motion: &Motion,
+        (speed, acceleration): (f64, f64),
+        h: f64,
     ) -> Self {
-        let topology = circuit.wiring.topology;
         let k = circuit.wiring.k;
-        // What drives the coordinates: diode drops less back-EMF.
-        let rest_s = circuit.drop_s - shape.s.start * motion.speed;
-        let rest_d = circuit.drop_d - shape.d.start * motion.speed;
-        let bus = if topology == Loop::Open { 0.0 } else { start.v };
-        // The torque's own slope gives the acceleration's, else a light rotor would outrun its prediction within one interval.
-        let s_slope = k * (bus + rest_s) - network.r * start.s;
-        let d_slope = 0.5 * rest_d - network.r * start.d;
-        let jerk = (shape.s.start * s_slope + shape.d.start * d_slope) * network.per_l * motion.per_inertia;
-        // Mean over the interval of alpha + jerk t, weighted as it acts on the way travelled: a third, not a half.
-        let acceleration = motion.acceleration + jerk * motion.h * (1.0 / 3.0);
-        let half = 0.5 * motion.h;
-        let middle = motion.speed + acceleration * half;
+        let half = 0.5 * h;
+        let middle = speed + acceleration * half;
         let slope = |line: &Line| line.slope * middle + (line.start + half * line.slope) * acceleration;
-        let u = Line { start: k * rest_s, slope: -k * slope(&shape.s) };
-        let mut segment = Self {
-            topology,
-            source_on,
-            start,
-            shape,
-            acceleration,
-            idle: Line::default(),
-            u,
-            f: Line::default(),
-            p: Reduced::default(),
-            q: Reduced::default(),
-            fading: Reduced::default(),
+        // What drives the coordinates: diode drops less back-EMF.
+        let u = Line { start: k * (circuit.drop_s - shape.s.start * speed), slope: -k * slope(&shape.s) };
+        let three = circuit.wiring.conducting == 3;
+        let (mut f, mut idle) = (Line::default(), Line::default());
+        let (mut p_d, mut q_d) = (0.0, 0.0);
+        if three {
+            f = Line { start: 0.5 * (circuit.drop_d - shape.d.start * speed), slope: -0.5 * slope(&shape.d) };
+            q_d = f.slope * network.per_r;
+            p_d = f.start * network.per_r - network.time_constant * q_d;
+        } else {
+            idle = Line { start: circuit.drop_idle + shape.idle.start * speed, slope: slope(&shape.idle) };
+        }
+        let topology = circuit.wiring.topology;
+        let modes = network.modes(topology, source_on);
+        let ((p_s, q_s), (p_v, q_v)) = if topology == Loop::Open {
+            let q_s = u.slope * network.per_r;
+            let p_v = if modes.g > 0.0 { modes.j * modes.per_g } else { start.v };
+            ((u.start * network.per_r - network.time_constant * q_s, q_s), (p_v, 0.0))
+        } else {
+            particular(network, modes, &u)
         };
-        if circuit.wiring.conducting == 3 {
-            segment.f = Line { start: 0.5 * rest_d, slope: -0.5 * slope(&shape.d) };
-            segment.q.d = segment.f.slope * network.per_r;
-            segment.p.d = segment.f.start * network.per_r - network.time_constant * segment.q.d;
-            segment.fading.d = start.d - segment.p.d;
-        } else {
-            let start = circuit.drop_idle + shape.idle.start * motion.speed;
-            segment.idle = Line { start, slope: slope(&shape.idle) };
-        }
-        segment.find_particular(network);
-        segment
-    }
-
-    /// The particular solution of `s` and `v`.
-    #[inline(always)]
-    fn find_particular(&mut self, network: &Network) {
-        let modes = self.modes(network);
-        let Self { u, start, .. } = self;
-        if self.topology == Loop::Open {
-            self.q.s = u.slope * network.per_r;
-            self.p.s = u.start * network.per_r - network.time_constant * self.q.s;
-            self.p.v = if modes.g > 0.0 { modes.j * modes.per_g } else { start.v };
-        } else {
-            // A q = -b1, A p = q - b0 with b0 = (u.start / L, j / C), b1 = (u.slope / L, 0).
-            let Modes { g, j, k, per_det, .. } = *modes;
-            (self.q.s, self.q.v) = (u.slope * g * per_det, -u.slope * per_det);
-            let (rest_s, rest_v) = (network.l * self.q.s - u.start, network.c * self.q.v - j);
-            self.p.s = -(g * rest_s + k * rest_v) * per_det;
-            self.p.v = (rest_s - network.r * rest_v) * per_det;
-        }
-        (self.fading.s, self.fading.v) = (start.s - self.p.s, start.v - self.p.v);
+        let (p, q) = (Reduced { s: p_s, d: p_d, v: p_v }, Reduced { s: q_s, d: q_d, v: q_v });
+        let fading = Reduced { s: start.s - p_s, d: start.d - p_d, v: start.v - p_v };
+        Self { topology, three, source_on, speed, acceleration, start, shape, idle, u, f, p, q, fading }
     }
 
     /// State `t` seconds after the start.
@@ -141,14 +101,11 @@ impl Segment {
         let (p, q, a) = (&self.p, &self.q, self.modes(network));
         if self.topology == Loop::Open {
             let [leg, bus] = network.separate_decay(a, t);
-            return Reduced { s: p.s + q.s * t + leg * s, d: p.d + q.d * t + leg * d, v: p.v + bus * v };
+            let d = if self.three { p.d + q.d * t + leg * d } else { 0.0 };
+            return Reduced { s: p.s + q.s * t + leg * s, d, v: p.v + bus * v };
         }
         let (alpha, beta) = a.transition(t);
-        let d = if self.topology == Loop::ThreeLegs {
-            p.d + q.d * t + network.leg_decay(t) * d
-        } else {
-            0.0
-        };
+        let d = if self.three { p.d + q.d * t + network.leg_decay(t) * d } else { 0.0 };
         Reduced {
             s: p.s + q.s * t + alpha * s + beta * (a.a_ss * s + a.a_sv * v),
             d,
@@ -163,13 +120,24 @@ impl Segment {
         let Self { u, f, start, .. } = self;
         let charge = modes.j * h - network.c * (to.v - start.v);
         let flux = (u.start + 0.5 * u.slope * h) * h - network.l * (to.s - start.s);
-        let d = ((f.start + 0.5 * f.slope * h) * h - network.l * (to.d - start.d)) * network.per_r;
+        let d = if self.three {
+            ((f.start + 0.5 * f.slope * h) * h - network.l * (to.d - start.d)) * network.per_r
+        } else {
+            0.0
+        };
         if self.topology == Loop::Open {
             let v = if modes.g > 0.0 { charge * modes.per_g } else { start.v * h };
             return Sums { s: flux * network.per_r, d, v };
         }
         let s = (modes.g * flux + modes.k * charge) * modes.per_det;
         Sums { s, d, v: (network.r * charge - flux) * modes.per_det }
+    }
+
+    /// ds/dt and dd/dt at `t`, A/s.
+    #[inline(always)]
+    pub(crate) fn slopes(&self, network: &Network, t: f64, at: &Reduced) -> (f64, f64) {
+        let drive = self.u.at(t) + self.modes(network).k * at.v;
+        ((drive - network.r * at.s) * network.per_l, (self.f.at(t) - network.r * at.d) * network.per_l)
     }
 
     /// Lowest and highest bus voltage on the way to `end` `h` seconds later: the bus follows the voltage at which the source
@@ -187,10 +155,14 @@ impl Segment {
             return (from.min(to), from.max(to));
         }
         // The link current is a parabola, as high above its chord as the mean tells.
-        let Modes { j, per_g, .. } = *self.modes(network);
+        let Modes { g, j, per_g, .. } = *self.modes(network);
         let bend = 1.5 * (sums.s * per_h - 0.5 * (self.start.s + end.s)).abs();
         let most = self.start.s.max(end.s) + bend;
         let least = self.start.s.min(end.s) - bend;
+        if !self.source_on && (least > 0.0 || most + g * from.max(to) < 0.0) {
+            // Nothing but the motor at the bus: a current that does not turn round moves it one way.
+            return (from.min(to), from.max(to));
+        }
         (from.min((j - most) * per_g), from.max((j - least) * per_g))
     }
 
@@ -199,9 +171,27 @@ impl Segment {
         network.modes(self.topology, self.source_on)
     }
 
+    /// True if `d` is a current, with three legs that conduct.
+    #[inline]
+    pub(crate) fn has_difference(&self) -> bool {
+        self.three
+    }
+
     /// What the bus sees.
     #[inline]
     pub(crate) fn topology(&self) -> Loop {
         self.topology
     }
+}
+
+/// p and q of s and of v where the motor draws from the bus: A q = -b1, A p = q - b0 with b0 = (u.start / L, j / C),
+/// b1 = (u.slope / L, 0).
+#[inline(always)]
+fn particular(network: &Network, modes: &Modes, u: &Line) -> ((f64, f64), (f64, f64)) {
+    let Modes { g, j, k, per_det, .. } = *modes;
+    let (q_s, q_v) = (u.slope * g * per_det, -u.slope * per_det);
+    let (rest_s, rest_v) = (network.l * q_s - u.start, network.c * q_v - j);
+    let p_s = -(g * rest_s + k * rest_v) * per_det;
+    let p_v = (rest_s - network.r * rest_v) * per_det;
+    ((p_s, q_s), (p_v, q_v))
 }

@@ -3,6 +3,7 @@
 use super::angle::Rotation;
 use super::circuit::{Circuit, Electric, Leg, Reduced};
 use super::config::{PlantConfig, SupplyConfig};
+use super::course::Course;
 use super::emf::EmfShape;
 use super::gates::Gate;
 use super::ledger::Ledger;
@@ -28,7 +29,7 @@ pub(crate) struct Stage {
     pub(crate) source_on: bool,
     pub(crate) may_sink: bool,
     /// `circuit` and `reduced` are no longer those of `legs` and `electric`.
-    changed: bool,
+    pub(crate) changed: bool,
     pub(crate) circuit: Circuit,
     pub(crate) reduced: Reduced,
     pub(crate) ledger: Ledger,
@@ -45,6 +46,10 @@ pub(crate) struct Stage {
     pub(crate) intervals: u64,
     /// The rotor's electrical angle again, followed in small steps; only of a sinusoidal motor.
     pub(crate) rotation: Rotation,
+    pub(crate) course: Course,
+    /// At the end of the last interval: electrical torque, N m, and back-EMF per speed along `s` and `d`, V s/rad.
+    pub(crate) torque: f64,
+    pub(crate) shape_at_end: (f64, f64),
     /// Terminals less their mean at start and end of the last interval, V; kept up only while `watched`.
     pub(crate) against_mean: [[f64; 3]; 2],
     pub(crate) watched: bool,
@@ -84,6 +89,9 @@ impl Stage {
             diode_events: 0,
             intervals: 0,
             rotation: Rotation::of(config.angle_deg / 360.0),
+            course: Course::new(),
+            torque: 0.0,
+            shape_at_end: (0.0, 0.0),
             against_mean: [[0.0; 3]; 2],
             watched: config.comparator.is_some(),
         };
@@ -102,7 +110,14 @@ impl Stage {
 
     /// Back-EMF of every leg now, V.
     pub(crate) fn legs_emf(&self) -> [f64; 3] {
-        self.shape.now(self.shaft.angle, &self.rotation).map(|shape| shape * self.shaft.speed)
+        let course = &self.course;
+        if course.elapsed == 0.0 {
+            return self.shape.now(self.shaft.angle, &self.rotation).map(|shape| shape * self.shaft.speed);
+        }
+        let speed = course.speed();
+        let (turns, rotation) =
+            (course.turns(&self.shaft, course.elapsed), course.rotation(&self.shaft, course.elapsed));
+        self.shape.now(turns, &rotation).map(|shape| shape * speed)
     }
 
     /// Brings `circuit` and `reduced` up to date.
@@ -244,7 +259,7 @@ impl Stage {
             self.electric.i[x] -= step * wiring.mean[x];
         }
         self.electric.i[leg] += step;
-        self.changed = true;
+        self.reduced = self.circuit.reduce(&self.electric);
         self.ledger.diodes -= sign * self.network.drop * h * 0.5 * (before + self.electric.i[leg]);
     }
 
