@@ -37,10 +37,7 @@ impl Rotation {
     #[inline(always)]
     pub(crate) fn by_little(x: f64) -> Self {
         let y = x * x;
-        Self {
-            sin: x * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))),
-            cos: 1.0 - y * (0.5 - y * (1.0 / 24.0)),
-        }
+        Self { sin: x * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))), cos: 1.0 - y * (0.5 - y * (1.0 / 24.0)) }
     }
 
     #[cold]
@@ -83,7 +80,11 @@ impl Sweep {
         let more = turned - self.span;
         let end = self.middle.and(&self.half);
         // sin x = x, cos x = 1 - x^2 / 2.
-        let rest = if more.abs() > 1e-4 { Rotation::by(more) } else { Rotation { sin: more, cos: 1.0 - 0.5 * more * more } };
+        let rest = if more.abs() > 1e-4 {
+            Rotation::by(more)
+        } else {
+            Rotation { sin: more, cos: 1.0 - 0.5 * more * more }
+        };
         end.and(&rest)
     }
 }

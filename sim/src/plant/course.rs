@@ -87,13 +87,13 @@ impl Course {
         self.length - self.elapsed
     }
 
-    /// Back-EMF per speed along the coordinates of `wiring` for the next `h` seconds.
+    /// Back-EMF per speed along the coordinates of `wiring` for the next `h` seconds; `three` says that all its legs conduct.
     #[inline(always)]
-    pub(crate) fn shape(&self, emf: &EmfShape, shaft: &Shaft, wiring: &Wiring, h: f64) -> Shape {
+    pub(crate) fn shape(&self, emf: &EmfShape, shaft: &Shaft, wiring: &Wiring, three: bool, h: f64) -> Shape {
         let t = self.elapsed + 0.5 * h;
         let rate = shaft.pole_pairs() * (self.motion.speed + self.acceleration * t);
         if emf.is_sine() {
-            emf.along(wiring, &self.rotation(shaft, t), rate, h)
+            emf.along(wiring, three, &self.rotation(shaft, t), rate, h)
         } else {
             emf.trapezoids_along(wiring, self.turns(shaft, t), rate, h)
         }
@@ -179,7 +179,13 @@ impl Stage {
         let course = &self.course;
         let Course { length: h, impulse, moment, squares, fall, fall_squared, .. } = *course;
         let expected = course.path / h;
-        let turn = self.shaft.turn(&Push { h, per_h: 1.0 / h, impulse, lead: 0.5 * impulse * h - moment, speed: expected });
+        let turn = self.shaft.turn(&Push {
+            h,
+            per_h: 1.0 / h,
+            impulse,
+            lead: 0.5 * impulse * h - moment,
+            speed: expected,
+        });
         let more = turn.path - course.path;
         let error = more.abs() / h * self.shape.peak();
         let allowed = EMF_ERROR.0 + EMF_ERROR.1 * self.shape.peak() * expected.abs();

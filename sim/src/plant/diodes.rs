@@ -8,6 +8,8 @@ use super::stage::{Stage, VOLTAGE_EDGE};
 
 /// A diode's current below this has ended, A.
 const STOPPED: f64 = 1e-6;
+/// The source stops or starts between its edge and this far beyond, V.
+const PASSED: f64 = 1e-5;
 /// Shorter times are none, s.
 const INSTANT: f64 = 1e-13;
 
@@ -88,31 +90,35 @@ impl Stage {
         }
     }
 
-    /// The plain end of a diode's current: the only diode beside two legs that conduct, its current on one side of zero at the
-    /// start and on the other `h` seconds later, in `end`. None if it is not as plain as that.
+    /// A plain event in the next `h` seconds: the only diode's current ends, or else the source stops or starts. None if it is
+    /// not as plain as that.
     #[inline(never)]
-    pub(crate) fn diode_stop(
-        &self,
-        segment: Segment,
-        h: f64,
-        end: Reduced,
-    ) -> Option<(Event, f64, Reduced)> {
-        let Circuit { wiring, diodes, .. } = self.circuit;
+    pub(crate) fn plain_event(&self, h: f64, of_a_diode: bool) -> Option<(Event, f64, Reduced)> {
+        let segment = self.segment(h);
+        let Circuit { wiring, diodes, .. } = &self.circuit;
+        let network = &self.network;
         let x = match diodes.map(|sign| sign != 0.0) {
             [true, false, false] => 0,
             [false, true, false] => 1,
             [false, false, true] => 2,
-            _ => return None,
+            _ if of_a_diode => return None,
+            _ => 0,
         };
-        // Its current, positive beyond zero.
-        let (along, across) = (diodes[x] * wiring.along[x], diodes[x] * wiring.across[x]);
-        let current = |at: &Reduced| along * at.s + across * at.d;
+        // What is to come to zero, in parts of s, d and v: a current, or the bus a little beyond its edge.
+        let (event, parts, level, close) = if of_a_diode {
+            (Event::Stops(x), [diodes[x] * wiring.along[x], diodes[x] * wiring.across[x], 0.0], 0.0, STOPPED)
+        } else {
+            let sign = if self.source_on { 1.0 } else { -1.0 };
+            let event = if self.source_on { Event::SourceStops } else { Event::SourceStarts };
+            (event, [0.0, 0.0, sign], sign * network.source_v + 0.5 * PASSED, 0.4 * PASSED)
+        };
+        let value = |at: &Reduced| parts[0] * at.s + parts[1] * at.d + parts[2] * at.v - level;
         let slope = |t: f64, at: &Reduced| {
-            let (s, d) = segment.slopes(&self.network, t, at);
-            along * s + across * d
+            let Reduced { s, d, v } = segment.slopes(network, t, at);
+            parts[0] * s + parts[1] * d + parts[2] * v
         };
         let start = &segment.start;
-        let (f0, f1, first) = (current(start), current(&end), slope(0.0, start));
+        let (f0, f1, first) = (value(start), value(&segment.at(network, h)), slope(0.0, start));
         let second = (f1 - f0 - first * h) / (h * h);
         let root = first * first - 4.0 * second * f0;
         if f0 >= 0.0 || f1 <= 0.0 || root <= 0.0 {
@@ -124,14 +130,14 @@ impl Stage {
         } else {
             (libm::sqrt(root) - first) / (2.0 * second)
         };
-        for _ in 0..6 {
+        for _ in 0..8 {
             if !(t > INSTANT && t < h) {
                 return None;
             }
-            let at = segment.at(&self.network, t);
-            let f = current(&at);
-            if f.abs() < STOPPED {
-                return Some((Event::Stops(x), t, at));
+            let at = segment.at(network, t);
+            let f = value(&at);
+            if f.abs() < close {
+                return Some((event, t, at));
             }
             t -= f / slope(t, &at);
         }
@@ -140,7 +146,7 @@ impl Stage {
 
     /// Looks closely at an interval in which something may happen: what happens first, and when.
     #[inline(never)]
-    pub(crate) fn search(&self, segment: Segment, h: f64, end: Reduced) -> Option<(Event, f64)> {
+    pub(crate) fn search(&self, segment: &Segment, h: f64, end: Reduced) -> Option<(Event, f64)> {
         let (circuit, network) = (&self.circuit, &self.network);
         let mut emf = [Line::default(); 3];
         if circuit.wiring.conducting < 2 {

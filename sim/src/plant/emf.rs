@@ -97,7 +97,7 @@ impl EmfShape {
     /// `middle`: the straight line through the values at the interval's two Gauss points, so that the flux linkage is exact to
     /// the third order.
     #[inline(always)]
-    pub(crate) fn along(&self, wiring: &Wiring, middle: &Rotation, rate: f64, h: f64) -> Shape {
+    pub(crate) fn along(&self, wiring: &Wiring, three: bool, middle: &Rotation, rate: f64, h: f64) -> Shape {
         let (value, per_second) = self.gauss(rate, h);
         let mix = &self.mixes[wiring.index & 31];
         let (sin, cos) = (value * middle.sin, value * middle.cos);
@@ -107,7 +107,7 @@ impl EmfShape {
             Line { start: mix[0] * sin + mix[1] * cos - 0.5 * h * slope, slope }
         };
         let mut shape = Shape { s: line(&mix.s), ..Shape::default() };
-        if wiring.conducting == 3 {
+        if three {
             shape.d = line(&mix.d);
         } else {
             shape.idle = line(&mix.idle);

@@ -25,7 +25,7 @@ pub(crate) enum Event {
 
 /// What events are looked for in: an interval, its circuit, and what decides beside them.
 pub(crate) struct Scene<'a> {
-    pub(crate) segment: Segment,
+    pub(crate) segment: &'a Segment,
     pub(crate) circuit: &'a Circuit,
     pub(crate) network: &'a Network,
     /// Back-EMF of every leg, V.
@@ -53,7 +53,9 @@ impl Event {
             }
             Self::HighStarts(x) => scene.idle_terminal(x, t, at.v) - at.v - scene.network.drop,
             Self::LowStarts(x) => -scene.network.drop - scene.idle_terminal(x, t, at.v),
-            Self::PairStarts(x, y) => scene.emf[x].at(t) - scene.emf[y].at(t) - at.v - 2.0 * scene.network.drop,
+            Self::PairStarts(x, y) => {
+                scene.emf[x].at(t) - scene.emf[y].at(t) - at.v - 2.0 * scene.network.drop
+            }
             Self::SourceStops => at.v - scene.network.source_v,
             Self::SourceStarts => scene.network.source_v - at.v,
         }

@@ -17,29 +17,12 @@ pub(crate) enum Gate {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Driver {
-    gate: Gate,
     /// The switch that was on last.
     last_on: Gate,
     /// When it turned off, s from the start of this period.
     off_since: f64,
     /// Waits for the dead time.
     waiting: bool,
-}
-
-impl Driver {
-    /// Turns what is on off at `t`, and `wanted` on unless the dead time is still to wait for.
-    fn change(&mut self, wanted: Gate, t: f64, dead_time: f64) {
-        if self.gate != Gate::Off {
-            self.last_on = self.gate;
-            self.off_since = t;
-            self.gate = Gate::Off;
-        }
-        let crosses = wanted != self.last_on && self.last_on != Gate::Off && wanted != Gate::Off;
-        self.waiting = crosses && t < self.off_since + dead_time;
-        if !self.waiting {
-            self.gate = wanted;
-        }
-    }
 }
 
 /// The modulator and the drivers of three legs.
@@ -56,6 +39,7 @@ pub(crate) struct Gates {
     /// The on-time ends here and starts again there, s.
     on_until: f64,
     on_from: f64,
+    gates: [Gate; 3],
     drivers: [Driver; 3],
     /// Any of them waits.
     waits: bool,
@@ -75,6 +59,7 @@ impl Gates {
             dead_time,
             on_until: 0.0,
             on_from: period,
+            gates: [Gate::Off; 3],
             drivers: [Driver { off_since: -1.0, ..Driver::default() }; 3],
             waits: false,
             sample_at: 0,
@@ -152,22 +137,39 @@ impl Gates {
     #[inline]
     pub(crate) fn at(&mut self, t: f64, dead: &[bool; 3]) -> [Gate; 3] {
         let switched = self.switched_gate(t);
+        let wanted = self.legs.map(|role| match role {
+            Role::Floating => Gate::Off,
+            Role::Low => Gate::Low,
+            Role::Switched => switched,
+        });
+        // Most often all is as it was.
+        if wanted != self.gates || self.waits || *dead != [false; 3] {
+            self.change(&wanted, t, dead);
+        }
+        self.gates
+    }
+
+    fn change(&mut self, wanted: &[Gate; 3], t: f64, dead: &[bool; 3]) {
         self.waits = false;
         for leg in 0..3 {
-            let wanted = match self.legs[leg] {
-                _ if dead[leg] => Gate::Off,
-                Role::Floating => Gate::Off,
-                Role::Low => Gate::Low,
-                Role::Switched => switched,
-            };
-            let driver = &mut self.drivers[leg];
+            let wanted = if dead[leg] { Gate::Off } else { wanted[leg] };
+            let (gate, driver) = (&mut self.gates[leg], &mut self.drivers[leg]);
             driver.waiting = false;
-            if wanted != driver.gate {
-                driver.change(wanted, t, self.dead_time);
-                self.waits |= driver.waiting;
+            if wanted == *gate {
+                continue;
+            }
+            if *gate != Gate::Off {
+                driver.last_on = *gate;
+                driver.off_since = t;
+                *gate = Gate::Off;
+            }
+            let crosses = wanted != driver.last_on && driver.last_on != Gate::Off && wanted != Gate::Off;
+            driver.waiting = crosses && t < driver.off_since + self.dead_time;
+            self.waits |= driver.waiting;
+            if !driver.waiting {
+                *gate = wanted;
             }
         }
-        [0, 1, 2].map(|leg| self.drivers[leg].gate)
     }
 
     /// The one leg that waits out its dead time, what it waits for, and when it will be over, s; only if nothing else switches
@@ -190,7 +192,7 @@ impl Gates {
 
     /// Turns `leg` on to `gate` without waiting any longer.
     pub(crate) fn turn_on(&mut self, leg: usize, gate: Gate) {
-        self.drivers[leg].gate = gate;
+        self.gates[leg] = gate;
         self.drivers[leg].waiting = false;
         // It was the only one.
         self.waits = false;
@@ -200,7 +202,7 @@ impl Gates {
     #[inline]
     pub(crate) fn changing_sides(&self, edge: f64) -> Option<(usize, Gate, f64)> {
         let leg = self.only_switched?;
-        let gate = self.drivers[leg].gate;
+        let gate = self.gates[leg];
         let crosses =
             (edge == self.on_until && gate == Gate::High) || (edge == self.on_from && gate == Gate::Low);
         let over = edge + self.dead_time;
@@ -211,22 +213,15 @@ impl Gates {
     /// `leg` was turned off at `t`.
     pub(crate) fn turned_off(&mut self, leg: usize, t: f64) {
         let driver = &mut self.drivers[leg];
-        driver.last_on = driver.gate;
+        driver.last_on = core::mem::take(&mut self.gates[leg]);
         driver.off_since = t;
-        driver.gate = Gate::Off;
     }
 
     /// The next instant after `t` at which a gate may change by itself, at most `until`.
     #[inline]
     pub(crate) fn next_change(&self, t: f64, until: f64) -> f64 {
-        let mut next = until;
-        if self.switched {
-            for edge in [self.on_until, self.on_from] {
-                if edge > t && edge < next {
-                    next = edge;
-                }
-            }
-        }
+        let edge = if t < self.on_until { self.on_until } else { self.on_from };
+        let mut next = if self.switched && edge > t && edge < until { edge } else { until };
         if self.waits {
             for driver in &self.drivers {
                 if driver.waiting {

@@ -3,7 +3,7 @@
 use super::circuit::Reduced;
 use super::event::Event;
 use super::network::{Loop, Network};
-use super::segment::{Segment, Sums};
+use super::segment::{Kind, Segment, Sums};
 use super::stage::{Stage, VOLTAGE_EDGE};
 
 /// Longest interval in time constants L / R: losses are good to 1e-4 then.
@@ -20,12 +20,15 @@ pub(crate) struct Solved {
     per_h: f64,
     pub(crate) end: Reduced,
     sums: Sums,
+    /// Lowest and highest bus voltage on the way, V.
+    bus: (f64, f64),
     /// What ended it early.
     event: Option<Event>,
 }
 
 impl Stage {
     /// Advances by `limit` seconds or less on the present course, to the next event at most. Returns by how much.
+    #[inline(never)]
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
         self.intervals += 1;
         self.settle_source();
@@ -34,45 +37,77 @@ impl Stage {
         let h = if limit < rest { limit } else { rest };
         let h = if h < most { h } else { most };
         let mut passes = 0;
-        let segment = loop {
+        loop {
             self.refresh();
-            let segment = self.segment(h);
-            // Diodes turn on or off until they agree with the voltages.
-            if passes == PASSES_MAX || !self.is_unsettled(segment.idle.start) || !self.change_diode() {
-                break segment;
+            // One by one, so that the compiler makes code for each that does nothing which it does not need.
+            let done = match (self.circuit.wiring.topology, self.circuit.wiring.conducting) {
+                (Loop::Open, 3) => self.solve(h, Loop::Open, true, passes),
+                (Loop::Open, _) => self.solve(h, Loop::Open, false, passes),
+                (Loop::TwoLegs, _) => self.solve(h, Loop::TwoLegs, false, passes),
+                (Loop::ThreeLegs, _) => self.solve(h, Loop::ThreeLegs, true, passes),
+            };
+            if let Some(h) = done {
+                return h;
             }
             self.diode_events += 1;
             passes += 1;
-        };
-        let mut solved = Solved::of(&self.network, &segment, h, segment.at(&self.network, h), None);
-        if !self.keeps_diodes(&segment, &solved) {
-            match self.diode_stop(segment, h, solved.end) {
-                Some((event, t, end)) => {
-                    solved = Solved::of(&self.network, &segment, t, end, Some(event));
-                }
-                None => return self.search_and_commit(segment, h, solved.end),
+        }
+    }
+
+    /// Solves the circuit for `h` seconds or up to an event; `three` says that all legs conduct. None if a diode had to change
+    /// first.
+    #[inline(always)]
+    fn solve(&mut self, h: f64, topology: Loop, three: bool, passes: u32) -> Option<f64> {
+        let segment = self.segment_of(h, topology, three);
+        // Diodes turn on or off until they agree with the voltages.
+        if passes < PASSES_MAX && self.is_unsettled(&segment) && self.change_diode() {
+            return None;
+        }
+        let end = segment.at(&self.network, h);
+        let mut solved = Solved::of(&self.network, &segment, h, end, None);
+        let (diodes, source) = (self.keeps_diodes(&segment, &solved), self.keeps_source(&segment, &solved));
+        if !(diodes && source) {
+            let Some((event, t, end)) = self.plain_event(h, !diodes) else {
+                return Some(self.search_and_commit(h));
+            };
+            solved = Solved::of(&self.network, &segment, t, end, Some(event));
+            let plain = if diodes {
+                self.keeps_diodes(&segment, &solved)
+            } else {
+                self.keeps_source(&segment, &solved)
+            };
+            if !plain {
+                return Some(self.search_and_commit(h));
             }
         }
-        if !self.keeps_within_rails(&segment, &solved) {
-            let end = segment.at(&self.network, h);
-            return self.search_and_commit(segment, h, end);
+        if !self.keeps_idle_legs(&segment, &solved) {
+            return Some(self.search_and_commit(h));
         }
         self.commit(&segment, &solved);
-        solved.h
+        Some(solved.h)
+    }
+
+    /// The circuit for the next `h` seconds.
+    pub(crate) fn segment(&self, h: f64) -> Segment {
+        let wiring = self.circuit.wiring;
+        self.segment_of(h, wiring.topology, wiring.conducting == 3)
     }
 
     #[inline(always)]
-    fn segment(&self, h: f64) -> Segment {
+    fn segment_of(&self, h: f64, topology: Loop, three: bool) -> Segment {
         let Self { network, circuit, course, .. } = self;
-        let shape = course.shape(&self.shape, &self.shaft, circuit.wiring, h);
+        let shape = course.shape(&self.shape, &self.shaft, circuit.wiring, three, h);
         let motion = (course.speed(), course.acceleration(self.torque));
-        Segment::new(network, circuit, self.source_on, self.reduced, shape, motion, h)
+        let kind = Kind { topology, three, source_on: self.source_on };
+        Segment::new(network, circuit, kind, self.reduced, shape, motion, h)
     }
 
     /// Where something may happen that is not the plain end of a diode's current.
     #[inline(never)]
-    fn search_and_commit(&mut self, segment: Segment, h: f64, end: Reduced) -> f64 {
-        match self.search(segment, h, end) {
+    fn search_and_commit(&mut self, h: f64) -> f64 {
+        let segment = self.segment(h);
+        let end = segment.at(&self.network, h);
+        match self.search(&segment, h, end) {
             None => {
                 let solved = Solved::of(&self.network, &segment, h, end, None);
                 self.commit(&segment, &solved);
@@ -103,16 +138,16 @@ impl Stage {
 
     /// True if some diode may have to turn on or off at the start of the interval.
     #[inline(always)]
-    fn is_unsettled(&self, idle: f64) -> bool {
+    fn is_unsettled(&self, segment: &Segment) -> bool {
         let circuit = &self.circuit;
         if circuit.has_diodes && (0..3).any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
             return true;
         }
         let (v, edge) = (self.electric.v, self.network.drop + VOLTAGE_EDGE);
         match circuit.wiring.conducting {
-            3 => false,
+            _ if segment.has_difference() => false,
             2 => {
-                let terminal = idle + circuit.wiring.high_share * v;
+                let terminal = segment.idle.start + circuit.wiring.high_share * v;
                 terminal < -edge || terminal > v + edge
             }
             0 => self.shape.line_peak() * self.course.speed().abs() > v + edge,
@@ -134,27 +169,28 @@ impl Stage {
         !(circuit.is_against_a_diode(end.s, end.d) || circuit.is_against_a_diode(s, d))
     }
 
-    /// True if certainly no idle leg's terminal leaves the rails before the end, and the source goes on as it is.
+    /// True if the source certainly goes on as it is until the end.
     #[inline(always)]
-    fn keeps_within_rails(&self, segment: &Segment, solved: &Solved) -> bool {
-        let Solved { h, per_h, end, sums, .. } = solved;
-        let circuit = &self.circuit;
-        let (low, high) = segment.bus_range(&self.network, *per_h, end, sums);
+    fn keeps_source(&self, segment: &Segment, solved: &Solved) -> bool {
+        let (low, high) = solved.bus;
         let source_v = self.network.source_v;
-        if self.source_on {
-            if !self.may_sink && high > source_v + VOLTAGE_EDGE {
-                return false;
-            }
-        } else if low < source_v - VOLTAGE_EDGE {
-            return false;
+        if segment.source_on() {
+            self.may_sink || high <= source_v + VOLTAGE_EDGE
+        } else {
+            low >= source_v - VOLTAGE_EDGE
         }
-        let edge = self.network.drop;
-        match circuit.wiring.conducting {
-            3 => true,
+    }
+
+    /// True if certainly no idle leg's terminal leaves the rails before the end.
+    #[inline(always)]
+    fn keeps_idle_legs(&self, segment: &Segment, solved: &Solved) -> bool {
+        let ((low, _), edge) = (solved.bus, self.network.drop);
+        match self.circuit.wiring.conducting {
+            _ if segment.has_difference() => true,
             2 => {
-                let (a, b) = (segment.idle.start, segment.idle.at(*h));
+                let (a, b) = (segment.idle.start, segment.idle.at(solved.h));
                 let (least, most) = if a < b { (a, b) } else { (b, a) };
-                let share = circuit.wiring.high_share;
+                let share = self.circuit.wiring.high_share;
                 least + share * low > -edge && most < (1.0 - share) * low + edge
             }
             // An idle bridge drives nothing: the speed hardly changes.
@@ -171,7 +207,7 @@ impl Stage {
         // Of a parabola between a and b with mean m: mean square m^2 + (b - a)^2 / 12 and less than 1e-4 beside.
         let square = |sum: f64, a: f64, b: f64| sum * sum * per_h + h * (1.0 / 12.0) * (b - a) * (b - a);
         // along . along = 1 / k, across . across = 2.
-        if self.circuit.wiring.conducting == 3 {
+        if segment.has_difference() {
             course.squares += 1.5 * square(sums.s, start.s, end.s) + 2.0 * square(sums.d, start.d, end.d);
         } else {
             course.squares += 2.0 * square(sums.s, start.s, end.s);
@@ -185,7 +221,7 @@ impl Stage {
         if !is_open {
             self.shunt_charge += sums.s;
         }
-        if self.source_on {
+        if segment.source_on() {
             let fall = network.source_v * h - sums.v;
             let link = if is_open { None } else { Some(([start.s, end.s], sums.s)) };
             let fall_squared = network.fall_squared((*h, *per_h), (start.v, end.v), fall, link);
@@ -231,7 +267,8 @@ impl Stage {
 impl Solved {
     #[inline(always)]
     fn of(network: &Network, segment: &Segment, h: f64, end: Reduced, event: Option<Event>) -> Self {
-        Self { h, per_h: 1.0 / h, end, sums: segment.sums(network, h, &end), event }
+        let (per_h, sums) = (1.0 / h, segment.sums(network, h, &end));
+        Self { h, per_h, end, sums, bus: segment.bus_range(network, per_h, &end, &sums), event }
     }
 
     /// Torque impulse, N m s: back-EMF per speed times current along each coordinate, the current being a parabola of known

@@ -145,7 +145,11 @@ impl Shaft {
             return Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 };
         }
         let friction = if drive > 0.0 { coulomb } else { -coulomb };
-        Motion { speed: 0.0, drift: (drive - torque - friction) * self.per_inertia, per_inertia: self.per_inertia }
+        Motion {
+            speed: 0.0,
+            drift: (drive - torque - friction) * self.per_inertia,
+            per_inertia: self.per_inertia,
+        }
     }
 
     /// Kinetic and cogging energy, J.
@@ -182,8 +186,12 @@ impl Shaft {
     /// What an interval would do.
     #[inline(always)]
     pub(crate) fn turn(&self, push: &Push) -> Turn {
-        let (cogging, sweep) =
-            if self.cogging_torque == 0.0 { (0.0, None) } else { let (t, s) = self.cogging(push.speed * push.h); (t, Some(s)) };
+        let (cogging, sweep) = if self.cogging_torque == 0.0 {
+            (0.0, None)
+        } else {
+            let (t, s) = self.cogging(push.speed * push.h);
+            (t, Some(s))
+        };
         let Push { h, per_h, impulse, lead, speed: predicted } = *push;
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();

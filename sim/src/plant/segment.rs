@@ -13,6 +13,16 @@ pub(crate) struct Shape {
     pub(crate) idle: Line,
 }
 
+/// What tells circuits apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kind {
+    /// What the bus sees of the motor.
+    pub(crate) topology: Loop,
+    /// All three legs conduct.
+    pub(crate) three: bool,
+    pub(crate) source_on: bool,
+}
+
 /// One interval's circuit and its solution.
 ///
 /// ```text
@@ -22,10 +32,7 @@ pub(crate) struct Shape {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment {
-    topology: Loop,
-    /// All three legs conduct.
-    three: bool,
-    source_on: bool,
+    kind: Kind,
     /// Mechanical speed at the start, rad/s, and acceleration, rad/s2.
     pub(crate) speed: f64,
     pub(crate) acceleration: f64,
@@ -58,7 +65,7 @@ impl Segment {
     pub(crate) fn new(
         network: &Network,
         circuit: &Circuit,
-        source_on: bool,
+        kind: Kind,
         start: Reduced,
         shape: Shape,
         (speed, acceleration): (f64, f64),
@@ -70,7 +77,7 @@ impl Segment {
         let slope = |line: &Line| line.slope * middle + (line.start + half * line.slope) * acceleration;
         // What drives the coordinates: diode drops less back-EMF.
         let u = Line { start: k * (circuit.drop_s - shape.s.start * speed), slope: -k * slope(&shape.s) };
-        let three = circuit.wiring.conducting == 3;
+        let Kind { topology, three, source_on } = kind;
         let (mut f, mut idle) = (Line::default(), Line::default());
         let (mut p_d, mut q_d) = (0.0, 0.0);
         if three {
@@ -80,7 +87,6 @@ impl Segment {
         } else {
             idle = Line { start: circuit.drop_idle + shape.idle.start * speed, slope: slope(&shape.idle) };
         }
-        let topology = circuit.wiring.topology;
         let modes = network.modes(topology, source_on);
         let ((p_s, q_s), (p_v, q_v)) = if topology == Loop::Open {
             let q_s = u.slope * network.per_r;
@@ -91,7 +97,7 @@ impl Segment {
         };
         let (p, q) = (Reduced { s: p_s, d: p_d, v: p_v }, Reduced { s: q_s, d: q_d, v: q_v });
         let fading = Reduced { s: start.s - p_s, d: start.d - p_d, v: start.v - p_v };
-        Self { topology, three, source_on, speed, acceleration, start, shape, idle, u, f, p, q, fading }
+        Self { kind, speed, acceleration, start, shape, idle, u, f, p, q, fading }
     }
 
     /// State `t` seconds after the start.
@@ -99,13 +105,13 @@ impl Segment {
     pub(crate) fn at(&self, network: &Network, t: f64) -> Reduced {
         let Reduced { s, d, v } = self.fading;
         let (p, q, a) = (&self.p, &self.q, self.modes(network));
-        if self.topology == Loop::Open {
+        if self.kind.topology == Loop::Open {
             let [leg, bus] = network.separate_decay(a, t);
-            let d = if self.three { p.d + q.d * t + leg * d } else { 0.0 };
+            let d = if self.kind.three { p.d + q.d * t + leg * d } else { 0.0 };
             return Reduced { s: p.s + q.s * t + leg * s, d, v: p.v + bus * v };
         }
         let (alpha, beta) = a.transition(t);
-        let d = if self.three { p.d + q.d * t + network.leg_decay(t) * d } else { 0.0 };
+        let d = if self.kind.three { p.d + q.d * t + network.leg_decay(t) * d } else { 0.0 };
         Reduced {
             s: p.s + q.s * t + alpha * s + beta * (a.a_ss * s + a.a_sv * v),
             d,
@@ -120,12 +126,12 @@ impl Segment {
         let Self { u, f, start, .. } = self;
         let charge = modes.j * h - network.c * (to.v - start.v);
         let flux = (u.start + 0.5 * u.slope * h) * h - network.l * (to.s - start.s);
-        let d = if self.three {
+        let d = if self.kind.three {
             ((f.start + 0.5 * f.slope * h) * h - network.l * (to.d - start.d)) * network.per_r
         } else {
             0.0
         };
-        if self.topology == Loop::Open {
+        if self.kind.topology == Loop::Open {
             let v = if modes.g > 0.0 { charge * modes.per_g } else { start.v * h };
             return Sums { s: flux * network.per_r, d, v };
         }
@@ -133,25 +139,24 @@ impl Segment {
         Sums { s, d, v: (network.r * charge - flux) * modes.per_det }
     }
 
-    /// ds/dt and dd/dt at `t`, A/s.
+    /// Slope of the state at `t`, A/s and V/s.
     #[inline(always)]
-    pub(crate) fn slopes(&self, network: &Network, t: f64, at: &Reduced) -> (f64, f64) {
-        let drive = self.u.at(t) + self.modes(network).k * at.v;
-        ((drive - network.r * at.s) * network.per_l, (self.f.at(t) - network.r * at.d) * network.per_l)
+    pub(crate) fn slopes(&self, network: &Network, t: f64, at: &Reduced) -> Reduced {
+        let modes = self.modes(network);
+        let link = if self.kind.topology == Loop::Open { 0.0 } else { at.s };
+        Reduced {
+            s: (self.u.at(t) + modes.k * at.v - network.r * at.s) * network.per_l,
+            d: (self.f.at(t) - network.r * at.d) * network.per_l,
+            v: (modes.j - modes.g * at.v - link) / network.c,
+        }
     }
 
     /// Lowest and highest bus voltage on the way to `end` `h` seconds later: the bus follows the voltage at which the source
     /// gives what the motor takes, and never passes it.
     #[inline(always)]
-    pub(crate) fn bus_range(
-        &self,
-        network: &Network,
-        per_h: f64,
-        end: &Reduced,
-        sums: &Sums,
-    ) -> (f64, f64) {
+    pub(crate) fn bus_range(&self, network: &Network, per_h: f64, end: &Reduced, sums: &Sums) -> (f64, f64) {
         let (from, to) = (self.start.v, end.v);
-        if self.topology == Loop::Open {
+        if self.kind.topology == Loop::Open {
             return (from.min(to), from.max(to));
         }
         // The link current is a parabola, as high above its chord as the mean tells.
@@ -159,7 +164,7 @@ impl Segment {
         let bend = 1.5 * (sums.s * per_h - 0.5 * (self.start.s + end.s)).abs();
         let most = self.start.s.max(end.s) + bend;
         let least = self.start.s.min(end.s) - bend;
-        if !self.source_on && (least > 0.0 || most + g * from.max(to) < 0.0) {
+        if !self.kind.source_on && (least > 0.0 || most + g * from.max(to) < 0.0) {
             // Nothing but the motor at the bus: a current that does not turn round moves it one way.
             return (from.min(to), from.max(to));
         }
@@ -168,19 +173,25 @@ impl Segment {
 
     #[inline(always)]
     fn modes<'a>(&self, network: &'a Network) -> &'a Modes {
-        network.modes(self.topology, self.source_on)
+        network.modes(self.kind.topology, self.kind.source_on)
     }
 
     /// True if `d` is a current, with three legs that conduct.
     #[inline]
     pub(crate) fn has_difference(&self) -> bool {
-        self.three
+        self.kind.three
+    }
+
+    /// True if the source feeds the bus.
+    #[inline]
+    pub(crate) fn source_on(&self) -> bool {
+        self.kind.source_on
     }
 
     /// What the bus sees.
     #[inline]
     pub(crate) fn topology(&self) -> Loop {
-        self.topology
+        self.kind.topology
     }
 }
 

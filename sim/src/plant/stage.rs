@@ -163,7 +163,11 @@ impl Stage {
     pub(crate) fn terminals(&self) -> [f64; 3] {
         let (v, drop) = (self.electric.v, self.network.drop);
         let emf = self.legs_emf();
-        let neutral = Circuit::new(&self.legs, drop).neutral(&emf, v, drop);
+        let neutral = if self.changed {
+            Circuit::new(&self.legs, drop).neutral(&emf, v, drop)
+        } else {
+            self.circuit.neutral(&emf, v, drop)
+        };
         [0, 1, 2].map(|x| {
             let fall = self.network.switch * self.electric.i[x];
             match self.legs[x] {

@@ -10,8 +10,8 @@
 //! sees; `d` is half of the difference of two legs on the same side and decays with L / R on its own. There is one entry
 //! for every combination of idle, high and low.
 
-use super::network::Loop;
 use super::circuit::Leg;
+use super::network::Loop;
 
 /// Entries of the table: 27 combinations, and room for an index of five bits.
 pub(crate) const COUNT: usize = 32;
