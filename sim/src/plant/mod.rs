@@ -1,7 +1,8 @@
 //! The plant: motor, load, bridge, bus, supply and sensors, in the time of the PWM period.
 //!
-//! Every interval between two switching events is a linear circuit and is solved exactly (`network`, `segment`);
-//! diodes and the source change state at located instants (`event`); the shaft follows (`mechanics`). Per period:
+//! Every interval between two switching events is a linear circuit and is solved exactly (`interval`, `segment`, `network`);
+//! diodes and the source change state at located instants (`diodes`, `event`); the shaft is predicted and then settled
+//! from stop to stop (`course`, `mechanics`). Per period:
 //!
 //! ```text
 //!  period k   0 |========= sample() ========| finish_period() =====================| 1
