@@ -29,7 +29,7 @@ pub(crate) struct Course {
     pub(crate) elapsed: f64,
     /// Longest one that the shaft can be predicted for, s.
     length_max: f64,
-    motion: Motion,
+    pub(crate) motion: Motion,
     /// Acceleration at its start, rad/s2.
     acceleration: f64,
     sweep: Sweep,
@@ -194,7 +194,6 @@ impl Stage {
         } else if error < 0.25 * allowed && course.length_max < LENGTH_MAX {
             self.course.length_max = (2.0 * course.length_max).min(LENGTH_MAX);
         }
-        self.correct_currents(more);
         if self.shape.is_sine() {
             self.rotation = self.course.sweep.end(turn.path * self.shaft.pole_pairs());
         }
@@ -211,19 +210,5 @@ impl Stage {
         ledger.shaft += impulse * turn.mean;
         ledger.friction += turn.friction;
         ledger.load += turn.load;
-    }
-
-    /// What the currents would be had the back-EMF been taken from the way that the shaft really turned: `more` rad than
-    /// expected. L / R is long against a course, so that the flux is all that counts.
-    #[inline(always)]
-    fn correct_currents(&mut self, more: f64) {
-        let (flux, circuit) = (more * self.network.per_l, &self.circuit);
-        let s = self.reduced.s - circuit.wiring.k * self.shape_at_end.0 * flux;
-        let d = self.reduced.d - 0.5 * self.shape_at_end.1 * flux;
-        if self.changed || circuit.has_diodes && circuit.is_against_a_diode(s, d) {
-            return;
-        }
-        self.electric.i = circuit.wiring.currents(s, d);
-        (self.reduced.s, self.reduced.d) = (s, d);
     }
 }

@@ -97,7 +97,7 @@ impl Stage {
     fn segment_of(&self, h: f64, topology: Loop, three: bool) -> Segment {
         let Self { network, circuit, course, .. } = self;
         let shape = course.shape(&self.shape, &self.shaft, circuit.wiring, three, h);
-        let motion = (course.speed(), course.acceleration(self.torque));
+        let motion = (course.speed(), course.acceleration(self.torque), course.motion.per_inertia);
         let kind = Kind { topology, three, source_on: self.source_on };
         Segment::new(network, circuit, kind, self.reduced, shape, motion, h)
     }
@@ -246,8 +246,7 @@ impl Stage {
             self.against_mean[0] = self.less_mean();
         }
         let shape = &segment.shape;
-        self.shape_at_end = (shape.s.at(*h), shape.d.at(*h));
-        self.torque = self.shape_at_end.0 * end.s + self.shape_at_end.1 * end.d;
+        self.torque = shape.s.at(*h) * end.s + shape.d.at(*h) * end.d;
         self.course.elapsed += h;
         self.reduced = *end;
         self.electric.i = self.circuit.wiring.currents(end.s, end.d);

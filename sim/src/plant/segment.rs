@@ -59,8 +59,8 @@ pub(crate) struct Sums {
 }
 
 impl Segment {
-    /// The circuit from `start` on for `h` seconds; `shape` is the back-EMF per speed, `motion` speed (rad/s) and acceleration
-    /// (rad/s2).
+    /// The circuit from `start` on for `h` seconds; `shape` is the back-EMF per speed, `motion` speed (rad/s), acceleration
+    /// (rad/s2) and 1 / inertia (1 / (kg m2)).
     #[inline(always)]
     pub(crate) fn new(
         network: &Network,
@@ -68,10 +68,20 @@ impl Segment {
         kind: Kind,
         start: Reduced,
         shape: Shape,
-        (speed, acceleration): (f64, f64),
+        (speed, acceleration, per_inertia): (f64, f64, f64),
         h: f64,
     ) -> Self {
         let k = circuit.wiring.k;
+        // The torque's own slope gives the acceleration's, else a light rotor would outrun its prediction within one interval. Its
+        // mean is weighted as it acts on the way travelled: a third, not a half.
+        let bus = if kind.topology == Loop::Open { 0.0 } else { start.v };
+        let s_slope = k * (bus + circuit.drop_s - shape.s.start * speed) - network.r * start.s;
+        let mut torque_slope = shape.s.start * s_slope;
+        if kind.three {
+            let d_slope = 0.5 * (circuit.drop_d - shape.d.start * speed) - network.r * start.d;
+            torque_slope += shape.d.start * d_slope;
+        }
+        let acceleration = acceleration + torque_slope * network.per_l * per_inertia * h * (1.0 / 3.0);
         let half = 0.5 * h;
         let middle = speed + acceleration * half;
         let slope = |line: &Line| line.slope * middle + (line.start + half * line.slope) * acceleration;

@@ -29,7 +29,7 @@ pub(crate) struct Stage {
     pub(crate) source_on: bool,
     pub(crate) may_sink: bool,
     /// `circuit` and `reduced` are no longer those of `legs` and `electric`.
-    pub(crate) changed: bool,
+    changed: bool,
     pub(crate) circuit: Circuit,
     pub(crate) reduced: Reduced,
     pub(crate) ledger: Ledger,
@@ -47,9 +47,8 @@ pub(crate) struct Stage {
     /// The rotor's electrical angle again, followed in small steps; only of a sinusoidal motor.
     pub(crate) rotation: Rotation,
     pub(crate) course: Course,
-    /// At the end of the last interval: electrical torque, N m, and back-EMF per speed along `s` and `d`, V s/rad.
+    /// Electrical torque at the end of the last interval, N m.
     pub(crate) torque: f64,
-    pub(crate) shape_at_end: (f64, f64),
     /// Terminals less their mean at start and end of the last interval, V; kept up only while `watched`.
     pub(crate) against_mean: [[f64; 3]; 2],
     pub(crate) watched: bool,
@@ -91,7 +90,6 @@ impl Stage {
             rotation: Rotation::of(config.angle_deg / 360.0),
             course: Course::new(),
             torque: 0.0,
-            shape_at_end: (0.0, 0.0),
             against_mean: [[0.0; 3]; 2],
             watched: config.comparator.is_some(),
         };
