@@ -164,15 +164,14 @@ impl Bench {
     /// One control tick.
     pub fn step(&mut self) {
         let samples = self.plant.sample();
-        let event = self.event.take();
-        if let Some(event) = &event {
+        if let Some(event) = &self.event {
             self.drive.handle_event(event.clone());
         }
         let command = self.drive.step(&samples);
         let status = self.drive.poll_status();
         self.plant.finish_period(&command);
         if let Some(recorder) = &mut self.recorder
-            && recorder.record(event.as_ref(), &samples, &command, status.as_ref()).is_err()
+            && recorder.record(self.event.as_ref(), &samples, &command, status.as_ref()).is_err()
         {
             self.recorder = None;
         }
@@ -204,7 +203,11 @@ impl Bench {
             // Room was just seen.
             let _ = self.bus.send(self.device, frame, now_ns);
         }
-        self.event = self.node.poll_event();
+        // Most often there is none, and an event is large.
+        match self.node.poll_event() {
+            None => self.event = None,
+            event => self.event = event,
+        }
         if let Some(Action::Reboot) = self.node.poll_action() {
             self.boot();
         }

@@ -34,6 +34,7 @@ impl Random {
         const SQRT_3: f64 = 1.732_050_807_568_877_2;
         let bits = self.bits();
         let sum = (bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) + ((bits >> 32) & 0xFFFF) + (bits >> 48);
-        (sum as f64 * (1.0 / 65_536.0) - (2.0 - 2.0 / 65_536.0)) * SQRT_3
+        // Below 2^18: a conversion from 32 bits is one instruction.
+        (f64::from(sum as u32) * (1.0 / 65_536.0) - (2.0 - 2.0 / 65_536.0)) * SQRT_3
     }
 }

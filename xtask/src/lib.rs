@@ -1,11 +1,13 @@
 //! What the developer commands are made of.
 
 pub mod bench;
+pub mod callgrind;
 pub mod candump;
 pub mod commutations;
 pub mod coverage;
 pub mod csv;
 pub mod demo;
+pub mod driven;
 pub mod firmware;
 pub mod header;
 pub mod install;

@@ -4,6 +4,7 @@ use clap::{Parser, Subcommand};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::bench;
+use xtask::callgrind;
 use xtask::coverage;
 use xtask::demo;
 use xtask::firmware;
@@ -27,10 +28,18 @@ enum Job {
     Demo(demo::Arguments),
     /// Measure what narx promises of its control: every goal with its figure and verdict
     Bench(bench::Arguments),
+    /// Measure how fast the bench simulates, beside a C loop: a part of `bench`
+    Speed,
     /// Test everything, or one target; installs what that needs
     Test {
         /// What to test; without a name everything
         target: Option<Target>,
+    },
+    /// Make tests/golden/callgrind.toml anew: instructions of a simulated tick on this machine
+    Callgrind {
+        /// Write nothing; fail if a figure is another one
+        #[arg(long)]
+        check: bool,
     },
     /// Make tests/coverage.md anew: each row of the specification, its code and its tests
     Coverage {
@@ -70,8 +79,10 @@ fn main() -> ExitCode {
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
         Job::Bench(arguments) => bench::command(&arguments),
+        Job::Speed => bench::speed(),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
+        Job::Callgrind { check } => callgrind::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
@@ -100,6 +111,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
+        Step::new("callgrind", move || callgrind::regenerate(root, false)),
         Step::new("wasm", move || web::generate(root)),
     ])
 }

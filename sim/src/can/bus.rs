@@ -236,7 +236,9 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         for (sends, node) in senders.iter_mut().zip(&self.nodes) {
             let own = ready(node).filter(|own| arbitration_field(own) == arbitration_field(&frame));
             *sends = own.is_some();
-            rival = rival.or(own.and_then(|own| first_difference(&frame, &own)));
+            // The winner itself is among them, and most often alone.
+            let other = own.filter(|own| *own != frame);
+            rival = rival.or(other.and_then(|own| first_difference(&frame, &own)));
         }
 
         let disturbed = [rival, self.foreign_bitrate(&senders), self.take_injected()];

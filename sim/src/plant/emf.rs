@@ -1,6 +1,9 @@
 //! Back-EMF per unit of speed against the electrical angle.
 
+use super::angle::{Rotation, fraction};
 use super::config::{BackEmf, MotorConfig};
+use super::segment::Shape;
+use super::wiring::{self, Wiring, dot};
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 const PI: f64 = core::f64::consts::PI;
@@ -14,15 +17,34 @@ pub(crate) struct EmfShape {
     peak: f64,
     /// Half a flank in turns; 0 for a sine.
     flank: f64,
-    /// Winding of each leg.
-    order: [usize; 3],
+    /// Each leg's winding lags by this, turns, and its cosine and sine.
+    lag: [f64; 3],
+    lag_cos: [f64; 3],
+    lag_sin: [f64; 3],
+    /// For every [`Wiring`].
+    mixes: [Mix; wiring::COUNT],
 }
 
-/// A quantity of each leg that runs linearly over an interval: `start + slope t`.
+/// Parts of the angle's sine and cosine in a sinusoidal motor's back-EMF along the coordinates of a wiring.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Linear3 {
-    pub(crate) start: [f64; 3],
-    pub(crate) slope: [f64; 3],
+struct Mix {
+    s: [f64; 2],
+    d: [f64; 2],
+    idle: [f64; 2],
+}
+
+/// A quantity that runs linearly over an interval: `start + slope t`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Line {
+    pub(crate) start: f64,
+    pub(crate) slope: f64,
+}
+
+impl Line {
+    #[inline(always)]
+    pub(crate) fn at(&self, t: f64) -> f64 {
+        self.start + self.slope * t
+    }
 }
 
 impl EmfShape {
@@ -36,7 +58,18 @@ impl EmfShape {
                 (0.5 * k / mean_over_conduction(flank_deg), flank_deg / 360.0)
             }
         };
-        Self { nominal, peak: nominal, flank, order: motor.phase_order.map(|phase| phase.index()) }
+        let winding = motor.phase_order.map(|phase| phase.index());
+        let lag_cos = winding.map(|x| [1.0, -0.5, -0.5][x]);
+        let lag_sin = winding.map(|x| [0.0, 0.5 * SQRT_3, -0.5 * SQRT_3][x]);
+        Self {
+            nominal,
+            peak: nominal,
+            flank,
+            lag: winding.map(|x| [0.0, 1.0 / 3.0, 2.0 / 3.0][x]),
+            lag_cos,
+            lag_sin,
+            mixes: core::array::from_fn(|index| Mix::new(Wiring::numbered(index), &lag_cos, &lag_sin)),
+        }
     }
 
     /// Applies the magnets' drift: `factor` times the value at 25 degrees Celsius.
@@ -49,27 +82,69 @@ impl EmfShape {
         self.peak
     }
 
-    /// Values at the two Gauss points of an interval of length `h` joined by straight lines, so that the flux
-    /// linkage over the interval is exact to the third order. `middle` is the angle in the interval's middle,
-    /// `span` the angle it covers, both in turns.
-    pub(crate) fn over(&self, middle: f64, span: f64, h: f64) -> Linear3 {
-        // Gauss points lie h / (2 sqrt 3) to either side of the middle.
-        let aside = span * (0.5 / SQRT_3);
-        let (first, second) = if self.flank == 0.0 {
-            sine_pair(middle, aside)
-        } else {
-            (self.trapezoids(middle - aside), self.trapezoids(middle + aside))
+    /// The shape is a sine.
+    #[inline]
+    pub(crate) fn is_sine(&self) -> bool {
+        self.flank == 0.0
+    }
+
+    /// Largest difference of two phases, V s/rad or less.
+    pub(crate) fn line_peak(&self) -> f64 {
+        2.0 * self.peak
+    }
+
+    /// Values along the coordinates of `wiring` over `h` seconds, of a sine, that turn by `rate` electrical rad/s about the angle
+    /// `middle`: the straight line through the values at the interval's two Gauss points, so that the flux linkage is exact to
+    /// the third order.
+    #[inline(always)]
+    pub(crate) fn along(&self, wiring: &Wiring, three: bool, middle: &Rotation, rate: f64, h: f64) -> Shape {
+        let (value, per_second) = self.gauss(rate, h);
+        let mix = &self.mixes[wiring.index & 31];
+        let (sin, cos) = (value * middle.sin, value * middle.cos);
+        let (sin_slope, cos_slope) = (per_second * middle.cos, per_second * middle.sin);
+        let line = |mix: &[f64; 2]| {
+            let slope = mix[0] * sin_slope - mix[1] * cos_slope;
+            Line { start: mix[0] * sin + mix[1] * cos - 0.5 * h * slope, slope }
         };
-        let per_h = SQRT_3 / h;
-        let mut line = Linear3::default();
-        for leg in 0..3 {
-            let winding = self.order[leg];
-            let mean = 0.5 * self.peak * (first[winding] + second[winding]);
-            let slope = self.peak * (second[winding] - first[winding]) * per_h;
-            line.slope[leg] = slope;
-            line.start[leg] = mean - 0.5 * h * slope;
+        let mut shape = Shape { s: line(&mix.s), ..Shape::default() };
+        if three {
+            shape.d = line(&mix.d);
+        } else {
+            shape.idle = line(&mix.idle);
         }
-        line
+        shape
+    }
+
+    /// The same of every leg of a motor of any shape; `angle` is the middle in turns.
+    pub(crate) fn legs(&self, angle: f64, middle: &Rotation, rate: f64, h: f64) -> [Line; 3] {
+        if self.flank != 0.0 {
+            return self.trapezoids(angle, rate, h);
+        }
+        let (value, per_second) = self.gauss(rate, h);
+        [0, 1, 2].map(|leg| {
+            let (sin, cos) = (self.lag_cos[leg], -self.lag_sin[leg]);
+            let slope = per_second * (sin * middle.cos - cos * middle.sin);
+            Line { start: value * (sin * middle.sin + cos * middle.cos) - 0.5 * h * slope, slope }
+        })
+    }
+
+    /// Gauss points lie a = half / sqrt 3 to either side of the middle m. Mean of both: sin m cos a; slope: cos m sin a / a
+    /// times the angular speed.
+    #[inline(always)]
+    fn gauss(&self, rate: f64, h: f64) -> (f64, f64) {
+        let half = 0.5 * rate * h;
+        let y = half * half * (1.0 / 3.0);
+        // The next terms are below 1e-6.
+        (self.peak * (1.0 - 0.5 * y), self.peak * rate * (1.0 - y * (1.0 / 6.0)))
+    }
+
+    /// Values of every leg at an angle in turns, whose sine and cosine are `rotation`.
+    pub(crate) fn now(&self, angle: f64, rotation: &Rotation) -> [f64; 3] {
+        if self.flank != 0.0 {
+            return self.trapezoids(angle, 0.0, 0.0).map(|line| line.start);
+        }
+        let Rotation { sin, cos } = rotation;
+        [0, 1, 2].map(|leg| self.peak * (self.lag_cos[leg] * sin - self.lag_sin[leg] * cos))
     }
 
     /// Turns from `angle` to the shape's next corner in the direction of `sign`; none for a sine.
@@ -88,19 +163,38 @@ impl EmfShape {
         Some(ahead(corner).min(ahead(1.0 - corner)) * (1.0 / 6.0))
     }
 
-    fn trapezoids(&self, angle: f64) -> [f64; 3] {
+    /// Values along the coordinates of `wiring` of a trapezoid, which is straight between its corners; `angle` is the middle in
+    /// turns.
+    #[inline(never)]
+    pub(crate) fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64, h: f64) -> Shape {
+        let legs = self.trapezoids(angle, rate, h);
+        let (start, slope) = (legs.map(|line| line.start), legs.map(|line| line.slope));
+        let line = |parts: &[f64; 3]| Line { start: dot(parts, &start), slope: dot(parts, &slope) };
+        Shape { s: line(&wiring.along), d: line(&wiring.across), idle: line(&wiring.aside) }
+    }
+
+    fn trapezoids(&self, middle: f64, rate: f64, h: f64) -> [Line; 3] {
         let scale = 1.0 / self.flank;
-        [0.0, 1.0 / 3.0, 2.0 / 3.0].map(|lag| {
-            let x = fraction(angle - lag);
-            let ramp = if x < 0.25 {
-                x
+        self.lag.map(|lag| {
+            let x = fraction(middle - lag);
+            let (ramp, sign) = if x < 0.25 {
+                (x, 1.0)
             } else if x < 0.75 {
-                0.5 - x
+                (0.5 - x, -1.0)
             } else {
-                x - 1.0
+                (x - 1.0, 1.0)
             };
-            (ramp * scale).clamp(-1.0, 1.0)
+            let value = ramp * scale;
+            let slope = if value.abs() < 1.0 { self.peak * sign * scale * rate * (0.5 / PI) } else { 0.0 };
+            Line { start: self.peak * value.clamp(-1.0, 1.0) - 0.5 * h * slope, slope }
         })
+    }
+}
+
+impl Mix {
+    fn new(wiring: &Wiring, lag_cos: &[f64; 3], lag_sin: &[f64; 3]) -> Self {
+        let mix = |parts: &[f64; 3]| [dot(parts, lag_cos), -dot(parts, lag_sin)];
+        Self { s: mix(&wiring.along), d: mix(&wiring.across), idle: mix(&wiring.aside) }
     }
 }
 
@@ -112,69 +206,4 @@ fn mean_over_conduction(flank_deg: f64) -> f64 {
     } else {
         ((flank_deg * flank_deg - 900.0) / (2.0 * flank_deg) + 90.0 - flank_deg) / 60.0
     }
-}
-
-/// The three sines at `middle - aside` and at `middle + aside` (turns).
-fn sine_pair(middle: f64, aside: f64) -> ([f64; 3], [f64; 3]) {
-    let (sin_m, cos_m) = sin_cos(middle);
-    let (sin_a, cos_a) = if aside.abs() < 0.016 { tiny_sin_cos(aside) } else { sin_cos(aside) };
-    let (ss, cs, sc, cc) = (sin_m * sin_a, cos_m * sin_a, sin_m * cos_a, cos_m * cos_a);
-    (three_sines(sc - cs, cc + ss), three_sines(sc + cs, cc - ss))
-}
-
-/// sin x, sin (x - 120), sin (x + 120) degrees.
-fn three_sines(sin: f64, cos: f64) -> [f64; 3] {
-    let (half, rest) = (-0.5 * sin, 0.5 * SQRT_3 * cos);
-    [sin, half - rest, half + rest]
-}
-
-/// The part of `x` above the next lower whole number, in [0, 1).
-pub(crate) fn fraction(x: f64) -> f64 {
-    let rest = x - x as i64 as f64;
-    if rest < 0.0 { rest + 1.0 } else { rest }
-}
-
-/// Sine and cosine of an angle in turns, to 1e-11: the nearest quarter turn, then the series.
-pub(crate) fn sin_cos(turns: f64) -> (f64, f64) {
-    let x = fraction(turns);
-    let quarter = (4.0 * x + 0.5) as i32;
-    let (s, c) = small_sin_cos(x - 0.25 * f64::from(quarter));
-    match quarter & 3 {
-        0 => (s, c),
-        1 => (c, -s),
-        2 => (-s, -c),
-        _ => (-c, s),
-    }
-}
-
-/// The same, for angles up to 0.1 rad, to 1e-11.
-fn tiny_sin_cos(turns: f64) -> (f64, f64) {
-    let x = turns * (2.0 * PI);
-    let y = x * x;
-    let s = 1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0) * (1.0 - y * (1.0 / 42.0)));
-    let c = 1.0 - y * 0.5 * (1.0 - y * (1.0 / 12.0) * (1.0 - y * (1.0 / 30.0) * (1.0 - y * (1.0 / 56.0))));
-    (x * s, c)
-}
-
-/// Taylor series about 0, for angles up to an eighth of a turn.
-fn small_sin_cos(turns: f64) -> (f64, f64) {
-    let x = turns * (2.0 * PI);
-    let y = x * x;
-    let s = 1.0
-        - y * (1.0 / 6.0)
-            * (1.0
-                - y * (1.0 / 20.0)
-                    * (1.0
-                        - y * (1.0 / 42.0)
-                            * (1.0
-                                - y * (1.0 / 72.0) * (1.0 - y * (1.0 / 110.0) * (1.0 - y * (1.0 / 156.0))))));
-    let c = 1.0
-        - y * 0.5
-            * (1.0
-                - y * (1.0 / 12.0)
-                    * (1.0
-                        - y * (1.0 / 30.0)
-                            * (1.0
-                                - y * (1.0 / 56.0) * (1.0 - y * (1.0 / 90.0) * (1.0 - y * (1.0 / 132.0))))));
-    (x * s, c)
 }

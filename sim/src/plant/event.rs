@@ -1,7 +1,9 @@
 //! What may end an interval: a diode or the source starts or stops conducting.
 
+use super::circuit::{Circuit, Reduced};
+use super::emf::Line;
 use super::network::Network;
-use super::segment::{Electric, Leg, Segment};
+use super::segment::Segment;
 use super::stage::VOLTAGE_EDGE;
 
 /// A change of state inside an interval.
@@ -21,21 +23,41 @@ pub(crate) enum Event {
     SourceStarts,
 }
 
+/// What events are looked for in: an interval, its circuit, and what decides beside them.
+pub(crate) struct Scene<'a> {
+    pub(crate) segment: &'a Segment,
+    pub(crate) circuit: &'a Circuit,
+    pub(crate) network: &'a Network,
+    /// Back-EMF of every leg, V.
+    pub(crate) emf: [Line; 3],
+}
+
+impl Scene<'_> {
+    /// Terminal voltage of the idle leg `x`.
+    fn idle_terminal(&self, x: usize, t: f64, v: f64) -> f64 {
+        if self.circuit.wiring.conducting == 2 {
+            return self.segment.idle.at(t) + self.circuit.wiring.high_share * v;
+        }
+        let emf = [0, 1, 2].map(|x| self.emf[x].at(t));
+        self.circuit.neutral(&emf, v, self.network.drop) + emf[x]
+    }
+}
+
 impl Event {
     /// How far beyond the event the circuit is at `t`: negative before it, A or V.
-    pub(crate) fn beyond(self, segment: &Segment, network: &Network, t: f64, at: &Electric) -> f64 {
+    pub(crate) fn beyond(self, scene: &Scene, t: f64, at: &Reduced) -> f64 {
         match self {
-            Self::Stops(x) if segment.legs[x] == Leg::HighDiode => at.i[x],
-            Self::Stops(x) => -at.i[x],
-            Self::HighStarts(x) => {
-                segment.neutral(t, at.v, network.drop) + segment.emf_at(x, t) - at.v - network.drop
+            Self::Stops(x) => {
+                let Circuit { wiring, diodes, .. } = scene.circuit;
+                diodes[x] * (wiring.along[x] * at.s + wiring.across[x] * at.d)
             }
-            Self::LowStarts(x) => {
-                -network.drop - segment.neutral(t, at.v, network.drop) - segment.emf_at(x, t)
+            Self::HighStarts(x) => scene.idle_terminal(x, t, at.v) - at.v - scene.network.drop,
+            Self::LowStarts(x) => -scene.network.drop - scene.idle_terminal(x, t, at.v),
+            Self::PairStarts(x, y) => {
+                scene.emf[x].at(t) - scene.emf[y].at(t) - at.v - 2.0 * scene.network.drop
             }
-            Self::PairStarts(x, y) => segment.emf_at(x, t) - segment.emf_at(y, t) - at.v - 2.0 * network.drop,
-            Self::SourceStops => at.v - network.source_v,
-            Self::SourceStarts => network.source_v - at.v,
+            Self::SourceStops => at.v - scene.network.source_v,
+            Self::SourceStarts => scene.network.source_v - at.v,
         }
     }
 
@@ -44,73 +66,102 @@ impl Event {
         if matches!(self, Self::Stops(_)) { 0.0 } else { VOLTAGE_EDGE }
     }
 
-    /// The instant of the event inside `(lower, beyond there, upper, beyond there)`, on the far side of it. 0 if it has
-    /// been reached at the start already.
-    pub(crate) fn locate(self, segment: &Segment, network: &Network, bracket: (f64, f64, f64, f64)) -> f64 {
-        let evaluate = |t: f64| {
-            let decay = network.decay(segment.topology, segment.source_on, t);
-            self.beyond(segment, network, t, &segment.at(t, &decay))
+    /// The instant of the event inside of `bracket`: of a voltage's on the far side of it. 0 if it has been reached at the
+    /// start already.
+    fn locate(self, scene: &Scene, bracket: &Bracket) -> f64 {
+        let evaluate = |t: f64| self.beyond(scene, t, &scene.segment.at(scene.network, t));
+        // The place to hit is `close` wide. A voltage's begins at the edge; a current ends there exactly (`end_current`),
+        // from whichever side.
+        let (edge, close) = match self {
+            Self::Stops(_) => (-5e-7, 1e-6),
+            _ => (self.edge(), 1e-5),
         };
-        let edge = self.edge();
-        let close = if edge == 0.0 { 1e-8 } else { 1e-5 };
-        let (mut lower, mut f_lower, mut upper, mut f_upper) = bracket;
-        f_lower -= edge;
-        f_upper -= edge;
-        if f_lower >= 0.0 {
+        let goal = edge + 0.5 * close;
+        let Bracket { mut lower, mut upper, mut f_upper, .. } = *bracket;
+        if bracket.f_lower >= self.edge() {
             // It starts on the edge: is there a way off it before the way back?
             lower = 0.125 * upper;
-            f_lower = evaluate(lower) - edge;
-            if f_lower >= 0.0 {
+            if evaluate(lower) >= self.edge() {
                 return 0.0;
             }
         }
-        // False position; an end that stays when the other moves twice weighs half (the Illinois rule).
-        let (mut weight_lower, mut weight_upper) = (f_lower, f_upper);
-        for _ in 0..40 {
-            if f_upper < close || upper - lower < 1e-11 {
+        // Newton's method on the parabola through three known points gives the first guess, its slope the next ones.
+        let mut t = bracket.guess(goal);
+        for attempt in 0..60 {
+            if f_upper - edge < close || upper - lower < 1e-11 {
                 break;
             }
-            let t = (lower * weight_upper - upper * weight_lower) / (weight_upper - weight_lower);
-            let t = if t > lower && t < upper { t } else { 0.5 * (lower + upper) };
-            let f = evaluate(t) - edge;
-            if f >= 0.0 {
-                weight_lower = if weight_upper == f_upper { weight_lower } else { 0.5 * weight_lower };
-                (upper, f_upper, weight_upper) = (t, f, f);
-            } else {
-                weight_upper *= 0.5;
-                (lower, weight_lower) = (t, f);
+            // Halves where the parabola leads astray.
+            if !(t > lower && t < upper) || (attempt > 5 && attempt % 2 == 0) {
+                t = 0.5 * (lower + upper);
             }
+            let f = evaluate(t);
+            if f >= edge {
+                (upper, f_upper) = (t, f);
+            } else {
+                lower = t;
+            }
+            t -= (f - goal) / bracket.slope(t);
         }
         upper
     }
 }
 
+/// Where an event lies: between `lower` and `upper`, with a third point `other` beside them.
+struct Bracket {
+    lower: f64,
+    f_lower: f64,
+    upper: f64,
+    f_upper: f64,
+    /// The parabola through all three: f_lower + (t - lower) (first + (t - upper) second).
+    first: f64,
+    second: f64,
+}
+
+impl Bracket {
+    fn new((lower, f_lower): (f64, f64), (upper, f_upper): (f64, f64), (other, f_other): (f64, f64)) -> Self {
+        let first = (f_upper - f_lower) / (upper - lower);
+        let aside = (f_other - f_lower) / (other - lower);
+        Self { lower, f_lower, upper, f_upper, first, second: (aside - first) / (other - upper) }
+    }
+
+    fn slope(&self, t: f64) -> f64 {
+        self.first + self.second * (2.0 * t - self.lower - self.upper)
+    }
+
+    fn guess(&self, goal: f64) -> f64 {
+        let mut t = self.lower + (goal - self.f_lower) / self.first;
+        for _ in 0..3 {
+            let f = self.f_lower + (t - self.lower) * (self.first + (t - self.upper) * self.second);
+            t -= (f - goal) / self.slope(t);
+        }
+        t
+    }
+}
+
 /// The search for the first event of an interval.
 pub(crate) struct First<'a> {
-    pub(crate) network: &'a Network,
-    pub(crate) segment: &'a Segment,
+    pub(crate) scene: &'a Scene<'a>,
     pub(crate) h: f64,
-    pub(crate) start: &'a Electric,
-    pub(crate) middle: &'a Electric,
-    pub(crate) end: &'a Electric,
+    pub(crate) middle: &'a Reduced,
+    pub(crate) end: &'a Reduced,
     pub(crate) found: Option<(Event, f64)>,
 }
 
 impl First<'_> {
     pub(crate) fn consider(&mut self, event: Event) {
-        let (network, h) = (self.network, self.h);
+        let (scene, h) = (self.scene, self.h);
         let edge = event.edge();
-        let at_middle = event.beyond(self.segment, network, 0.5 * h, self.middle);
-        let bracket = if at_middle > edge {
-            (0.0, event.beyond(self.segment, network, 0.0, self.start), 0.5 * h, at_middle)
-        } else {
-            let at_end = event.beyond(self.segment, network, h, self.end);
-            if at_end <= edge {
-                return;
-            }
-            (0.5 * h, at_middle, h, at_end)
-        };
-        let t = event.locate(self.segment, network, bracket);
+        let look = |t: f64, at: &Reduced| (t, event.beyond(scene, t, at));
+        let middle = look(0.5 * h, self.middle);
+        let end = look(h, self.end);
+        if middle.1 <= edge && end.1 <= edge {
+            return;
+        }
+        let start = look(0.0, &scene.segment.start);
+        let bracket =
+            if middle.1 > edge { Bracket::new(start, middle, end) } else { Bracket::new(middle, end, start) };
+        let t = event.locate(scene, &bracket);
         if self.found.is_none_or(|(_, earliest)| t < earliest) {
             self.found = Some((event, t));
         }

@@ -17,7 +17,6 @@ pub(crate) enum Gate {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Driver {
-    gate: Gate,
     /// The switch that was on last.
     last_on: Gate,
     /// When it turned off, s from the start of this period.
@@ -32,13 +31,18 @@ pub(crate) struct Gates {
     step: Step,
     legs: [Role; 3],
     switched: bool,
+    /// The switched leg, where there is just one.
+    only_switched: Option<usize>,
     rectification: Rectification,
     period: f64,
     dead_time: f64,
     /// The on-time ends here and starts again there, s.
     on_until: f64,
     on_from: f64,
+    gates: [Gate; 3],
     drivers: [Driver; 3],
+    /// Any of them waits.
+    waits: bool,
     sample_at: u16,
     sample_mode: SampleMode,
 }
@@ -49,12 +53,15 @@ impl Gates {
             step: Step::Coast,
             legs: Step::Coast.legs(),
             switched: false,
+            only_switched: None,
             rectification: Rectification::Diode,
             period,
             dead_time,
             on_until: 0.0,
             on_from: period,
+            gates: [Gate::Off; 3],
             drivers: [Driver { off_since: -1.0, ..Driver::default() }; 3],
+            waits: false,
             sample_at: 0,
             sample_mode: SampleMode::OffTime,
         };
@@ -74,7 +81,10 @@ impl Gates {
     pub(crate) fn set_step(&mut self, step: Step) {
         self.step = step;
         self.legs = step.legs();
-        self.switched = self.legs.contains(&Role::Switched);
+        let mut switched = (0..3).filter(|leg| self.legs[*leg] == Role::Switched);
+        let first = switched.next();
+        self.switched = first.is_some();
+        self.only_switched = if switched.next().is_none() { first } else { None };
     }
 
     /// Legs that the step leaves floating.
@@ -103,55 +113,120 @@ impl Gates {
         self.on_from = if duty == Duty::ONE { half_on } else { self.period - half_on };
     }
 
+    /// What a switched leg's gates ask for at `t`.
+    #[inline(always)]
+    fn switched_gate(&self, t: f64) -> Gate {
+        if t < self.on_until || t >= self.on_from {
+            Gate::High
+        } else if self.rectification == Rectification::Synchronous {
+            Gate::Low
+        } else {
+            Gate::Off
+        }
+    }
+
     fn wanted(&self, leg: usize, t: f64) -> Gate {
         match self.legs[leg] {
             Role::Floating => Gate::Off,
             Role::Low => Gate::Low,
-            Role::Switched if t < self.on_until || t >= self.on_from => Gate::High,
-            Role::Switched => match self.rectification {
-                Rectification::Diode => Gate::Off,
-                Rectification::Synchronous => Gate::Low,
-            },
+            Role::Switched => self.switched_gate(t),
         }
     }
 
     /// The gates from `t` on, s after the start of the period. A `dead` leg stays off.
+    #[inline]
     pub(crate) fn at(&mut self, t: f64, dead: &[bool; 3]) -> [Gate; 3] {
-        let mut gates = [Gate::Off; 3];
-        for leg in 0..3 {
-            let wanted = if dead[leg] { Gate::Off } else { self.wanted(leg, t) };
-            let driver = &mut self.drivers[leg];
-            driver.waiting = false;
-            if driver.gate != Gate::Off && wanted != driver.gate {
-                driver.last_on = driver.gate;
-                driver.off_since = t;
-                driver.gate = Gate::Off;
-            }
-            if wanted != driver.gate {
-                let crosses = wanted != driver.last_on && driver.last_on != Gate::Off;
-                driver.waiting = crosses && t < driver.off_since + self.dead_time;
-                if !driver.waiting {
-                    driver.gate = wanted;
-                }
-            }
-            gates[leg] = driver.gate;
+        let switched = self.switched_gate(t);
+        let wanted = self.legs.map(|role| match role {
+            Role::Floating => Gate::Off,
+            Role::Low => Gate::Low,
+            Role::Switched => switched,
+        });
+        // Most often all is as it was.
+        if wanted != self.gates || self.waits || *dead != [false; 3] {
+            self.change(&wanted, t, dead);
         }
-        gates
+        self.gates
+    }
+
+    fn change(&mut self, wanted: &[Gate; 3], t: f64, dead: &[bool; 3]) {
+        self.waits = false;
+        for leg in 0..3 {
+            let wanted = if dead[leg] { Gate::Off } else { wanted[leg] };
+            let (gate, driver) = (&mut self.gates[leg], &mut self.drivers[leg]);
+            driver.waiting = false;
+            if wanted == *gate {
+                continue;
+            }
+            if *gate != Gate::Off {
+                driver.last_on = *gate;
+                driver.off_since = t;
+                *gate = Gate::Off;
+            }
+            let crosses = wanted != driver.last_on && driver.last_on != Gate::Off && wanted != Gate::Off;
+            driver.waiting = crosses && t < driver.off_since + self.dead_time;
+            self.waits |= driver.waiting;
+            if !driver.waiting {
+                *gate = wanted;
+            }
+        }
+    }
+
+    /// The one leg that waits out its dead time, what it waits for, and when it will be over, s; only if nothing else switches
+    /// until then.
+    #[inline]
+    pub(crate) fn waiting(&self, t: f64) -> Option<(usize, Gate, f64)> {
+        if !self.waits {
+            return None;
+        }
+        let [a, b, c] = &self.drivers;
+        let leg = match (a.waiting, b.waiting, c.waiting) {
+            (true, false, false) => 0,
+            (false, true, false) => 1,
+            (false, false, true) => 2,
+            _ => return None,
+        };
+        let over = self.drivers[leg].off_since + self.dead_time;
+        (self.next_change(t, over) >= over).then(|| (leg, self.wanted(leg, t), over))
+    }
+
+    /// Turns `leg` on to `gate` without waiting any longer.
+    pub(crate) fn turn_on(&mut self, leg: usize, gate: Gate) {
+        self.gates[leg] = gate;
+        self.drivers[leg].waiting = false;
+        // It was the only one.
+        self.waits = false;
+    }
+
+    /// The leg that will change sides at `edge`, the switch that is on until then, and when its dead time will be over, s.
+    #[inline]
+    pub(crate) fn changing_sides(&self, edge: f64) -> Option<(usize, Gate, f64)> {
+        let leg = self.only_switched?;
+        let gate = self.gates[leg];
+        let crosses =
+            (edge == self.on_until && gate == Gate::High) || (edge == self.on_from && gate == Gate::Low);
+        let over = edge + self.dead_time;
+        (crosses && self.rectification == Rectification::Synchronous && self.next_change(edge, over) >= over)
+            .then_some((leg, gate, over))
+    }
+
+    /// `leg` was turned off at `t`.
+    pub(crate) fn turned_off(&mut self, leg: usize, t: f64) {
+        let driver = &mut self.drivers[leg];
+        driver.last_on = core::mem::take(&mut self.gates[leg]);
+        driver.off_since = t;
     }
 
     /// The next instant after `t` at which a gate may change by itself, at most `until`.
+    #[inline]
     pub(crate) fn next_change(&self, t: f64, until: f64) -> f64 {
-        let mut next = until;
-        if self.switched {
-            for edge in [self.on_until, self.on_from] {
-                if edge > t {
-                    next = next.min(edge);
+        let edge = if t < self.on_until { self.on_until } else { self.on_from };
+        let mut next = if self.switched && edge > t && edge < until { edge } else { until };
+        if self.waits {
+            for driver in &self.drivers {
+                if driver.waiting {
+                    next = next.min(driver.off_since + self.dead_time);
                 }
-            }
-        }
-        for driver in &self.drivers {
-            if driver.waiting {
-                next = next.min(driver.off_since + self.dead_time);
             }
         }
         next

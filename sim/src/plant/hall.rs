@@ -1,7 +1,7 @@
 //! Three hall sensors, their wiring and what can break in it.
 
+use super::angle::fraction;
 use super::config::HallConfig;
-use super::emf::fraction;
 use super::injection::Injected;
 use crate::random::Random;
 use heapless::Vec;
@@ -38,6 +38,8 @@ pub(crate) struct Halls {
     steady: u8,
     /// The lines.
     code: u8,
+    /// No sensor switches while the rotor stays between these angles, turns.
+    quiet: (f64, f64),
 }
 
 /// Time-stamped edges of one period.
@@ -67,6 +69,7 @@ impl Halls {
             glitch: None,
             steady: 0,
             code: 0,
+            quiet: (0.0, 0.0),
         };
         for (index, sensor) in halls.sensors.iter_mut().enumerate() {
             sensor.rises_at = -30.0 / 360.0
@@ -76,6 +79,7 @@ impl Halls {
             sensor.half_turns = x - fraction(x);
             sensor.set_bounds(halls.hysteresis, 0.0, 0.0);
         }
+        halls.find_quiet();
         halls.settle(&Injected::default());
         halls
     }
@@ -140,6 +144,20 @@ impl Halls {
         random: &mut Random,
         capture: &mut Capture,
     ) {
+        if angle.1 > self.quiet.0 && angle.1 < self.quiet.1 && self.glitch.is_none() {
+            return;
+        }
+        self.follow_edges(angle, part, injected, random, capture);
+    }
+
+    fn follow_edges(
+        &mut self,
+        angle: (f64, f64),
+        part: (f64, f64),
+        injected: &Injected,
+        random: &mut Random,
+        capture: &mut Capture,
+    ) {
         // An edge a sensor; two sensors that switch at once are two edges.
         while let Some((place, index, step)) = self.next_crossing(angle.0, angle.1) {
             let reached = (place - angle.0) / (angle.1 - angle.0);
@@ -162,7 +180,13 @@ impl Halls {
             self.steady = self.lines(injected);
             self.show(at, capture);
         }
+        self.find_quiet();
         self.play_glitch(part.1, capture);
+    }
+
+    fn find_quiet(&mut self) {
+        let [a, b, c] = &self.sensors;
+        self.quiet = (a.below.max(b.below).max(c.below), a.above.min(b.above).min(c.above));
     }
 
     /// Lets the lines show what has just been broken or mended, at `at` (1/65 536 of the period).

@@ -1,8 +1,7 @@
 //! The shaft: inertia, Coulomb friction with stiction, viscous and quadratic drag, cogging.
 
+use super::angle::{Rotation, Sweep};
 use super::config::{LoadConfig, MotorConfig};
-use super::emf::sin_cos;
-use super::segment::Motion;
 
 /// The shaft's state and constants.
 #[derive(Clone, Debug)]
@@ -13,25 +12,31 @@ pub(crate) struct Shaft {
     viscous_friction: f64,
     cogging_torque: f64,
     cogging_periods: f64,
-    /// Electrical turns per mechanical radian.
+    /// Electrical turns per mechanical radian, and electrical radians.
     turns_per_radian: f64,
+    pole_pairs: f64,
     /// Cogging periods per electrical turn.
     cogging_ratio: f64,
     load: LoadConfig,
+    /// 1 / (rotor and load), 1 / (kg m2).
+    per_inertia: f64,
     /// Electrical angle, turns, unwrapped.
     pub(crate) angle: f64,
+    /// The angle of cogging, followed in small steps.
+    cogging_rotation: Rotation,
     /// Mechanical speed, rad/s.
     pub(crate) speed: f64,
-    /// Acceleration at the end of the last interval, rad/s2.
-    acceleration: f64,
+    /// Torque of cogging less all friction at the end of the last turn, N m.
+    opposing: f64,
     pub(crate) blocked: bool,
 }
 
 /// What one interval does to the shaft.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
-    /// Speed at the end, rad/s.
+    /// Speed at the end, rad/s, and its mean.
     speed: f64,
+    pub(crate) mean: f64,
     /// Mechanical angle turned, rad.
     pub(crate) path: f64,
     /// Energy lost in the motor's friction (and the block), J.
@@ -40,12 +45,40 @@ pub(crate) struct Turn {
     pub(crate) load: f64,
     /// Torque of cogging less all friction at the end, N m.
     opposing: f64,
+    /// The angle of cogging at the end.
+    cogging_rotation: Rotation,
+}
+
+/// How the shaft is expected to move: by its drag, and by the electrical impulse as it comes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    /// At the start, rad/s.
+    pub(crate) speed: f64,
+    /// Acceleration without electrical torque, rad/s2.
+    pub(crate) drift: f64,
+    /// 1 / (kg m2), or 0 if the electrical torque moves nothing.
+    pub(crate) per_inertia: f64,
+}
+
+/// What moves the shaft over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Push {
+    /// Length, s, and 1 / length.
+    pub(crate) h: f64,
+    pub(crate) per_h: f64,
+    /// Electrical angular impulse, N m s.
+    pub(crate) impulse: f64,
+    /// How far it acts before the middle on the whole: its moment about the middle, N m s2.
+    pub(crate) lead: f64,
+    /// Mean speed that the circuit was solved with, rad/s.
+    pub(crate) speed: f64,
 }
 
 const TAU: f64 = 2.0 * core::f64::consts::PI;
 
 impl Shaft {
     pub(crate) fn new(motor: &MotorConfig, load: LoadConfig, angle: f64, speed: f64) -> Self {
+        let cogging_ratio = f64::from(motor.cogging_periods) / f64::from(motor.pole_pairs.max(1));
         Self {
             inertia: motor.inertia,
             static_friction: motor.static_friction,
@@ -53,11 +86,14 @@ impl Shaft {
             cogging_torque: motor.cogging_torque,
             cogging_periods: f64::from(motor.cogging_periods),
             turns_per_radian: f64::from(motor.pole_pairs.max(1)) / TAU,
-            cogging_ratio: f64::from(motor.cogging_periods) / f64::from(motor.pole_pairs.max(1)),
+            pole_pairs: f64::from(motor.pole_pairs.max(1)),
+            cogging_ratio,
+            cogging_rotation: Rotation::of(cogging_ratio * angle),
             load,
+            per_inertia: 1.0 / (motor.inertia + load.inertia),
             angle,
             speed,
-            acceleration: 0.0,
+            opposing: 0.0,
             blocked: false,
         }
     }
@@ -68,6 +104,7 @@ impl Shaft {
 
     pub(crate) fn set_load(&mut self, load: LoadConfig) {
         self.load = load;
+        self.per_inertia = 1.0 / (self.inertia + load.inertia);
     }
 
     /// Electrical turns per mechanical radian.
@@ -75,22 +112,44 @@ impl Shaft {
         self.turns_per_radian
     }
 
+    /// Electrical radians per mechanical radian.
+    pub(crate) fn pole_pairs(&self) -> f64 {
+        self.pole_pairs
+    }
+
     /// Mechanical angle, rad.
     pub(crate) fn mechanical_angle(&self) -> f64 {
         self.angle / self.turns_per_radian()
     }
 
-    /// How the shaft is expected to move over `h` seconds.
-    pub(crate) fn predict(&self, h: f64) -> Motion {
-        let (speed, acceleration) = (self.speed, self.acceleration);
+    /// How the shaft is expected to move for `h` seconds if the electrical torque is `torque` at first, N m.
+    #[inline(always)]
+    pub(crate) fn predict(&self, torque: f64, h: f64) -> Motion {
+        let (speed, per_inertia) = (self.speed, self.per_inertia);
         if self.blocked || speed == 0.0 {
-            return Motion { speed: 0.0, acceleration: 0.0, per_inertia: 0.0, h };
+            return self.predict_from_rest(torque);
         }
-        if (speed + acceleration * h) * speed <= 0.0 {
+        let drift = self.opposing * per_inertia;
+        if (speed + (drift + torque * per_inertia) * h) * speed <= 0.0 {
             // About to stop: on average half way there.
-            return Motion { speed, acceleration: -speed / h, per_inertia: 0.0, h };
+            return Motion { speed, drift: -speed / h, per_inertia: 0.0 };
         }
-        Motion { speed, acceleration, per_inertia: 1.0 / (self.inertia + self.load.inertia), h }
+        Motion { speed, drift, per_inertia }
+    }
+
+    /// The same of a shaft that is held or at rest.
+    fn predict_from_rest(&self, torque: f64) -> Motion {
+        let coulomb = self.static_friction + self.load.constant;
+        let drive = torque + self.cogging_torque * self.cogging_rotation.sin;
+        if self.blocked || drive.abs() < coulomb {
+            return Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 };
+        }
+        let friction = if drive > 0.0 { coulomb } else { -coulomb };
+        Motion {
+            speed: 0.0,
+            drift: (drive - torque - friction) * self.per_inertia,
+            per_inertia: self.per_inertia,
+        }
     }
 
     /// Kinetic and cogging energy, J.
@@ -100,61 +159,103 @@ impl Shaft {
             return kinetic;
         }
         // T = -dU/dangle with T = amplitude sin(n angle)
-        let (_, cos) = sin_cos(self.cogging_ratio * self.angle);
+        let cos = self.cogging_rotation.cos;
         kinetic + self.cogging_torque / self.cogging_periods * cos
+    }
+
+    /// Keeps rounding from adding up in what is followed in small steps.
+    pub(crate) fn straighten(&mut self) {
+        self.cogging_rotation = Rotation::of(self.cogging_ratio * self.angle);
     }
 
     fn kinetic(&self, speed: f64) -> f64 {
         0.5 * (self.inertia + self.load.inertia) * speed * speed
     }
 
-    /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here.
-    fn cogging(&self, span: f64) -> f64 {
-        if self.cogging_torque == 0.0 {
-            return 0.0;
-        }
-        let middle = self.angle + 0.5 * span * self.turns_per_radian;
-        let (sin, _) = sin_cos(self.cogging_ratio * middle);
-        // Mean of a sine over x = n span: its value in the middle times sin(x/2) / (x/2).
-        let y = 0.25 * self.cogging_periods * self.cogging_periods * span * span;
-        self.cogging_torque * sin * (1.0 - y * (1.0 / 6.0) * (1.0 - y * (1.0 / 20.0)))
+    /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here, and the angle of
+    /// cogging in its course.
+    #[inline(always)]
+    fn cogging(&self, span: f64) -> (f64, Sweep) {
+        let span = self.cogging_periods * span;
+        let sweep = Sweep::new(&self.cogging_rotation, span);
+        // Mean of a sine over x: its value in the middle times sin(x/2) / (x/2).
+        let y = 0.25 * span * span;
+        (self.cogging_torque * sweep.middle.sin * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))), sweep)
     }
 
-    /// What `h` seconds under the electrical angular impulse `impulse` (N m s) would do; `predicted` is the mean
-    /// speed that the circuit was solved with.
-    pub(crate) fn turn(&self, impulse: f64, h: f64, predicted: f64) -> Turn {
-        if self.blocked {
-            return Turn { friction: self.kinetic(self.speed), ..Turn::default() };
-        }
-        let cogging = self.cogging(predicted * h);
+    /// What an interval would do.
+    #[inline(always)]
+    pub(crate) fn turn(&self, push: &Push) -> Turn {
+        let (cogging, sweep) = if self.cogging_torque == 0.0 {
+            (0.0, None)
+        } else {
+            let (t, s) = self.cogging(push.speed * push.h);
+            (t, Some(s))
+        };
+        let Push { h, per_h, impulse, lead, speed: predicted } = *push;
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
-        let (speed, path, slid) = self.slide(impulse / h + cogging, coulomb, viscous, h);
-        // Coulomb friction works along the path, drag with the mean speed.
-        let drag = path * path / h;
-        let sign = if speed > 0.0 { 1.0 } else { -1.0 };
+        let inertia = self.inertia + self.load.inertia;
+        // The drag is taken at the mean of old and new speed, which is stable whatever the inertia and conserves energy exactly.
+        let drag = 0.5 * viscous * h;
+        let mut sign = if self.speed > 0.0 { 1.0 } else { -1.0 };
+        let mut speed =
+            (self.speed * (inertia - drag) + impulse + (cogging - sign * coulomb) * h) / (inertia + drag);
+        let mut mean = 0.5 * (self.speed + speed);
+        let mut path = mean * h;
+        let mut slid = path.abs();
+        path += lead * self.per_inertia;
+        if speed * self.speed <= 0.0 || self.blocked {
+            if self.blocked {
+                return self.block();
+            }
+            (speed, path, slid) = self.slide(impulse * per_h + cogging, coulomb, viscous, h);
+            sign = if speed > 0.0 { 1.0 } else { -1.0 };
+            mean = path * per_h;
+        }
+        // Coulomb friction works along the way, drag with the mean speed; both with the mean of old and new speed, as the shaft
+        // gets its energy.
+        let dragged = slid * mean.abs();
         Turn {
             speed,
+            mean,
             path,
-            friction: self.static_friction * slid + self.viscous_friction * drag,
-            load: self.load.constant * slid + (viscous - self.viscous_friction) * drag,
+            friction: self.static_friction * slid + self.viscous_friction * dragged,
+            load: self.load.constant * slid + (viscous - self.viscous_friction) * dragged,
             opposing: cogging - sign * coulomb - viscous * speed,
+            cogging_rotation: match sweep {
+                Some(sweep) => sweep.end(self.cogging_periods * path),
+                None => self.cogging_rotation,
+            },
         }
     }
 
-    /// Takes over a turn; `torque` is the electrical torque at its end, N m.
-    pub(crate) fn apply(&mut self, turn: &Turn, torque: f64) {
-        self.speed = turn.speed;
-        self.angle += turn.path * self.turns_per_radian();
-        self.acceleration = if self.speed == 0.0 {
-            0.0
-        } else {
-            (torque + turn.opposing) / (self.inertia + self.load.inertia)
-        };
+    /// A block takes all kinetic energy.
+    #[cold]
+    fn block(&self) -> Turn {
+        Turn {
+            speed: 0.0,
+            mean: 0.0,
+            path: 0.0,
+            friction: self.kinetic(self.speed),
+            load: 0.0,
+            opposing: 0.0,
+            cogging_rotation: self.cogging_rotation,
+        }
     }
 
-    /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m. The drag is taken at the
-    /// mean of old and new speed, which is stable whatever the inertia and conserves energy exactly.
+    /// Takes over a turn.
+    #[inline(always)]
+    pub(crate) fn apply(&mut self, turn: &Turn) {
+        self.speed = turn.speed;
+        self.angle += turn.path * self.turns_per_radian;
+        self.cogging_rotation = turn.cogging_rotation;
+        self.opposing = turn.opposing;
+    }
+
+    /// Speed after `h` seconds, way travelled and distance slid (both rad), under `drive` N m, where the shaft may stop.
+    #[cold]
+    #[inline(never)]
     fn slide(&self, drive: f64, coulomb: f64, viscous: f64, h: f64) -> (f64, f64, f64) {
         let inertia = self.inertia + self.load.inertia;
         let before = self.speed;

@@ -1,7 +1,8 @@
 //! The plant: motor, load, bridge, bus, supply and sensors, in the time of the PWM period.
 //!
-//! Every interval between two switching events is a linear circuit and is solved exactly (`network`, `segment`);
-//! diodes and the source change state at located instants (`event`); the shaft follows (`mechanics`). Per period:
+//! Every interval between two switching events is a linear circuit and is solved exactly (`interval`, `segment`, `network`);
+//! diodes and the source change state at located instants (`diodes`, `event`); the shaft is predicted and then settled
+//! from stop to stop (`course`, `mechanics`). Per period:
 //!
 //! ```text
 //!  period k   0 |========= sample() ========| finish_period() =====================| 1
@@ -12,21 +13,27 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 
+mod angle;
+mod circuit;
 mod comparator;
 mod config;
 mod converter;
+mod course;
+mod diodes;
 mod emf;
 mod event;
+mod exponential;
 mod gates;
 mod hall;
 mod injection;
+mod interval;
 mod ledger;
 mod mechanics;
 mod network;
 mod segment;
-mod simpson;
 mod slow;
 mod stage;
+mod wiring;
 
 pub use config::{
     BackEmf, ComparatorConfig, ConverterConfig, HallConfig, InverterConfig, LoadConfig, MotorConfig,
@@ -48,6 +55,9 @@ use stage::Stage;
 const REFERENCE_TEMPERATURE: f64 = 25.0;
 /// Less than this is no time, s.
 const INSTANT: f64 = 1e-12;
+/// A dead time goes without an interval of its own if the current would outlast so many: a small one stops, and lets other
+/// diodes conduct beside it.
+const DEAD_TIME_MARGIN: f64 = 8.0;
 /// Periods between two updates of what drifts with temperature.
 const DRIFT_PERIODS: u64 = 128;
 
@@ -56,10 +66,14 @@ const DRIFT_PERIODS: u64 = 128;
 pub struct Plant {
     config: PlantConfig,
     period: f64,
+    /// 65 536 / `period`.
+    parts_per_second: f64,
     tick: u64,
     /// Instant inside the period, s.
     t: f64,
     gates: Gates,
+    /// No gate changes before this instant of the period, s.
+    gates_until: f64,
     command: PwmCommand,
     stage: Stage,
     halls: Halls,
@@ -127,9 +141,11 @@ impl Plant {
         let period = 1.0 / f64::from(config.board.tick_rate);
         let mut plant = Self {
             period,
+            parts_per_second: 65_536.0 / period,
             tick: 0,
             t: 0.0,
             gates: Gates::new(period, f64::from(config.board.dead_time_ns) * 1e-9),
+            gates_until: 0.0,
             command: PwmCommand::default(),
             stage: Stage::new(config),
             halls: Halls::new(&config.hall, config.angle_deg / 360.0),
@@ -163,7 +179,7 @@ impl Plant {
         if skew > 0 {
             self.advance((self.t + self.instant(skew)).min(self.period));
         }
-        let last = self.stage.terminals();
+        let last = if skew > 0 { self.stage.terminals() } else { first };
         let now = self.tick as f64 * self.period + self.t;
         let charge = self.stage.shunt_charge;
         // The DC-link current is averaged by the amplifier's filter since the last reading.
@@ -208,6 +224,7 @@ impl Plant {
         if step != self.gates.step() {
             self.advance(instant);
             self.gates.set_step(step);
+            self.gates_until = 0.0;
         }
     }
 
@@ -221,6 +238,7 @@ impl Plant {
         self.tick += 1;
         self.t = 0.0;
         self.gates.latch(command);
+        self.gates_until = 0.0;
         self.command = *command;
         if !self.config.board.hall_capture {
             self.capture = Capture::default();
@@ -233,6 +251,7 @@ impl Plant {
         self.halls.start_period(&self.injected, self.period, &mut self.random);
         if self.tick.is_multiple_of(DRIFT_PERIODS) {
             self.warm(DRIFT_PERIODS as f64 * self.period);
+            self.stage.straighten();
         }
     }
 
@@ -246,7 +265,7 @@ impl Plant {
             electrical_turns: stage.shaft.angle,
             current: stage.electric.i,
             terminal: stage.terminals(),
-            neutral: stage.neutral,
+            neutral: stage.neutral(),
             bus_voltage: stage.electric.v,
             bus_current: self.bus_current,
             peak_current: self.peak_current,
@@ -338,6 +357,7 @@ impl Plant {
     }
 
     fn apply_injections(&mut self) {
+        self.gates_until = 0.0;
         self.stage.set_open(self.injected.open);
         self.stage.shaft.blocked = self.injected.blocked;
         let leak = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
@@ -372,30 +392,76 @@ impl Plant {
     /// Runs to `target`, s from the start of the period; nothing if that has passed.
     fn advance(&mut self, target: f64) {
         while target - self.t > INSTANT {
-            let gates = self.gates.at(self.t, &self.injected.driver);
-            self.stage.set_gates(&gates);
-            let until = self.gates.next_change(self.t, target);
-            if until - self.t <= INSTANT {
-                // A dead time that ends with the period is a rounding error away from its end.
-                self.t = until;
-                continue;
+            let (from, before) = (self.t, self.stage.shaft.angle);
+            let goal = from + self.stage.set_out(target - from);
+            let goal = if target - goal > INSTANT { goal } else { target };
+            while goal - self.t > INSTANT {
+                self.run(goal);
             }
-            let before = self.stage.shaft.angle;
-            let h = self.stage.interval(until - self.t);
-            let from = self.t;
-            self.t = if h >= until - from { until } else { from + h };
+            self.stage.arrive();
             self.follow_halls(before, from);
-            if let Some(comparators) = &mut self.comparators
-                && self.t > from
-            {
-                let [start, end] = &self.stage.against_mean;
-                comparators.follow(&self.gates.floating(), start, end, from, self.t);
-            }
         }
     }
 
+    /// One interval of the stage, to `goal` at most.
+    #[inline(always)]
+    fn run(&mut self, goal: f64) {
+        if self.t >= self.gates_until {
+            self.switch(goal);
+        }
+        let mut stretched = None;
+        let mut change = goal;
+        if self.gates_until <= goal {
+            change = self.gates_until;
+            if change - self.t <= INSTANT {
+                // A dead time that ends with the period is a rounding error away from its end.
+                self.t = change;
+                return;
+            }
+            stretched = self.gates.changing_sides(change).filter(|&(leg, gate, over)| {
+                over <= goal && !self.injected.driver[leg] && self.stage.stays(leg, gate, over - self.t)
+            });
+        }
+        let until = stretched.map_or(change, |(.., over)| over);
+        let h = self.stage.interval(until - self.t);
+        let from = self.t;
+        self.t = if h >= until - from { until } else { from + h };
+        if let Some((leg, gate, _)) = stretched
+            && self.t > change
+        {
+            self.gates.turned_off(leg, change);
+            self.gates_until = 0.0;
+            self.stage.drop_of_dead_time(leg, gate, self.t - change);
+        }
+        if let Some(comparators) = &mut self.comparators
+            && self.t > from
+        {
+            let [start, end] = &self.stage.against_mean;
+            comparators.follow(&self.gates.floating(), start, end, from, self.t);
+        }
+    }
+
+    /// Sets the gates for the time from now on. During a dead time the current leads through the diode beside the switch
+    /// that was on, or beside the one that will be on: the circuit is then the same as with that switch, but for the
+    /// diode's drop, and where nothing else can happen until `target` the dead time needs no interval of its own.
+    fn switch(&mut self, target: f64) {
+        let mut gates = self.gates.at(self.t, &self.injected.driver);
+        if let Some((leg, gate, over)) = self.gates.waiting(self.t)
+            && over <= target
+            && self.stage.stays(leg, gate, DEAD_TIME_MARGIN * (over - self.t))
+        {
+            self.gates.turn_on(leg, gate);
+            gates[leg] = gate;
+            self.stage.set_gates(&gates);
+            self.stage.drop_of_dead_time(leg, gate, over - self.t);
+        } else {
+            self.stage.set_gates(&gates);
+        }
+        self.gates_until = self.gates.next_change(self.t, f64::INFINITY);
+    }
+
     fn follow_halls(&mut self, angle_before: f64, from: f64) {
-        let per_period = 65_536.0 / self.period;
+        let per_period = self.parts_per_second;
         self.halls.follow(
             (angle_before, self.stage.shaft.angle),
             (from * per_period, self.t * per_period),

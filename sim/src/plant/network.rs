@@ -9,7 +9,9 @@
 //!   C dv/dt = -S - g v + j             g, j: conductance and short-circuit current of what hangs at the bus
 //! ```
 
+use super::angle::Rotation;
 use super::config::SupplyConfig;
+use super::exponential::falling;
 
 /// Values of the elements, all in SI units.
 #[derive(Clone, Debug)]
@@ -22,6 +24,10 @@ pub(crate) struct Network {
     pub(crate) r: f64,
     /// `r / l`, 1/s.
     pub(crate) rate: f64,
+    /// `1 / r`, `1 / l`, `l / r`.
+    pub(crate) per_r: f64,
+    pub(crate) per_l: f64,
+    pub(crate) time_constant: f64,
     /// One phase, H.
     pub(crate) l: f64,
     /// Bus, F.
@@ -36,13 +42,13 @@ pub(crate) struct Network {
     pub(crate) leak_g: f64,
     /// The part of it behind the current shunt: the injected leak, S.
     pub(crate) shunt_g: f64,
-    /// By source off or on, then by k = 1/2 or 2/3.
-    modes: [[Modes; 2]; 2],
+    /// By source off or on, then by [`Loop`].
+    modes: [[Modes; 3]; 2],
 }
 
-/// Eigenvalues of the second-order system: `middle +- distance`, or a complex pair.
+/// A second-order system: eigenvalues `middle +- distance` or a complex pair, and what its solution needs.
 #[derive(Clone, Copy, Debug, Default)]
-struct Modes {
+pub(crate) struct Modes {
     middle: f64,
     distance: f64,
     complex: bool,
@@ -50,22 +56,26 @@ struct Modes {
     slow: f64,
     fast: f64,
     per_distance: f64,
-    trace: f64,
-    det: f64,
-}
-
-/// The state transition over some time: exp(A t) = `alpha` + `beta` A for (S, v), `leg` for every difference.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Decay {
-    pub(crate) leg: f64,
-    pub(crate) alpha: f64,
-    pub(crate) beta: f64,
+    /// A's rows.
+    pub(crate) a_ss: f64,
+    pub(crate) a_sv: f64,
+    pub(crate) a_vs: f64,
+    pub(crate) a_vv: f64,
+    pub(crate) k: f64,
+    /// Conductance at the bus, and its short-circuit current.
+    pub(crate) g: f64,
+    pub(crate) j: f64,
+    /// 1 / g, or 0 if nothing hangs there.
+    pub(crate) per_g: f64,
+    /// 1 / (r g + k).
+    pub(crate) per_det: f64,
 }
 
 /// Which second-order system applies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Loop {
     /// No current between bus and motor.
+    #[default]
     Open,
     /// One leg high, one low: k = 1/2.
     TwoLegs,
@@ -89,7 +99,10 @@ impl Network {
             copper,
             switch,
             r: copper + switch,
-            rate: (copper + switch) / l,
+            rate: 0.0,
+            per_r: 0.0,
+            per_l: 1.0 / l,
+            time_constant: 0.0,
             l,
             c,
             drop,
@@ -107,117 +120,111 @@ impl Network {
     pub(crate) fn update(&mut self) {
         self.r = self.copper + self.switch;
         self.rate = self.r / self.l;
+        self.per_r = 1.0 / self.r;
+        self.time_constant = self.l / self.r;
         for source_on in [false, true] {
-            for topology in [Loop::TwoLegs, Loop::ThreeLegs] {
-                let g = self.g(source_on);
-                let trace = -self.r / self.l - g / self.c;
-                let det = (self.r * g + topology.k()) / (self.l * self.c);
-                let middle = 0.5 * trace;
-                let square = middle * middle - det;
-                let distance = libm::sqrt(square.abs());
-                let fast = middle - distance;
-                self.modes[usize::from(source_on)][usize::from(topology == Loop::ThreeLegs)] = Modes {
-                    middle,
-                    distance,
-                    complex: square < 0.0,
-                    // From the product of both, because their sum cancels.
-                    slow: det / fast,
-                    fast,
-                    per_distance: 0.5 / distance.max(1e-9),
-                    trace,
-                    det,
-                };
+            for topology in [Loop::Open, Loop::TwoLegs, Loop::ThreeLegs] {
+                self.modes[usize::from(source_on)][topology as usize] = self.solve(topology, source_on);
             }
         }
     }
 
-    /// Conductance at the bus.
-    pub(crate) fn g(&self, source_on: bool) -> f64 {
-        if source_on { self.source_g + self.leak_g } else { self.leak_g }
+    fn solve(&self, topology: Loop, source_on: bool) -> Modes {
+        let (r, l, c, k) = (self.r, self.l, self.c, topology.k());
+        let g = if source_on { self.source_g + self.leak_g } else { self.leak_g };
+        let trace = -r / l - g / c;
+        let det = (r * g + k) / (l * c);
+        let middle = 0.5 * trace;
+        let square = middle * middle - det;
+        let distance = libm::sqrt(square.abs());
+        let fast = middle - distance;
+        Modes {
+            middle,
+            distance,
+            complex: square < 0.0,
+            // From the product of both, because their sum cancels.
+            slow: det / fast,
+            fast,
+            per_distance: 0.5 / distance.max(1e-9),
+            a_ss: -r / l,
+            a_sv: k / l,
+            a_vs: -1.0 / c,
+            a_vv: -g / c,
+            k,
+            g,
+            j: if source_on { self.source_g * self.source_v } else { 0.0 },
+            per_g: if g > 0.0 { 1.0 / g } else { 0.0 },
+            per_det: 1.0 / (r * g + k).max(f64::MIN_POSITIVE),
+        }
     }
 
-    /// Short-circuit current at the bus.
-    pub(crate) fn j(&self, source_on: bool) -> f64 {
-        if source_on { self.source_g * self.source_v } else { 0.0 }
-    }
-
-    /// Energy lost in the source resistance over `h` seconds in which the bus goes from `v0` to `v1`, J. `fall` is the
-    /// integral of y = source voltage - v, `links` the link current S at start, middle and end.
+    /// Integral of y^2, y = source voltage - v, over `h` seconds in which the bus goes from `v0` to `v1`, V2 s. `fall` is the
+    /// integral of y, `link` the link current S at start and end and its integral, if there is any.
     ///
     /// y has a fast part (source resistance times bus capacitance), which a quadrature would miss. The bus equation
     /// C dv/dt = G y - S - g v, multiplied by y, gives the integral of y^2 from that of S y, and S is smooth: it is
     /// taken as a straight line, and the moment of y that it needs is exact, again from the bus equation.
-    pub(crate) fn source_loss(&self, h: f64, v0: f64, v1: f64, fall: f64, links: [f64; 3]) -> f64 {
+    #[inline(always)]
+    pub(crate) fn fall_squared(
+        &self,
+        (h, per_h): (f64, f64),
+        (v0, v1): (f64, f64),
+        fall: f64,
+        link: Option<([f64; 2], f64)>,
+    ) -> f64 {
         let (y0, y1) = (self.source_v - v0, self.source_v - v1);
-        let per_g = 1.0 / (self.source_g + self.leak_g);
-        let link_moment = h * h * (1.0 / 6.0) * (2.0 * links[1] + links[2]);
-        let volt_seconds = self.source_v * h - fall;
+        let per_g = self.modes(Loop::Open, true).per_g;
         let leak = self.leak_g * self.source_v;
-        let moment = (self.c * (h * v1 - volt_seconds) + link_moment + 0.5 * leak * h * h) * per_g;
-        let product = links[0] * fall + (links[2] - links[0]) / h * moment;
-        self.source_g * per_g * (0.5 * self.c * (y0 * y0 - y1 * y1) + product + leak * fall)
+        let alone = 0.5 * self.c * (y0 + y1) * (y0 - y1) + leak * fall;
+        let Some((links, charge)) = link else { return per_g * alone };
+        let rise = links[1] - links[0];
+        let link_moment = h * (0.5 * charge + h * rise * (1.0 / 12.0));
+        let moment = (self.c * (fall - h * y1) + link_moment + 0.5 * leak * h * h) * per_g;
+        per_g * (alone + links[0] * fall + rise * per_h * moment)
     }
 
-    fn modes(&self, topology: Loop, source_on: bool) -> &Modes {
-        &self.modes[usize::from(source_on)][usize::from(topology == Loop::ThreeLegs)]
+    /// What hangs at the bus.
+    #[inline]
+    pub(crate) fn modes(&self, topology: Loop, source_on: bool) -> &Modes {
+        &self.modes[usize::from(source_on)][topology as usize]
     }
 
-    /// Transition over `t` seconds.
-    pub(crate) fn decay(&self, topology: Loop, source_on: bool, t: f64) -> Decay {
-        // Two legs share one current: nothing decays apart from the loop.
-        let leg = if topology == Loop::TwoLegs { 0.0 } else { exp_small(-self.rate * t) };
-        let (alpha, beta) = match topology {
-            Loop::Open => (exp_negative(-self.g(source_on) / self.c * t), 0.0),
-            _ => self.modes(topology, source_on).transition(t),
-        };
-        Decay { leg, alpha, beta }
+    /// What is left after `t` seconds of a current that decays on its own, and of a bus without the motor.
+    #[inline(always)]
+    pub(crate) fn separate_decay(&self, modes: &Modes, t: f64) -> [f64; 2] {
+        falling([-self.rate * t, modes.a_vv * t])
     }
 
-    /// Transition over twice the time of `half`, by Cayley and Hamilton: A^2 = trace A - det.
-    pub(crate) fn squared(&self, topology: Loop, source_on: bool, half: &Decay) -> Decay {
-        let modes = self.modes(topology, source_on);
-        let bb = half.beta * half.beta;
-        Decay {
-            leg: half.leg * half.leg,
-            alpha: half.alpha * half.alpha - bb * modes.det,
-            beta: 2.0 * half.alpha * half.beta + bb * modes.trace,
-        }
+    /// What is left after `t` seconds of a current that decays on its own.
+    #[inline(always)]
+    pub(crate) fn leg_decay(&self, t: f64) -> f64 {
+        falling([-self.rate * t; 2])[0]
     }
 }
 
 impl Modes {
-    fn transition(&self, t: f64) -> (f64, f64) {
-        if self.complex {
-            let envelope = exp_small(self.middle * t);
-            let angle = self.distance * t;
-            let beta = envelope * libm::sin(angle) / self.distance;
-            return (envelope * libm::cos(angle) - self.middle * beta, beta);
+    /// exp(A t) = `alpha` + `beta` A.
+    #[inline(always)]
+    pub(crate) fn transition(&self, t: f64) -> (f64, f64) {
+        if self.complex || self.distance * t < 1e-6 {
+            return self.rare_transition(t);
         }
-        if self.distance * t < 1e-6 {
-            let beta = exp_small(self.middle * t) * t;
-            return (beta / t - self.middle * beta, beta);
-        }
-        let (e_slow, e_fast) = (exp_small(self.slow * t), exp_negative(self.fast * t));
+        let [e_slow, e_fast] = falling([self.slow * t, self.fast * t]);
         let beta = (e_slow - e_fast) * self.per_distance;
         (e_slow - beta * self.slow, beta)
     }
-}
 
-/// exp(x) by its series where that is short; exact to 1e-13.
-fn exp_small(x: f64) -> f64 {
-    if x.abs() > 0.25 {
-        return exp_negative(x);
+    /// Complex or nearly equal eigenvalues.
+    #[cold]
+    #[inline(never)]
+    fn rare_transition(&self, t: f64) -> (f64, f64) {
+        let [envelope, _] = falling([self.middle * t; 2]);
+        if self.complex {
+            let Rotation { sin, cos } = Rotation::by(self.distance * t);
+            let beta = 2.0 * self.per_distance * envelope * sin;
+            return (envelope * cos - self.middle * beta, beta);
+        }
+        let beta = envelope * t;
+        (envelope - self.middle * beta, beta)
     }
-    let tail = 1.0 + x * (1.0 / 7.0) * (1.0 + x * (1.0 / 8.0) * (1.0 + x * (1.0 / 9.0)));
-    1.0 + x
-        * (1.0
-            + x * (1.0 / 2.0)
-                * (1.0
-                    + x * (1.0 / 3.0)
-                        * (1.0 + x * (1.0 / 4.0) * (1.0 + x * (1.0 / 5.0) * (1.0 + x * (1.0 / 6.0) * tail)))))
-}
-
-/// exp(x), 0 where that cannot be told from it.
-fn exp_negative(x: f64) -> f64 {
-    if x < -80.0 { 0.0 } else { libm::exp(x) }
 }

@@ -10,6 +10,7 @@ mod parallel;
 mod picture;
 mod range;
 mod report;
+mod speed;
 mod start;
 mod starts;
 mod steady;
@@ -18,6 +19,7 @@ mod trial;
 
 pub use operating::{Figures, Point};
 pub use parallel::map;
+pub use speed::command as speed;
 pub use start::{Ending, Start};
 
 use clap::Args;
@@ -82,6 +84,7 @@ fn measure(arguments: &Arguments) -> io::Result<bool> {
         ("speed range", range::rows),
         ("efficiency", efficiency::rows),
         ("faults", faults::rows),
+        ("speed of simulation", speed::rows),
     ] {
         let begun = Instant::now();
         println!("{name}");

@@ -1,0 +1,214 @@
+//! The shaft's way from one stop of the plant to the next: predicted, so that the circuit can be solved along it, and then
+//! settled with the torque that came of it.
+
+use super::angle::{Rotation, Sweep};
+use super::emf::{EmfShape, Line};
+use super::mechanics::{Motion, Push, Shaft};
+use super::segment::Shape;
+use super::stage::Stage;
+use super::wiring::Wiring;
+
+/// Longest course, s: a period at 10 kHz.
+const LENGTH_MAX: f64 = 100e-6;
+/// Courses are not made shorter than this because of a wrong prediction, s.
+const LENGTH_MIN: f64 = 5e-6;
+/// Less is no course, s: rounding may leave the shaft a hair before a corner.
+const PROGRESS: f64 = 1e-10;
+/// Largest electrical angle of a course, rad: the back-EMF is linear in it to 1e-3.
+const ANGLE_MAX: f64 = 0.25;
+/// Largest error of a phase's back-EMF because the speed was predicted wrongly: V, and part of the back-EMF. Beyond it the
+/// next courses are shorter.
+const EMF_ERROR: (f64, f64) = (1e-3, 1e-3);
+
+/// A course, and what adds up along it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course {
+    /// s.
+    length: f64,
+    /// How much of it is done, s.
+    pub(crate) elapsed: f64,
+    /// Longest one that the shaft can be predicted for, s.
+    length_max: f64,
+    pub(crate) motion: Motion,
+    /// Acceleration at its start, rad/s2.
+    acceleration: f64,
+    sweep: Sweep,
+    /// Torque impulse, N m s.
+    pub(crate) impulse: f64,
+    /// Way travelled as the circuit was told, rad.
+    pub(crate) path: f64,
+    /// Moment of the impulse about the start of the course, N m s2.
+    pub(crate) moment: f64,
+    /// Integral of the squares of all currents, A2 s.
+    pub(crate) squares: f64,
+    /// Integrals of the voltage across the source resistance, V s, and of its square, V2 s, while the source is on.
+    pub(crate) fall: f64,
+    pub(crate) fall_squared: f64,
+    /// Integral of the square of the bus voltage, V2 s.
+    pub(crate) volts_squared: f64,
+}
+
+impl Course {
+    /// One of no length.
+    pub(crate) fn new() -> Self {
+        Self {
+            length: 0.0,
+            elapsed: 0.0,
+            length_max: LENGTH_MAX,
+            motion: Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 },
+            acceleration: 0.0,
+            sweep: Sweep::new(&Rotation::of(0.0), 0.0),
+            impulse: 0.0,
+            path: 0.0,
+            moment: 0.0,
+            squares: 0.0,
+            fall: 0.0,
+            fall_squared: 0.0,
+            volts_squared: 0.0,
+        }
+    }
+
+    /// Speed now, rad/s.
+    #[inline(always)]
+    pub(crate) fn speed(&self) -> f64 {
+        let Motion { speed, drift, per_inertia } = self.motion;
+        speed + drift * self.elapsed + per_inertia * self.impulse
+    }
+
+    /// Acceleration under an electrical torque in N m, rad/s2.
+    #[inline(always)]
+    pub(crate) fn acceleration(&self, torque: f64) -> f64 {
+        self.motion.drift + self.motion.per_inertia * torque
+    }
+
+    /// What is left of it, s.
+    #[inline(always)]
+    pub(crate) fn rest(&self) -> f64 {
+        self.length - self.elapsed
+    }
+
+    /// Back-EMF per speed along the coordinates of `wiring` for the next `h` seconds; `three` says that all its legs conduct.
+    #[inline(always)]
+    pub(crate) fn shape(&self, emf: &EmfShape, shaft: &Shaft, wiring: &Wiring, three: bool, h: f64) -> Shape {
+        let t = self.elapsed + 0.5 * h;
+        let rate = shaft.pole_pairs() * (self.motion.speed + self.acceleration * t);
+        if emf.is_sine() {
+            emf.along(wiring, three, &self.rotation(shaft, t), rate, h)
+        } else {
+            emf.trapezoids_along(wiring, self.turns(shaft, t), rate, h)
+        }
+    }
+
+    /// The same of every leg.
+    pub(crate) fn legs(&self, emf: &EmfShape, shaft: &Shaft, h: f64) -> [Line; 3] {
+        let t = self.elapsed + 0.5 * h;
+        let rate = shaft.pole_pairs() * (self.motion.speed + self.acceleration * t);
+        emf.legs(self.turns(shaft, t), &self.rotation(shaft, t), rate, h)
+    }
+
+    /// Electrical angle after `t` seconds of the course, rad from its start.
+    #[inline(always)]
+    fn radians(&self, shaft: &Shaft, t: f64) -> f64 {
+        shaft.pole_pairs() * t * (self.motion.speed + 0.5 * self.acceleration * t)
+    }
+
+    /// Electrical angle after `t` seconds of the course, turns.
+    pub(crate) fn turns(&self, shaft: &Shaft, t: f64) -> f64 {
+        shaft.angle + self.radians(shaft, t) * (0.5 / core::f64::consts::PI)
+    }
+
+    /// Its sine and cosine.
+    #[inline(always)]
+    pub(crate) fn rotation(&self, shaft: &Shaft, t: f64) -> Rotation {
+        let from_middle = self.radians(shaft, t) - 0.5 * self.sweep.span;
+        self.sweep.middle.and(&Rotation::by_little(from_middle))
+    }
+}
+
+impl Stage {
+    /// Begins a course of `limit` seconds or less. Returns how long it is.
+    #[inline(always)]
+    pub(crate) fn set_out(&mut self, limit: f64) -> f64 {
+        let length = self.longest(limit).max(PROGRESS).min(limit);
+        let motion = self.shaft.predict(self.torque, length);
+        let acceleration = motion.drift + motion.per_inertia * self.torque;
+        let rate = (motion.speed + 0.5 * acceleration * length) * self.shaft.pole_pairs();
+        self.course = Course {
+            length,
+            elapsed: 0.0,
+            length_max: self.course.length_max,
+            motion,
+            acceleration,
+            sweep: Sweep::new(&self.rotation, rate * length),
+            impulse: 0.0,
+            path: 0.0,
+            moment: 0.0,
+            squares: 0.0,
+            fall: 0.0,
+            fall_squared: 0.0,
+            volts_squared: 0.0,
+        };
+        length
+    }
+
+    /// Longest course up to `limit` that the approximations allow.
+    #[inline(always)]
+    fn longest(&self, limit: f64) -> f64 {
+        let most = self.course.length_max;
+        let mut length = if limit < most { limit } else { most };
+        let rate = (self.shaft.speed * self.shaft.pole_pairs()).abs();
+        if rate * length > ANGLE_MAX {
+            length = ANGLE_MAX / rate;
+        }
+        if self.shape.is_sine() { length } else { self.to_corner(length) }
+    }
+
+    /// `length`, or less if the back-EMF has a corner before.
+    #[inline(never)]
+    fn to_corner(&self, length: f64) -> f64 {
+        let turns_per_second = self.shaft.speed * self.shaft.turns_per_radian();
+        match self.shape.turns_to_corner(self.shaft.angle, turns_per_second.signum()) {
+            Some(turns) if turns_per_second.abs() * length > turns => turns / turns_per_second.abs(),
+            _ => length,
+        }
+    }
+
+    /// At the end of a course: moves the shaft and books what added up.
+    #[inline(always)]
+    pub(crate) fn arrive(&mut self) {
+        let course = &self.course;
+        let Course { length: h, impulse, moment, squares, fall, fall_squared, .. } = *course;
+        let expected = course.path / h;
+        let turn = self.shaft.turn(&Push {
+            h,
+            per_h: 1.0 / h,
+            impulse,
+            lead: 0.5 * impulse * h - moment,
+            speed: expected,
+        });
+        let more = turn.path - course.path;
+        let error = more.abs() / h * self.shape.peak();
+        let allowed = EMF_ERROR.0 + EMF_ERROR.1 * self.shape.peak() * expected.abs();
+        if error > allowed {
+            self.course.length_max = (0.5 * h).max(LENGTH_MIN);
+        } else if error < 0.25 * allowed && course.length_max < LENGTH_MAX {
+            self.course.length_max = (2.0 * course.length_max).min(LENGTH_MAX);
+        }
+        if self.shape.is_sine() {
+            self.rotation = self.course.sweep.end(turn.path * self.shaft.pole_pairs());
+        }
+        self.shaft.apply(&turn);
+        self.course.elapsed = 0.0;
+        self.course.length = 0.0;
+        self.impulse += impulse;
+        let (network, ledger) = (&self.network, &mut self.ledger);
+        ledger.copper += network.copper * squares;
+        ledger.switches += network.switch * squares;
+        ledger.source += network.source_v * network.source_g * fall;
+        ledger.source_loss += network.source_g * fall_squared;
+        ledger.leak += network.leak_g * self.course.volts_squared;
+        ledger.shaft += impulse * turn.mean;
+        ledger.friction += turn.friction;
+        ledger.load += turn.load;
+    }
+}

@@ -1,0 +1,194 @@
+//! Which diodes conduct, and when that changes: the rare part of an interval.
+
+use super::circuit::{Circuit, Leg, Reduced};
+use super::emf::Line;
+use super::event::{Event, First, Scene};
+use super::segment::Segment;
+use super::stage::{Stage, VOLTAGE_EDGE};
+
+/// A diode's current below this has ended, A.
+const STOPPED: f64 = 1e-6;
+/// The source stops or starts between its edge and this far beyond, V.
+const PASSED: f64 = 1e-5;
+/// Shorter times are none, s.
+const INSTANT: f64 = 1e-13;
+
+impl Stage {
+    /// Turns the diode on that is most in need of it, or a currentless one off. False if all agree.
+    #[inline(never)]
+    pub(crate) fn change_diode(&mut self) -> bool {
+        self.refresh();
+        let (v, drop) = (self.electric.v, self.network.drop);
+        let emf = self.legs_emf();
+        let neutral = self.circuit.neutral(&emf, v, drop);
+        for x in 0..3 {
+            let sign = self.circuit.diodes[x];
+            if sign != 0.0 && self.electric.i[x] == 0.0 {
+                // L di/dt of a leg without current. The diode at the bus lets current out of the motor only.
+                let terminal = if sign > 0.0 { v + drop } else { -drop };
+                if sign * (terminal - neutral - emf[x]) >= 0.0 {
+                    self.set_leg(x, Leg::Idle);
+                    self.held[x] = true;
+                    self.end_current(x);
+                    self.refresh();
+                    return true;
+                }
+            }
+        }
+        let mut most = (VOLTAGE_EDGE, None);
+        for event in self.starts().into_iter().flatten() {
+            let excess = match event {
+                Event::HighStarts(x) => neutral + emf[x] - v - drop,
+                Event::LowStarts(x) => -drop - neutral - emf[x],
+                Event::PairStarts(x, y) => emf[x] - emf[y] - v - 2.0 * drop,
+                _ => continue,
+            };
+            if excess > most.0 {
+                most = (excess, Some(event));
+            }
+        }
+        let Some(event) = most.1 else { return false };
+        self.start_diodes(event);
+        self.refresh();
+        true
+    }
+
+    /// Diodes that could start to conduct.
+    fn starts(&self) -> [Option<Event>; 6] {
+        let mut events = [None; 6];
+        let may_start = |x: usize| self.legs[x] == Leg::Idle && !self.open[x] && !self.held[x];
+        if self.circuit.is_tied() {
+            for x in 0..3 {
+                if may_start(x) {
+                    events[2 * x] = Some(Event::HighStarts(x));
+                    events[2 * x + 1] = Some(Event::LowStarts(x));
+                }
+            }
+        } else {
+            let mut next = 0;
+            for x in 0..3 {
+                for y in 0..3 {
+                    if x != y && may_start(x) && may_start(y) {
+                        events[next] = Some(Event::PairStarts(x, y));
+                        next += 1;
+                    }
+                }
+            }
+        }
+        events
+    }
+
+    fn start_diodes(&mut self, event: Event) {
+        match event {
+            Event::HighStarts(x) => self.set_leg(x, Leg::HighDiode),
+            Event::LowStarts(x) => self.set_leg(x, Leg::LowDiode),
+            Event::PairStarts(x, y) => {
+                self.set_leg(x, Leg::HighDiode);
+                self.set_leg(y, Leg::LowDiode);
+            }
+            _ => {}
+        }
+    }
+
+    /// A plain event in the next `h` seconds: the only diode's current ends, or else the source stops or starts. None if it is
+    /// not as plain as that.
+    #[inline(never)]
+    pub(crate) fn plain_event(&self, h: f64, of_a_diode: bool) -> Option<(Event, f64, Reduced)> {
+        let segment = self.segment(h);
+        let Circuit { wiring, diodes, .. } = &self.circuit;
+        let network = &self.network;
+        let x = match diodes.map(|sign| sign != 0.0) {
+            [true, false, false] => 0,
+            [false, true, false] => 1,
+            [false, false, true] => 2,
+            _ if of_a_diode => return None,
+            _ => 0,
+        };
+        // What is to come to zero, in parts of s, d and v: a current, or the bus a little beyond its edge.
+        let (event, parts, level, close) = if of_a_diode {
+            (Event::Stops(x), [diodes[x] * wiring.along[x], diodes[x] * wiring.across[x], 0.0], 0.0, STOPPED)
+        } else {
+            let sign = if self.source_on { 1.0 } else { -1.0 };
+            let event = if self.source_on { Event::SourceStops } else { Event::SourceStarts };
+            (event, [0.0, 0.0, sign], sign * network.source_v + 0.5 * PASSED, 0.4 * PASSED)
+        };
+        let value = |at: &Reduced| parts[0] * at.s + parts[1] * at.d + parts[2] * at.v - level;
+        let slope = |t: f64, at: &Reduced| {
+            let Reduced { s, d, v } = segment.slopes(network, t, at);
+            parts[0] * s + parts[1] * d + parts[2] * v
+        };
+        let start = &segment.start;
+        let (f0, f1, first) = (value(start), value(&segment.at(network, h)), slope(0.0, start));
+        let second = (f1 - f0 - first * h) / (h * h);
+        let root = first * first - 4.0 * second * f0;
+        if f0 >= 0.0 || f1 <= 0.0 || root <= 0.0 {
+            return None;
+        }
+        // Where the parabola with the slope at the start rises through zero, then Newton's method on the solution.
+        let mut t = if first > 0.0 {
+            -2.0 * f0 / (first + libm::sqrt(root))
+        } else {
+            (libm::sqrt(root) - first) / (2.0 * second)
+        };
+        for _ in 0..8 {
+            if !(t > INSTANT && t < h) {
+                return None;
+            }
+            let at = segment.at(network, t);
+            let f = value(&at);
+            if f.abs() < close {
+                return Some((event, t, at));
+            }
+            t -= f / slope(t, &at);
+        }
+        None
+    }
+
+    /// Looks closely at an interval in which something may happen: what happens first, and when.
+    #[inline(never)]
+    pub(crate) fn search(&self, segment: &Segment, h: f64, end: Reduced) -> Option<(Event, f64)> {
+        let (circuit, network) = (&self.circuit, &self.network);
+        let mut emf = [Line::default(); 3];
+        if circuit.wiring.conducting < 2 {
+            let (speed, acceleration) = (segment.speed, segment.acceleration);
+            let middle = speed + 0.5 * acceleration * h;
+            emf = self.course.legs(&self.shape, &self.shaft, h).map(|shape| Line {
+                start: shape.start * speed,
+                slope: shape.slope * middle + (shape.start + 0.5 * h * shape.slope) * acceleration,
+            });
+        }
+        let scene = Scene { segment, circuit, network, emf };
+        let middle = segment.at(network, 0.5 * h);
+        let mut first = First { scene: &scene, h, middle: &middle, end: &end, found: None };
+        if circuit.has_diodes {
+            (0..3).filter(|x| circuit.diodes[*x] != 0.0).for_each(|x| first.consider(Event::Stops(x)));
+        }
+        if circuit.wiring.conducting < 3 {
+            self.starts().into_iter().flatten().for_each(|event| first.consider(event));
+        }
+        if !self.source_on {
+            first.consider(Event::SourceStarts);
+        } else if !self.may_sink {
+            first.consider(Event::SourceStops);
+        }
+        first.found
+    }
+
+    /// Makes `event` happen. One that comes without any delay holds its leg for an interval.
+    pub(crate) fn apply(&mut self, event: Event, at_once: bool) {
+        match event {
+            Event::Stops(x) => {
+                self.set_leg(x, Leg::Idle);
+                self.held[x] = at_once;
+                self.end_current(x);
+                self.diode_events += 1;
+            }
+            Event::SourceStops => self.source_on = false,
+            Event::SourceStarts => self.source_on = true,
+            _ => {
+                self.start_diodes(event);
+                self.diode_events += 1;
+            }
+        }
+    }
+}

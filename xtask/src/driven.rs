@@ -1,0 +1,35 @@
+//! The program that drives one motor with the real core in the loop (`sim/examples/driven.rs`): what speed and instruction
+//! counts are measured on.
+
+use crate::install;
+use crate::steps;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Control modes that are measured, as the program names them.
+pub const MODES: [&str; 2] = ["hall", "sensorless"];
+
+/// Builds it as released, and says where it is.
+///
+/// # Errors
+/// What the compiler said.
+pub fn build(root: &Path) -> Result<PathBuf, String> {
+    let mut build = Command::new("cargo");
+    build.args(["build", "--release", "--quiet", "-p", "narx-sim", "--example", "driven"]);
+    steps::run(build.current_dir(root))?;
+    Ok(install::target_directory(root).join("release/examples/driven"))
+}
+
+/// Runs a program, and returns what it printed.
+///
+/// # Errors
+/// It does not start, or fails.
+pub fn output(command: &mut Command) -> Result<String, String> {
+    let program = command.get_program().display().to_string();
+    let output = command.output().map_err(|error| format!("{program}: {error}"))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    } else {
+        Err(format!("{program}: {}: {}", output.status, String::from_utf8_lossy(&output.stderr)))
+    }
+}
