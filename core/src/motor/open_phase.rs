@@ -29,6 +29,8 @@ pub struct OpenPhase {
     /// Per phase: consecutive steps that fit "this phase is open".
     evidence: [u8; 3],
     resting: u16,
+    /// One of them has been reached.
+    found: bool,
 }
 
 /// Consecutive steps, three electrical revolutions.
@@ -46,15 +48,19 @@ impl OpenPhase {
         stopped: bool,
     ) -> bool {
         let carries = current.to_bits() > NONE;
-        let pressing = stopped && !carries && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
-        self.resting = if pressing { self.resting.saturating_add(1) } else { 0 };
         if applied != self.step {
             self.judge();
             (self.step, self.ticks, self.carrying) = (applied, 0, 0);
         }
         self.ticks = self.ticks.saturating_add(1);
-        self.carrying = self.carrying.saturating_add(u16::from(carries));
-        self.resting >= c.at_rest || self.evidence.iter().any(|count| *count >= EVIDENCE)
+        if carries {
+            self.carrying = self.carrying.saturating_add(1);
+            self.resting = 0;
+        } else {
+            let pressing = stopped && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
+            self.resting = if pressing { self.resting.saturating_add(1) } else { 0 };
+        }
+        self.found || self.resting >= c.at_rest
     }
 
     /// Forgets everything: the bridge is off.
@@ -75,5 +81,6 @@ impl OpenPhase {
             let fits = if leg == Leg::Floating { alive } else { dead };
             *count = if fits { count.saturating_add(1) } else { 0 };
         }
+        self.found = self.evidence.iter().any(|count| *count >= EVIDENCE);
     }
 }
