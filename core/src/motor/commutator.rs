@@ -55,6 +55,20 @@ impl Commutator {
         }
     }
 
+    /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick.
+    pub fn calm(&self, angle: u32, speed: i32) -> u32 {
+        let left = if speed < 0 { angle.wrapping_sub(self.until) } else { self.until.wrapping_sub(angle) };
+        if left >= self.span || speed != self.speed {
+            return 0;
+        }
+        left.checked_div(speed.unsigned_abs()).unwrap_or(u32::MAX)
+    }
+
+    /// The step that goes on.
+    pub const fn present(&self) -> Step {
+        self.step
+    }
+
     #[inline(never)]
     fn change(
         &mut self,

@@ -46,9 +46,25 @@ pub struct Drive {
     calibration: HallCalibration,
     /// Somebody listens to the terminals.
     listens: bool,
+    calm: Calm,
     /// What was applied in the last tick.
     applied: PwmCommand,
     reports: Reports,
+}
+
+/// What goes on by itself. Most ticks of a running motor lie between two edges, or crossings, and two commands: nothing but the loops has to
+/// be looked at, and the whole tick before them knows how long that lasts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Calm {
+    /// Ticks left of it, and those of it that have passed without the stations' knowledge.
+    left: u32,
+    slept: u32,
+    /// The hall code that lasts.
+    hall: u8,
+    step: Step,
+    /// Estimated speed in the direction of torque, raw I16F16 electrical rev/s, and what the voltage fades by.
+    speed: i32,
+    fade: u8,
 }
 
 /// When a status is due: every millisecond, and when state or fault word change.
@@ -110,6 +126,7 @@ impl Drive {
             calibrator: HallCalibrator::default(),
             calibration: HallCalibration::None,
             listens: false,
+            calm: Calm::default(),
             applied: PwmCommand::default(),
             reports: Reports::default(),
         }
@@ -134,6 +151,7 @@ impl Drive {
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
     pub fn handle_event(&mut self, event: Event) {
+        self.wake();
         self.protection.wake();
         match event {
             Event::Command(command) => self.machine.handle_command(command),
@@ -156,13 +174,15 @@ impl Drive {
         let place = self.control.tick(&self.coefficients.control);
         let idle = self.machine.state() == State::Initialization;
         let measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        let hall = self.rotor.step(&self.coefficients, samples);
-        if self.listens {
-            self.listen(samples, &measured);
-        }
-        let critical = self.protect(samples, &measured, hall);
-        self.advance_state(critical, samples);
-        let pattern = self.pattern(samples);
+        let pattern = if self.calm.left > 0 && self.is_calm(samples, &measured) {
+            self.calm.left -= 1;
+            self.calm.slept += 1;
+            self.open_phase.count(measured.bus_current);
+            let Calm { step, speed, fade, .. } = self.calm;
+            Pattern::hold(Demand::Speed { measured: speed, fade }, step)
+        } else {
+            self.look(samples, &measured)
+        };
         if place <= place::RAILS {
             self.rest_of_millisecond(place, pattern.demand, &measured);
         }
@@ -178,9 +198,74 @@ impl Drive {
         self.applied
     }
 
+    /// Nothing that this tick measures asks for a look.
+    #[inline]
+    fn is_calm(&self, samples: &Samples, measured: &Measured) -> bool {
+        let seen = Seen {
+            bus_voltage: measured.bus_voltage.to_bits(),
+            bus_current: measured.bus_current.to_bits(),
+            speed: 0,
+            lines: samples.lines,
+        };
+        samples.edges.is_empty()
+            && samples.hall == self.calm.hall
+            && self.protection.stays_quiet(&self.coefficients.protection, &seen)
+    }
+
+    /// The whole tick: every station in turn, up to what is to be applied.
+    #[inline(never)]
+    fn look(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
+        self.wake();
+        let hall = self.rotor.step(&self.coefficients, samples);
+        if self.listens {
+            self.listen(samples, measured);
+        }
+        let critical = self.protect(samples, measured, hall);
+        self.advance_state(critical, samples);
+        let pattern = self.pattern(samples);
+        self.open_phase.change(pattern.commutations.last().unwrap_or(pattern.step));
+        self.calm_down(samples, &pattern);
+        pattern
+    }
+
+    /// What the stations have not seen of a calm is told to them, and it is over.
+    fn wake(&mut self) {
+        let slept = core::mem::take(&mut self.calm.slept);
+        self.calm.left = 0;
+        if slept > 0 {
+            self.rotor.sleep(slept);
+            self.machine.sleep(slept);
+        }
+    }
+
+    /// How long nothing but the loops has to be looked at.
+    #[inline]
+    fn calm_down(&mut self, samples: &Samples, pattern: &Pattern) {
+        let c = &self.coefficients;
+        let Demand::Speed { measured: speed, fade } = pattern.demand else { return };
+        if self.machine.state() != State::HallClosedLoop
+            || !self.protection.is_quiet()
+            || self.rotor.hall_stopped(c)
+            || self.open_phase.is_found(&c.open_phase)
+        {
+            return;
+        }
+        let position = self.rotor.hall_position();
+        let left = self.commutator.calm(position.angle, position.speed);
+        let left = left.min(self.rotor.calm(c)).min(self.machine.calm(&c.machine));
+        let step = self.commutator.present();
+        self.calm = Calm { left, slept: 0, hall: samples.hall, step, speed, fade };
+    }
+
     /// The report of the last step, if one is due: every millisecond, and when state or fault word change.
     pub fn poll_status(&mut self) -> Option<Status> {
-        core::mem::take(&mut self.reports.due).then(|| self.status())
+        if !core::mem::take(&mut self.reports.due) {
+            return None;
+        }
+        let left = self.calm.left;
+        self.wake();
+        self.calm.left = left;
+        Some(self.status())
     }
 
     /// What bounds the duty in the last tick.
@@ -238,15 +323,11 @@ impl Drive {
     fn protect(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents) -> bool {
         let state = self.machine.state();
         let driving = state.is_driving();
-        let open_phase = driving
-            && !self.machine.calibrating()
-            && self.open_phase.step(
-                &self.coefficients.open_phase,
-                self.applied.step,
-                self.applied.duty,
-                measured.bus_current,
-                self.stands(),
-            );
+        let open_phase = driving && !self.machine.calibrating() && {
+            self.open_phase.count(measured.bus_current);
+            self.open_phase.rest(self.applied.step, self.applied.duty, measured.bus_current, self.stands());
+            self.open_phase.is_found(&self.coefficients.open_phase)
+        };
         let sensors = state == State::HallClosedLoop
             && (hall != HallEvents::default() || self.rotor.hall_stopped(&self.coefficients));
         let seen = Seen {

@@ -166,6 +166,31 @@ impl Hall {
         events
     }
 
+    /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass.
+    pub fn calm(&self, c: &HallCoefficients) -> u32 {
+        if !self.settled {
+            return 0;
+        }
+        let to = |age: u32| age.saturating_sub(self.since_edge) / TICK;
+        let end = if self.since_edge >= c.timeout {
+            u32::MAX
+        } else {
+            (c.timeout - 1).saturating_sub(self.since_edge) / TICK
+        };
+        let overdue = if self.unbounded == u32::MAX { u32::MAX } else { to(self.unbounded) };
+        let per_tick = self.interpolated.unsigned_abs();
+        let passed = self.angle.wrapping_sub(self.from);
+        let room = if self.interpolated < 0 { passed } else { self.span.saturating_sub(passed) };
+        let clamped = room.checked_div(per_tick).unwrap_or(u32::MAX);
+        end.min(overdue).min(clamped)
+    }
+
+    /// The present code, and no edge, for `ticks` that [`calm`](Self::calm) allowed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.since_edge = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
+        self.angle = self.angle.wrapping_add((self.interpolated as u32).wrapping_mul(ticks));
+    }
+
     /// Something has changed, or waits.
     #[inline(never)]
     fn attend(&mut self, c: &HallCoefficients, samples: &Samples, level: u8) -> HallEvents {

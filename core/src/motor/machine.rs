@@ -183,6 +183,25 @@ impl Machine {
         }
     }
 
+    /// For how many ticks from now no row of a driven state can hold by time alone, and nothing but time would change anything.
+    pub fn calm(&self, c: &MachineCoefficients) -> u32 {
+        let goes_on = self.state.is_driving()
+            && !self.calibrating()
+            && self.wants_to_run()
+            && self.requested_direction() == self.direction;
+        if !goes_on {
+            return 0;
+        }
+        let silent = c.command_timeout.saturating_sub(self.command_age);
+        silent.min(self.duration(c).saturating_sub(self.age)).saturating_sub(1)
+    }
+
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.age = self.age.saturating_add(ticks);
+        self.command_age = self.command_age.saturating_add(ticks);
+    }
+
     #[inline]
     fn wants_to_run(&self) -> bool {
         matches!(self.command.request, Request::Drive | Request::Reverse)

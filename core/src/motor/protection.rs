@@ -216,6 +216,11 @@ impl Protection {
             && !seen.lines.intersects(looked_at)
     }
 
+    /// Everything is at rest.
+    pub const fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
     fn is_at_rest(&self) -> bool {
         let at_rest = Qualifier::default();
         let limits = [

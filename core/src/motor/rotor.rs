@@ -43,6 +43,16 @@ impl Rotor {
         events
     }
 
+    /// For how many ticks from now the hall sensors need no look, if their code stays.
+    pub fn calm(&self, c: &Coefficients) -> u32 {
+        self.hall.calm(&c.hall)
+    }
+
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.hall.sleep(ticks);
+    }
+
     /// The hall lines mean something else from now on: what was measured by the old meaning is forgotten.
     pub fn change_wiring(&mut self, before: &HallCoefficients, after: &HallCoefficients) {
         if (before.sectors, before.offset) != (after.sectors, after.offset) {

@@ -96,7 +96,6 @@ impl ZeroCrossing {
             self.why = Why::Blind;
         }
         let Some(sector) = sight.sector else { return true };
-        self.coasting = false;
         let place = 2 * ((sector + 1) % 6);
         if let Some(age) = sight.crossing {
             let offset = self.threshold_angle(sight.threshold, back_emf);
@@ -137,7 +136,6 @@ impl ZeroCrossing {
             self.start(angle, direction);
         }
         self.polarities = 3;
-        self.coasting = true;
         self.accept(place % 12, 0, age, Why::Listened);
     }
 
@@ -198,7 +196,8 @@ impl ZeroCrossing {
         self.consistent = self.consistent.saturating_add(1);
         (self.blind, self.late) = (0, 0);
         self.accepted = self.accepted.wrapping_add(1);
-        self.why = why;
+        // Of a rotor that has just been caught the last place is as old as coasting shows them, until it shows its first crossing.
+        (self.why, self.coasting) = (why, why == Why::Listened);
     }
 
     fn push(&mut self, interval: u32) {
@@ -251,7 +250,7 @@ impl ZeroCrossing {
     fn take_late(&mut self, place: u8, starting: bool) {
         self.late = self.late.saturating_add(1);
         self.consistent = 0;
-        self.why = Why::DemagLate;
+        (self.why, self.coasting) = (Why::DemagLate, false);
         let sign = self.direction.sign();
         if starting {
             self.skip_to_end(place);
