@@ -1,6 +1,7 @@
 //! Gains, PI, ramp and the volts-to-duty division against exact arithmetic.
 
 use narx_core::motor::Samples;
+use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::{Gain, SIGNIFICANT_BITS};
 use narx_core::motor::measurement::{ChannelScale, Measurement, MeasurementScales};
 use narx_core::motor::pi::{Pi, PiGains};
@@ -175,9 +176,9 @@ fn slow_ramps_move_and_no_rate_stands_still() {
     assert_eq!(ramp.step(i32::MAX, i64::MAX), i32::MAX);
 }
 
-/// A front end whose codes are raw volts / 80: 1.2 mV resolution up to 80 V.
+/// A front end of 1.2 mV resolution: 65 536 codes up to 80 V.
 fn fine_scales() -> MeasurementScales {
-    let scale = ChannelScale { zero: 0, gain: gain(80, 1), offset: 0 };
+    let scale = ChannelScale::new(Channel { zero: 0, micro_per_code: 1_221 }, 0);
     MeasurementScales { bus_voltage: scale, bus_current: scale, phase_voltage: scale }
 }
 

@@ -18,7 +18,7 @@
 
 use super::commutation::{Direction, Leg, Step};
 use super::gain::Gain;
-use super::hall::TICK;
+use super::interval::{TICK, fraction};
 use super::measurement::Measured;
 use super::pwm::PwmCommand;
 use super::samples::{EdgeSource, SampleMode, Samples};
@@ -374,11 +374,4 @@ fn signal(voltage: &[Volts; 3], phase: usize) -> i32 {
     let [a, b, c] = voltage.map(Volts::to_bits);
     let floating = [a, b, c].get(phase).copied().unwrap_or(0);
     3 * floating - a - b - c
-}
-
-/// `part / whole` in 1/65 536, 0..=65 536, by a 32-bit division.
-fn fraction(part: i32, whole: i32) -> i32 {
-    let (part, whole) = (part.max(0) as u32, whole.max(1) as u32);
-    let scale = 16_u32.saturating_sub(whole.leading_zeros());
-    (((part >> scale).min(0xFFFF) << 16) / (whole >> scale).max(1)).min(1 << 16) as i32
 }

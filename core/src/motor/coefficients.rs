@@ -2,8 +2,8 @@
 
 use super::back_emf::BackEmfCoefficients;
 use super::commutator::CommutatorCoefficients;
-use super::control::ControlCoefficients;
-use super::front_end::{Board, Channel};
+use super::control::{ControlCoefficients, ModeCoefficients};
+use super::front_end::Board;
 use super::gain::Gain;
 use super::hall::HallWiring;
 use super::hall::{HallCoefficients, sectors};
@@ -56,19 +56,6 @@ pub struct Coefficients {
     pub sample_settle: u16,
 }
 
-/// What a closed-loop mode has of its own. Speeds are raw I16F16 electrical rev/s.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ModeCoefficients {
-    /// Speed loop, volts per electrical rev/s, per millisecond.
-    pub speed: PiGains,
-    /// Smallest set-point.
-    pub speed_min: i32,
-    /// Largest set-point.
-    pub speed_max: i32,
-    /// Largest duty, raw U1F15.
-    pub duty_max: u16,
-}
-
 /// Why a parameter set does not build: the parameter at fault, its value and the range that the others leave it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildError {
@@ -111,7 +98,7 @@ impl Coefficients {
         b.check()?;
         let lock_voltage = b.nominal_share(number::LOCK_DUTY);
         Ok(Self {
-            measurement: b.measurement()?,
+            measurement: b.measurement(),
             hall: b.hall()?,
             hall_calibration: HallCalibrationCoefficients::new(b.turns()?, lock_voltage),
             open_loop: b.open_loop(lock_voltage)?,
@@ -255,19 +242,13 @@ impl Builder<'_> {
         self.within(number::OPEN_LOOP_DUTY, 0, self.raw(number::DUTY_MAX))
     }
 
-    fn channel(&self, channel: Channel, offset: i32, number: u16) -> Result<ChannelScale, BuildError> {
-        let gain = self.gain(number, (channel.micro_per_code as i128) << 16, 1_000_000)?;
-        Ok(ChannelScale { zero: channel.zero, gain, offset })
-    }
-
-    fn measurement(&self) -> Result<MeasurementScales, BuildError> {
+    fn measurement(&self) -> MeasurementScales {
         let front = &self.board.front_end;
-        let (voltage, current) = (number::HV_VOLTAGE_OFFSET, number::HV_CURRENT_OFFSET);
-        Ok(MeasurementScales {
-            bus_voltage: self.channel(front.bus_voltage, self.quantity(voltage), voltage)?,
-            bus_current: self.channel(front.bus_current, self.quantity(current), current)?,
-            phase_voltage: self.channel(front.phase_voltage, 0, voltage)?,
-        })
+        MeasurementScales {
+            bus_voltage: ChannelScale::new(front.bus_voltage, self.quantity(number::HV_VOLTAGE_OFFSET)),
+            bus_current: ChannelScale::new(front.bus_current, self.quantity(number::HV_CURRENT_OFFSET)),
+            phase_voltage: ChannelScale::new(front.phase_voltage, 0),
+        }
     }
 
     fn hall(&self) -> Result<HallCoefficients, BuildError> {
@@ -462,6 +443,7 @@ impl Builder<'_> {
             speed_min: self.speed(number::SPEED_MIN_HES),
             speed_max: self.speed(number::SPEED_MAX_HES),
             duty_max: self.duty(number::DUTY_MAX),
+            sparse: false,
         })
     }
 
@@ -477,6 +459,7 @@ impl Builder<'_> {
             speed_min: self.speed(number::SPEED_MIN_SL),
             speed_max: self.speed(number::SPEED_MAX_SL),
             duty_max: self.duty(number::DUTY_MAX_SL),
+            sparse: true,
         })
     }
 }

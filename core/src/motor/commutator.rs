@@ -1,11 +1,11 @@
 //! Electrical angle and speed to the step now and the commutation instants inside this period.
 
 use super::commutation::{Direction, Step, sector_of};
+use super::interval::{SIXTH, part_of};
 use super::pwm::{Commutation, Commutations};
 use crate::units::ElectricalAngle;
 use serde::{Deserialize, Serialize};
 
-const SIXTH: u32 = u32::MAX / 6;
 /// A rotor that appears to have fallen back behind a boundary by less than this does not commutate back.
 const HYSTERESIS: i32 = (SIXTH / 4) as i32;
 
@@ -18,20 +18,28 @@ pub struct CommutatorCoefficients {
     pub advance: u32,
 }
 
-/// State of the commutator: the sector it last commutated to.
+/// State of the commutator: the sector it last commutated to, and how long that goes on without a look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Commutator {
     sector: Option<u8>,
+    step: Step,
+    /// For this speed, with torque in this direction,
+    speed: i32,
+    torque: Direction,
+    /// nothing changes at boundaries between this angle (u32 turn) and so far beyond, against the motion.
+    until: u32,
+    span: u32,
 }
 
 impl Commutator {
     /// Forgets the sector: the next call commutates to wherever the rotor is.
     pub fn reset(&mut self) {
-        self.sector = None;
+        *self = Self::default();
     }
 
     /// The step at `earliest`, and the changes later in this period, for a rotor at `angle` (at the period's boundary)
-    /// turning by `speed` a tick, with torque in `torque`.
+    /// turning by `speed` a tick, with torque in `torque`. Most ticks lie within a sector.
+    #[inline]
     pub fn step(
         &mut self,
         c: &CommutatorCoefficients,
@@ -39,22 +47,72 @@ impl Commutator {
         speed: i32,
         torque: Direction,
     ) -> (Step, Commutations) {
+        let left = if speed < 0 { angle.wrapping_sub(self.until) } else { self.until.wrapping_sub(angle) };
+        if left < self.span && speed == self.speed && torque == self.torque {
+            (self.step, Commutations::NONE)
+        } else {
+            self.change(c, angle, speed, torque)
+        }
+    }
+
+    /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick.
+    pub fn calm(&self, angle: u32, speed: i32) -> u32 {
+        let left = if speed < 0 { angle.wrapping_sub(self.until) } else { self.until.wrapping_sub(angle) };
+        if left >= self.span || speed != self.speed {
+            return 0;
+        }
+        left.checked_div(speed.unsigned_abs()).unwrap_or(u32::MAX)
+    }
+
+    /// The step that goes on.
+    pub const fn present(&self) -> Step {
+        self.step
+    }
+
+    #[inline(never)]
+    fn change(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> (Step, Commutations) {
         // Advance looks ahead in the direction of motion.
-        let angle = if speed < 0 { angle.wrapping_sub(c.advance) } else { angle.wrapping_add(c.advance) };
-        let at_earliest = angle.wrapping_add(((speed as i64 * c.earliest as i64) >> 16) as u32);
+        let advanced = if speed < 0 { angle.wrapping_sub(c.advance) } else { angle.wrapping_add(c.advance) };
+        let at_earliest = advanced.wrapping_add(part_of(speed, c.earliest.into()));
         let mut sector = self.settle(at_earliest, speed);
         let first = Step::for_sector(sector, torque);
         let mut commutations = Commutations::default();
         // A rotor that seems to pass a sector within the blind start would be due before `earliest`.
         let mut last = c.earliest;
         for _ in 0..2 {
-            let Some(instant) = instant_of_next(c, angle, speed, sector) else { break };
+            let Some(instant) = instant_of_next(c, advanced, speed, sector) else { break };
             sector = if speed > 0 { (sector + 1) % 6 } else { (sector + 5) % 6 };
             last = last.max(instant);
             commutations.push(Commutation { instant: last, step: Step::for_sector(sector, torque) });
         }
-        self.sector = Some(sector);
+        self.rest(c, sector, speed, torque);
         (first, commutations)
+    }
+
+    /// Until when `sector` goes on: as long as the rotor is no further back than its entry, and the next boundary is further ahead than this
+    /// period sees.
+    fn rest(&mut self, c: &CommutatorCoefficients, sector: u8, speed: i32, torque: Direction) {
+        let seen = window(c, speed).min(SIXTH.into()) as u32;
+        let (boundary, sign) = if speed < 0 {
+            (entry((sector + 5) % 6, speed), -1)
+        } else {
+            (entry((sector + 1) % 6, speed), 1)
+        };
+        let before = seen.wrapping_add(c.advance);
+        *self = Self {
+            sector: Some(sector),
+            step: Step::for_sector(sector, torque),
+            speed,
+            torque,
+            until: if sign < 0 { boundary.wrapping_add(before) } else { boundary.wrapping_sub(before) },
+            span: SIXTH - seen,
+        };
     }
 
     /// The sector of `angle`, or the sector before it was left if the rotor seems to have moved back a little.
@@ -78,6 +136,12 @@ fn entry(sector: u8, speed: i32) -> u32 {
     if speed < 0 { start.wrapping_add(SIXTH) } else { start }
 }
 
+/// How far ahead a boundary is taken in this period, u32 turn: to the middle of the next one's blind start.
+fn window(c: &CommutatorCoefficients, speed: i32) -> u64 {
+    let per_tick = u64::from(speed.unsigned_abs());
+    per_tick + ((per_tick * u64::from(c.earliest)) >> 17)
+}
+
 /// When within this period the rotor leaves `sector`. A boundary that falls between the period's end and the middle of the
 /// next period's blind start (before `earliest`) is taken at the end of this one: that is nearer.
 fn instant_of_next(c: &CommutatorCoefficients, angle: u32, speed: i32, sector: u8) -> Option<u16> {
@@ -90,8 +154,7 @@ fn instant_of_next(c: &CommutatorCoefficients, angle: u32, speed: i32, sector: u
     // More than half a turn ahead is behind: due at once.
     let ahead = if ahead > u32::MAX / 2 { 0 } else { ahead };
     let per_tick = speed.unsigned_abs();
-    let window = per_tick as u64 + ((per_tick as u64 * c.earliest as u64) >> 17);
-    if ahead as u64 >= window {
+    if ahead as u64 >= window(c, speed) {
         return None;
     }
     if ahead >= per_tick {

@@ -44,24 +44,29 @@ pub enum Demand {
     Voltage {
         /// Raw I16F16 volts.
         voltage: i32,
-        /// Largest duty, raw U1F15.
-        duty_max: u16,
     },
     /// A speed: closed loop. Magnitudes in the direction of torque, raw I16F16 electrical rev/s.
     Speed {
-        /// Gains of this mode's speed loop, per millisecond.
-        gains: PiGains,
-        /// Set-point after saturation.
-        target: i32,
         /// Estimated speed.
         measured: i32,
-        /// Largest duty, raw U1F15.
-        duty_max: u16,
         /// Share of the voltage that is taken away, in 1/16: the rotor's position is getting uncertain.
         fade: u8,
-        /// The speed is known from crossings alone, once in a sector.
-        sparse: bool,
     },
+}
+
+/// What a closed-loop mode has of its own. Speeds are raw I16F16 electrical rev/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ModeCoefficients {
+    /// Speed loop, volts per electrical rev/s, per millisecond.
+    pub speed: PiGains,
+    /// Smallest set-point.
+    pub speed_min: i32,
+    /// Largest set-point.
+    pub speed_max: i32,
+    /// Largest duty, raw U1F15.
+    pub duty_max: u16,
+    /// The speed is known from crossings alone, once in a sector.
+    pub sparse: bool,
 }
 
 /// What the commutation applies.
@@ -85,8 +90,6 @@ pub struct Control {
     /// Output and error of the speed loop, held between milliseconds.
     speed_voltage: i32,
     speed_error: i32,
-    /// Voltage that the last duty gives, raw I16F16.
-    applied: i32,
     millisecond: u16,
     /// Share of a speed loop's turn that has been earned, electrical rev/s.
     turn: i32,
@@ -136,18 +139,23 @@ impl Control {
         }
     }
 
-    /// Bumpless change from a level to the speed loop: every controller continues from the voltage that is applied (or from parameter
-    /// 84), the set-point's ramp from the measured `speed` (raw electrical rev/s).
-    pub fn hand_over(&mut self, speed: i32, initial_voltage: i32) {
+    /// Bumpless change from a level to the speed loop: every controller continues from `voltage` (what is [`applied`](Self::applied), or
+    /// parameter 84), the set-point's ramp from the measured `speed` (raw electrical rev/s).
+    pub fn hand_over(&mut self, speed: i32, voltage: i32) {
         self.setpoint.set(speed);
         self.speed_error = 0;
         (self.interrupted, self.catching, self.coasting) = (false, 0, None);
-        self.take_over(if initial_voltage > 0 { initial_voltage } else { self.applied });
+        self.take_over(voltage);
     }
 
-    /// The last tick began a millisecond.
-    pub const fn is_millisecond(&self) -> bool {
-        self.millisecond == 0
+    /// A tick begins. Its place in the millisecond, from 0: what needs no tick of its own is spread over these.
+    #[inline]
+    pub const fn tick(&mut self, c: &ControlCoefficients) -> u16 {
+        self.millisecond += 1;
+        if self.millisecond >= c.ticks_per_ms {
+            self.millisecond = 0;
+        }
+        self.millisecond
     }
 
     /// Estimated mean phase current as of the last millisecond, raw I16F16 A.
@@ -155,9 +163,9 @@ impl Control {
         self.phase_current
     }
 
-    /// Voltage that the last duty gives, raw I16F16 V.
-    pub const fn applied(&self) -> i32 {
-        self.applied
+    /// Voltage that the last duty gives on this bus, raw I16F16 V.
+    pub const fn applied(&self, c: &ControlCoefficients, bus_voltage: i32) -> i32 {
+        share(bus_voltage, self.output.duty.to_bits().saturating_sub(self.dead_time(c)))
     }
 
     /// Every controller continues from `voltage`.
@@ -167,63 +175,104 @@ impl Control {
         self.speed_voltage = voltage;
     }
 
+    /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand.
+    #[inline(never)]
+    pub fn rate(&mut self, c: &ControlCoefficients, measured: &Measured, temperature: Celsius, turns: bool) {
+        self.phase_current = per_duty(measured.bus_current_filtered.to_bits(), self.output.duty.to_bits());
+        self.limit.update(&c.limits, measured, self.phase_current, temperature, turns);
+    }
+
+    /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical
+    /// rev/s; `target` is the set-point after saturation.
+    #[inline(never)]
+    pub fn turn(
+        &mut self,
+        c: &ControlCoefficients,
+        mode: &ModeCoefficients,
+        target: i32,
+        speed: i32,
+        bus_voltage: i32,
+    ) {
+        if self.interrupted {
+            return;
+        }
+        if self.catching > 1 {
+            self.catching -= 1;
+        }
+        if self.coasting.is_some() {
+            self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
+        } else if !mode.sparse || self.takes_turn(speed) {
+            let ceiling = share(bus_voltage, mode.duty_max);
+            self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
+            self.speed_voltage = self.speed.step(&mode.speed, self.speed_error, 0, ceiling);
+        }
+    }
+
     /// One tick.
+    #[inline]
     pub fn step(
         &mut self,
         c: &ControlCoefficients,
+        mode: &ModeCoefficients,
         demand: Demand,
         measured: &Measured,
         measurement: &Measurement,
-        temperature: Celsius,
     ) -> Output {
-        let due = self.tick_millisecond(c);
-        if due {
-            let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
-            let phase_current = per_duty(measured.bus_current_filtered.to_bits(), self.output.duty.to_bits());
-            self.phase_current = phase_current;
-            self.limit.update(&c.limits, measured, phase_current, temperature, turns);
-        }
-        let (wanted, own, duty_max) = match demand {
+        let (wanted, own) = match demand {
             Demand::Off => {
-                self.output = Output::default();
-                (self.applied, self.interrupted) = (0, true);
+                (self.output, self.interrupted) = (Output::default(), true);
                 return self.output;
             }
-            Demand::Voltage { voltage, duty_max } => (voltage, Limiter::Fixed, duty_max),
-            Demand::Speed { gains, target, measured: speed, duty_max, fade, sparse } => {
-                self.resume(c, measurement, speed);
-                self.finish_catching(c, measured, measurement, speed, due);
-                if self.coast(c, measured, measurement, speed) {
-                    if due {
-                        self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
-                    }
+            Demand::Voltage { voltage } => (voltage, Limiter::Fixed),
+            Demand::Speed { measured: speed, fade } => {
+                let begins = self.speed_error < 0 && feeds(c, measured);
+                let catches = self.catching > 0 || self.interrupted || self.coasting.is_some();
+                if (begins || catches) && self.coasts(c, measured, measurement, speed) {
                     self.output = Output { limiter: Limiter::Return, ..Output::default() };
-                    self.applied = 0;
                     return self.output;
                 }
-                if due && (!sparse || self.takes_turn(speed)) {
-                    let ceiling = share(measured.bus_voltage.to_bits(), duty_max);
-                    let setpoint = self.advance_setpoint(c, target, speed);
-                    self.speed_error = setpoint.saturating_sub(speed);
-                    self.speed_voltage = self.speed.step(&gains, self.speed_error, 0, ceiling);
-                }
                 match fade {
-                    0 => (self.speed_voltage, Limiter::Speed, duty_max),
-                    _ => (self.faded(c, speed, fade), Limiter::Fade, duty_max),
+                    0 => (self.speed_voltage, Limiter::Speed),
+                    _ => (self.faded(c, speed, fade), Limiter::Fade),
                 }
             }
         };
         let (voltage, limiter) = self.limit_current(c, wanted, own, measured);
-        self.apply(c, measurement.duty(voltage), duty_max, limiter, measured);
-        let duty = self.output.duty.to_bits().saturating_sub(self.dead_time(c));
-        self.applied = share(measured.bus_voltage.to_bits(), duty);
+        self.apply(c, measurement.duty(voltage), mode.duty_max, limiter, measured);
         // The slew limit passes within a tick or two and is no reason to forget; maximum duty is the loop's own ceiling.
-        if let Demand::Speed { gains, .. } = demand
-            && limiter != Limiter::Speed
-        {
-            self.speed.track(&gains, self.applied, self.speed_error);
+        if limiter != own || own == Limiter::Fade {
+            self.follow(c, mode, demand, measured);
         }
         self.output
+    }
+
+    /// Something else than the speed loop decides: it goes along.
+    #[inline(never)]
+    fn follow(
+        &mut self,
+        c: &ControlCoefficients,
+        mode: &ModeCoefficients,
+        demand: Demand,
+        measured: &Measured,
+    ) {
+        if let Demand::Speed { .. } = demand {
+            let applied = self.applied(c, measured.bus_voltage.to_bits());
+            self.speed.track(&mode.speed, applied, self.speed_error);
+        }
+    }
+
+    /// A rotor that is caught, or that coasts: true while the bridge is to stay off.
+    #[inline(never)]
+    fn coasts(
+        &mut self,
+        c: &ControlCoefficients,
+        measured: &Measured,
+        measurement: &Measurement,
+        speed: i32,
+    ) -> bool {
+        self.resume(c, measurement, speed);
+        self.finish_catching(c, measured, measurement, speed);
+        self.coast(c, measured, measurement, speed)
     }
 
     /// A motor that is faster than its set-point and would feed the bus coasts, bridge off, until it has fallen to it. Then
@@ -278,13 +327,9 @@ impl Control {
         measured: &Measured,
         measurement: &Measurement,
         speed: i32,
-        due: bool,
     ) {
         if self.catching == 0 {
             return;
-        }
-        if due && self.catching > 1 {
-            self.catching -= 1;
         }
         let late = self.catching == 1 && c.back_emf != Gain::ZERO;
         if late || measured.bus_current_filtered.to_bits() > MOTORING {
@@ -322,15 +367,6 @@ impl Control {
         let due = self.turn >= WHOLE;
         if due {
             self.turn -= WHOLE;
-        }
-        due
-    }
-
-    fn tick_millisecond(&mut self, c: &ControlCoefficients) -> bool {
-        self.millisecond += 1;
-        let due = self.millisecond >= c.ticks_per_ms;
-        if due {
-            self.millisecond = 0;
         }
         due
     }
@@ -375,8 +411,8 @@ impl Control {
     }
 
     /// What dead time takes off the duty in the present mode.
-    fn dead_time(&self, c: &ControlCoefficients) -> u16 {
-        if self.output.rectification == Rectification::Synchronous { c.dead_time } else { 0 }
+    const fn dead_time(&self, c: &ControlCoefficients) -> u16 {
+        if matches!(self.output.rectification, Rectification::Synchronous) { c.dead_time } else { 0 }
     }
 
     fn apply(
@@ -427,8 +463,9 @@ fn feeds(c: &ControlCoefficients, measured: &Measured) -> bool {
 }
 
 /// `voltage x duty`.
-fn share(voltage: i32, duty: u16) -> i32 {
-    ((voltage.max(0) as i64 * duty as i64) >> 15) as i32
+const fn share(voltage: i32, duty: u16) -> i32 {
+    let voltage = if voltage > 0 { voltage } else { 0 };
+    ((voltage as i64 * duty as i64) >> 15) as i32
 }
 
 /// `current / duty`, raw I16F16: what a mean bus current is in the phase. Below 1/32 the duty counts as that, so that

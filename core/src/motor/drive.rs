@@ -10,7 +10,7 @@ use super::hall_calibration::HallCalibrator;
 use super::machine::{Change, Inputs, Machine};
 use super::measurement::{Measured, Measurement};
 use super::open_phase::OpenPhase;
-use super::protection::{Evidence, Protection};
+use super::protection::{Evidence, Protection, Seen};
 use super::pwm::{Commutations, PwmCommand, Rectification};
 use super::ramp::Ramp;
 use super::rotor::Rotor;
@@ -44,18 +44,48 @@ pub struct Drive {
     lock: Ramp,
     calibrator: HallCalibrator,
     calibration: HallCalibration,
+    /// Somebody listens to the terminals.
+    listens: bool,
+    calm: Calm,
     /// What was applied in the last tick.
     applied: PwmCommand,
-    reported: Reported,
-    status: Option<Status>,
+    reports: Reports,
 }
 
-/// What makes a status due: its age, and what changed since.
+/// What goes on by itself. Most ticks of a running motor lie between two edges, or crossings, and two commands: nothing but the loops has to
+/// be looked at, and the whole tick before them knows how long that lasts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Reported {
+struct Calm {
+    /// Ticks left of it, and those of it that have passed without the stations' knowledge.
+    left: u32,
+    slept: u32,
+    /// The hall code that lasts.
+    hall: u8,
+    step: Step,
+    /// Estimated speed in the direction of torque, raw I16F16 electrical rev/s, and what the voltage fades by.
+    speed: i32,
+    fade: u8,
+}
+
+/// When a status is due: every millisecond, and when state or fault word change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Reports {
     age: u16,
     state: State,
     faults: u32,
+    /// Something happened that may have changed one of them.
+    stirred: bool,
+    due: bool,
+    /// The tick that is to be reported, and its terminals.
+    tick: u64,
+    terminals: [u16; 3],
+}
+
+/// The places in a millisecond of what needs no tick of its own; a board with fewer ticks does more in its last.
+mod place {
+    pub(super) const RATINGS: u16 = 0;
+    pub(super) const SPEED_LOOP: u16 = 1;
+    pub(super) const RAILS: u16 = 2;
 }
 
 /// The pattern of one tick and what drives it.
@@ -95,14 +125,34 @@ impl Drive {
             lock: Ramp::default(),
             calibrator: HallCalibrator::default(),
             calibration: HallCalibration::None,
+            listens: false,
+            calm: Calm::default(),
             applied: PwmCommand::default(),
-            reported: Reported::default(),
-            status: None,
+            reports: Reports::default(),
         }
+        .settled()
+    }
+
+    fn settled(mut self) -> Self {
+        self.settle();
+        self
+    }
+
+    /// What follows from state and coefficients, and is asked for in every tick. The back-EMF of a coasting motor is listened to before a
+    /// start, too; a hall drive has no use for it.
+    fn settle(&mut self) {
+        let c = &self.coefficients.machine;
+        self.listens = if self.machine.state().is_driving() {
+            self.machine.is_sensorless()
+        } else {
+            c.sensorless_enable && !c.hall_enable
+        };
     }
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
     pub fn handle_event(&mut self, event: Event) {
+        self.wake();
+        self.protection.wake();
         match event {
             Event::Command(command) => self.machine.handle_command(command),
             Event::SetPoint(speed) => self.machine.handle_set_point(speed),
@@ -110,6 +160,7 @@ impl Drive {
                 self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
                 self.coefficients = coefficients;
                 self.parameters_fit = true;
+                self.settle();
             }
             Event::CoefficientsRejected => self.parameters_fit = false,
             Event::Slow(slow) => self.slow = slow,
@@ -120,32 +171,101 @@ impl Drive {
 
     /// One control tick.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
+        let place = self.control.tick(&self.coefficients.control);
         let idle = self.machine.state() == State::Initialization;
-        let mut measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        let hall = self.rotor.step(&self.coefficients, samples);
-        if self.listens() {
-            let torque = self.machine.direction();
-            measured.phase_voltage = self.coefficients.measurement.phase_voltage(samples);
-            self.sensorless.observe(&self.coefficients.sensorless, samples, &measured, &self.applied, torque);
+        let measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
+        let pattern = if self.calm.left > 0 && self.is_calm(samples, &measured) {
+            self.calm.left -= 1;
+            self.calm.slept += 1;
+            self.open_phase.count(measured.bus_current);
+            let Calm { step, speed, fade, .. } = self.calm;
+            Pattern::hold(Demand::Speed { measured: speed, fade }, step)
+        } else {
+            self.look(samples, &measured)
+        };
+        if place <= place::RAILS {
+            self.rest_of_millisecond(place, pattern.demand, &measured);
         }
-        let critical = self.protect(samples, &measured, hall);
-        self.advance_state(critical, samples);
-        let pattern = self.pattern(samples);
         let output = self.control.step(
             &self.coefficients.control,
+            if self.listens { &self.coefficients.sensorless_mode } else { &self.coefficients.hall_mode },
             pattern.demand,
             &measured,
             &self.measurement,
-            self.slow.temperature,
         );
         self.applied = self.command(pattern, output.duty, output.rectification);
-        self.report(samples, &measured);
+        self.report(samples);
         self.applied
     }
 
-    /// The report of the last tick, if one is due: every millisecond, and when state or fault word change.
+    /// Nothing that this tick measures asks for a look.
+    #[inline]
+    fn is_calm(&self, samples: &Samples, measured: &Measured) -> bool {
+        let seen = Seen {
+            bus_voltage: measured.bus_voltage.to_bits(),
+            bus_current: measured.bus_current.to_bits(),
+            speed: 0,
+            lines: samples.lines,
+        };
+        samples.edges.is_empty()
+            && samples.hall == self.calm.hall
+            && self.protection.stays_quiet(&self.coefficients.protection, &seen)
+    }
+
+    /// The whole tick: every station in turn, up to what is to be applied.
+    #[inline(never)]
+    fn look(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
+        self.wake();
+        let hall = self.rotor.step(&self.coefficients, samples);
+        if self.listens {
+            self.listen(samples, measured);
+        }
+        let critical = self.protect(samples, measured, hall);
+        self.advance_state(critical, samples);
+        let pattern = self.pattern(samples);
+        self.open_phase.change(pattern.commutations.last().unwrap_or(pattern.step));
+        self.calm_down(samples, &pattern);
+        pattern
+    }
+
+    /// What the stations have not seen of a calm is told to them, and it is over.
+    fn wake(&mut self) {
+        let slept = core::mem::take(&mut self.calm.slept);
+        self.calm.left = 0;
+        if slept > 0 {
+            self.rotor.sleep(slept);
+            self.machine.sleep(slept);
+        }
+    }
+
+    /// How long nothing but the loops has to be looked at.
+    #[inline]
+    fn calm_down(&mut self, samples: &Samples, pattern: &Pattern) {
+        let c = &self.coefficients;
+        let Demand::Speed { measured: speed, fade } = pattern.demand else { return };
+        if self.machine.state() != State::HallClosedLoop
+            || !self.protection.is_quiet()
+            || self.rotor.hall_stopped(c)
+            || self.open_phase.is_found(&c.open_phase)
+        {
+            return;
+        }
+        let position = self.rotor.hall_position();
+        let left = self.commutator.calm(position.angle, position.speed);
+        let left = left.min(self.rotor.calm(c)).min(self.machine.calm(&c.machine));
+        let step = self.commutator.present();
+        self.calm = Calm { left, slept: 0, hall: samples.hall, step, speed, fade };
+    }
+
+    /// The report of the last step, if one is due: every millisecond, and when state or fault word change.
     pub fn poll_status(&mut self) -> Option<Status> {
-        self.status.take()
+        if !core::mem::take(&mut self.reports.due) {
+            return None;
+        }
+        let left = self.calm.left;
+        self.wake();
+        self.calm.left = left;
+        Some(self.status())
     }
 
     /// What bounds the duty in the last tick.
@@ -162,22 +282,70 @@ impl Drive {
         self.machine.state()
     }
 
+    #[inline(never)]
+    fn listen(&mut self, samples: &Samples, measured: &Measured) {
+        let mut measured = *measured;
+        let torque = self.machine.direction();
+        measured.phase_voltage = self.coefficients.measurement.phase_voltage(&samples.phase_voltage);
+        self.sensorless.observe(&self.coefficients.sensorless, samples, &measured, &self.applied, torque);
+    }
+
+    /// What is done once a millisecond, spread over its ticks.
+    #[inline(never)]
+    fn rest_of_millisecond(&mut self, place: u16, demand: Demand, measured: &Measured) {
+        let c = &self.coefficients;
+        let last = c.control.ticks_per_ms.max(1) - 1;
+        let is = |task: u16| place == task.min(last);
+        if is(place::RATINGS) {
+            let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
+            self.control.rate(&c.control, measured, self.slow.temperature, turns);
+        }
+        if is(place::SPEED_LOOP)
+            && let Demand::Speed { measured: speed, .. } = demand
+        {
+            let mode = if self.listens { &c.sensorless_mode } else { &c.hall_mode };
+            let brought_up = self.machine.state() != State::OpenLoop || self.sensorless.is_caught();
+            let wanted = if brought_up { self.machine.command().speed.to_bits() } else { c.open_loop.speed };
+            let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
+            let target = if self.machine.reversing() { 0 } else { wanted };
+            self.control.turn(&c.control, mode, target, speed, measured.bus_voltage.to_bits());
+        }
+        if is(place::RAILS) && self.listens && self.machine.state().is_driving() {
+            let speed = self.sensorless_speed().saturating_mul(self.machine.direction().sign()).max(0);
+            let driven = self.applied.step != Step::Coast;
+            let applied = self.control.applied(&c.control, measured.bus_voltage.to_bits());
+            self.sensorless.check(&c.sensorless, driven, applied, self.control.phase_current(), speed);
+        }
+    }
+
+    /// True when a critical fault is present now.
+    #[inline]
     fn protect(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents) -> bool {
         let state = self.machine.state();
         let driving = state.is_driving();
-        let stopped = match state {
-            State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
-            _ => !(self.machine.is_sensorless() && self.sensorless.is_running()),
+        let open_phase = driving && !self.machine.calibrating() && {
+            self.open_phase.count(measured.bus_current);
+            self.open_phase.rest(self.applied.step, self.applied.duty, measured.bus_current, self.stands());
+            self.open_phase.is_found(&self.coefficients.open_phase)
         };
-        let open_phase = driving
-            && !self.machine.calibrating()
-            && self.open_phase.step(
-                &self.coefficients.open_phase,
-                self.applied.step,
-                self.applied.duty,
-                measured.bus_current,
-                stopped,
-            );
+        let sensors = state == State::HallClosedLoop
+            && (hall != HallEvents::default() || self.rotor.hall_stopped(&self.coefficients));
+        let seen = Seen {
+            bus_voltage: measured.bus_voltage.to_bits(),
+            bus_current: measured.bus_current.to_bits(),
+            speed: if driving { self.speed() } else { 0 },
+            lines: samples.lines,
+        };
+        let quiet = !sensors
+            && !open_phase
+            && self.sensorless.fault().is_none()
+            && self.protection.stays_quiet(&self.coefficients.protection, &seen);
+        !quiet && self.judge(samples, measured, hall, open_phase)
+    }
+
+    #[inline(never)]
+    fn judge(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents, open_phase: bool) -> bool {
+        let state = self.machine.state();
         let evidence = Evidence {
             measured: *measured,
             slow: self.slow,
@@ -186,21 +354,38 @@ impl Drive {
             request: self.machine.command().request,
             hall,
             hall_stopped: self.rotor.hall_stopped(&self.coefficients),
-            speed: match state {
-                State::HallClosedLoop => self.rotor.hall_speed().abs().to_bits(),
-                _ if self.machine.is_sensorless() => self.sensorless_speed().saturating_abs(),
-                _ => self.rotor.hall_speed().abs().to_bits(),
-            },
+            speed: self.speed(),
             hall_driving: state == State::HallClosedLoop,
-            driving: driving || self.machine.starting(),
+            driving: state.is_driving() || self.machine.starting(),
             torque: self.applied.step != Step::Coast,
             torque_sign: self.machine.direction().sign() as i8,
             open_phase,
             sensorless: self.sensorless.fault(),
         };
+        self.reports.stirred = true;
         self.protection.step(&self.coefficients.protection, &evidence)
     }
 
+    /// Magnitude of the speed by the running mode, raw I16F16 electrical rev/s.
+    #[inline]
+    fn speed(&self) -> i32 {
+        match self.machine.state() {
+            State::HallClosedLoop => self.rotor.hall_speed().abs().to_bits(),
+            _ if self.machine.is_sensorless() => self.sensorless_speed().saturating_abs(),
+            _ => self.rotor.hall_speed().abs().to_bits(),
+        }
+    }
+
+    /// The rotor is not known to turn.
+    #[inline]
+    fn stands(&self) -> bool {
+        match self.machine.state() {
+            State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
+            _ => !(self.machine.is_sensorless() && self.sensorless.is_running()),
+        }
+    }
+
+    #[inline]
     fn advance_state(&mut self, critical: bool, samples: &Samples) {
         let stopped = match self.machine.state() {
             State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
@@ -214,16 +399,27 @@ impl Drive {
             State::SensorlessClosedLoop | State::SensorlessAutoRestart => !self.sensorless.is_running(),
             _ => true,
         };
+        let unhealthy = self.health.self_test_failed || !self.health.store_faults.is_empty();
+        if !self.machine.rests(&self.coefficients.machine, critical, stopped, unhealthy) {
+            self.change_state(critical, stopped, unhealthy, samples);
+        }
+    }
+
+    #[inline(never)]
+    fn change_state(&mut self, critical: bool, stopped: bool, unhealthy: bool, samples: &Samples) {
         let inputs = Inputs {
             critical,
-            unhealthy: self.health.self_test_failed || !self.health.store_faults.is_empty(),
+            unhealthy,
             causes_gone: self.protection.causes_gone(),
             stopped,
             calibrated: matches!(self.calibration, HallCalibration::Done(_) | HallCalibration::Failed),
             parameters_fit: self.parameters_fit,
         };
-        if let Some(change) = self.machine.step(&self.coefficients.machine, &inputs) {
+        if let Some(change) = self.machine.advance(&self.coefficients.machine, &inputs) {
+            self.protection.wake();
+            self.reports.stirred = true;
             self.enter(change, samples);
+            self.settle();
         }
     }
 
@@ -299,16 +495,6 @@ impl Drive {
         }
     }
 
-    /// The back-EMF of a coasting motor is listened to before a start, too; a hall drive has no use for it.
-    fn listens(&self) -> bool {
-        let c = &self.coefficients.machine;
-        if self.machine.state().is_driving() {
-            self.machine.is_sensorless()
-        } else {
-            c.sensorless_enable && !c.hall_enable
-        }
-    }
-
     fn sensorless_speed(&self) -> i32 {
         self.coefficients.speed_of_turns.apply32(self.sensorless.speed(&self.coefficients.sensorless))
     }
@@ -319,16 +505,6 @@ impl Drive {
         let state = self.machine.state();
         let speed = self.sensorless_speed().saturating_mul(direction.sign()).max(0);
         let c = &self.coefficients;
-        let current = self.control.phase_current();
-        if self.control.is_millisecond() {
-            self.sensorless.check(
-                &c.sensorless,
-                self.applied.step != Step::Coast,
-                self.control.applied(),
-                current,
-                speed,
-            );
-        }
         // Nothing is brought up in a direction that is no longer wanted.
         if self.machine.reversing() && !self.sensorless.is_running() {
             return Pattern::OFF;
@@ -337,35 +513,20 @@ impl Drive {
         match self.sensorless.take_begun() {
             Some(true) => self.control.start(&c.control, speed),
             // A light rotor may have leapt beyond what is ever asked of it: the set-point does not.
-            Some(false) => self.control.hand_over(speed.min(c.sensorless_mode.speed_max), 0),
+            Some(false) => {
+                let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
+                self.control.hand_over(speed.min(c.sensorless_mode.speed_max), applied);
+            }
             None => {}
         }
-        let mode = &c.sensorless_mode;
         let demand = match plan {
             Plan::Coast => return Pattern::OFF,
             Plan::Short => {
-                let demand = Demand::Voltage { voltage: 0, duty_max: 0 };
-                return Pattern { short: true, ..Pattern::hold(demand, Step::LockA) };
+                return Pattern { short: true, ..Pattern::hold(Demand::Voltage { voltage: 0 }, Step::LockA) };
             }
-            Plan::Hold(step, voltage) => {
-                return Pattern::hold(Demand::Voltage { voltage, duty_max: mode.duty_max }, step);
-            }
-            Plan::Level(voltage) => Demand::Voltage { voltage, duty_max: mode.duty_max },
-            Plan::Speed(fade) => {
-                let command = self.machine.command().speed.to_bits();
-                let ramped = state == State::OpenLoop && !self.sensorless.is_caught();
-                let wanted = if ramped { c.open_loop.speed } else { command };
-                let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
-                let target = if self.machine.reversing() { 0 } else { wanted };
-                Demand::Speed {
-                    gains: mode.speed,
-                    target,
-                    measured: speed,
-                    duty_max: mode.duty_max,
-                    fade,
-                    sparse: true,
-                }
-            }
+            Plan::Hold(step, voltage) => return Pattern::hold(Demand::Voltage { voltage }, step),
+            Plan::Level(voltage) => Demand::Voltage { voltage },
+            Plan::Speed(fade) => Demand::Speed { measured: speed, fade },
         };
         let rotor = self.sensorless.rotor();
         let (step, commutations) =
@@ -381,14 +542,14 @@ impl Drive {
         let c = &self.coefficients.machine;
         let voltage = self.lock.step(c.lock_voltage, c.lock_rate);
         let second = self.machine.age() >= c.lock / 2;
-        Pattern::hold(self.level(voltage), if second { HallCalibrator::LOCK } else { Step::LockB })
+        Pattern::hold(Demand::Voltage { voltage }, if second { HallCalibrator::LOCK } else { Step::LockB })
     }
 
     fn hall_calibration(&mut self, samples: &Samples) -> Pattern {
         let c = &self.coefficients.hall_calibration;
         let (step, calibration) = self.calibrator.step(c, samples.hall);
         self.calibration = calibration;
-        Pattern::hold(self.level(c.voltage), step)
+        Pattern::hold(Demand::Voltage { voltage: c.voltage }, step)
     }
 
     fn open_loop(&mut self) -> Pattern {
@@ -397,11 +558,7 @@ impl Drive {
         let field = self.rotor.step_open_loop(&self.coefficients, direction, run);
         let (step, commutations) =
             self.commutator.step(&self.coefficients.commutator, field.angle, field.speed, direction);
-        Pattern { demand: self.level(field.voltage), step, commutations, short: false }
-    }
-
-    fn level(&self, voltage: i32) -> Demand {
-        Demand::Voltage { voltage, duty_max: self.coefficients.hall_mode.duty_max }
+        Pattern { demand: Demand::Voltage { voltage: field.voltage }, step, commutations, short: false }
     }
 
     fn hall_closed_loop(&mut self) -> Pattern {
@@ -413,19 +570,10 @@ impl Drive {
         if speed < -(mode.speed_min / 2) || self.rotor.hall_doubtful() {
             return Pattern::OFF;
         }
-        let wanted = self.machine.command().speed.to_bits().min(mode.speed_max).max(mode.speed_min);
-        let target = if self.machine.reversing() { 0 } else { wanted };
         let position = self.rotor.hall_position();
         let (step, commutations) =
             self.commutator.step(&self.coefficients.commutator, position.angle, position.speed, direction);
-        let demand = Demand::Speed {
-            gains: mode.speed,
-            target,
-            measured: speed.max(0),
-            duty_max: mode.duty_max,
-            fade: 0,
-            sparse: false,
-        };
+        let demand = Demand::Speed { measured: speed.max(0), fade: 0 };
         Pattern { demand, step, commutations, short: false }
     }
 
@@ -453,7 +601,7 @@ impl Drive {
         let shortest = self.coefficients.control.duty_min.max(ON_TIME_LEAST);
         // Without an eye on back-EMF there is no need to go that far.
         let (above, below) =
-            if self.listens() { (shortest, shortest - shortest / 8) } else { (ON_ABOVE, OFF_BELOW) };
+            if self.listens { (shortest, shortest - shortest / 8) } else { (ON_ABOVE, OFF_BELOW) };
         let on = match self.applied.sample_mode {
             SampleMode::OnTime => duty >= below,
             SampleMode::OffTime => duty >= above,
@@ -466,47 +614,51 @@ impl Drive {
         }
     }
 
-    fn report(&mut self, samples: &Samples, measured: &Measured) {
-        self.reported.age = self.reported.age.saturating_add(1);
-        let now = Reported {
-            age: self.reported.age,
-            state: self.machine.state(),
-            faults: self.protection.word().bits(),
-        };
-        let changed = now.state != self.reported.state || now.faults != self.reported.faults;
-        if changed || now.age >= self.coefficients.control.ticks_per_ms {
-            self.reported = Reported { age: 0, ..now };
-            self.status = Some(self.status_now(samples, measured));
+    #[inline]
+    fn report(&mut self, samples: &Samples) {
+        self.reports.age = self.reports.age.saturating_add(1);
+        if self.reports.stirred || self.reports.age >= self.coefficients.control.ticks_per_ms {
+            self.find_due(samples);
         }
     }
 
     #[inline(never)]
-    fn status_now(&self, samples: &Samples, measured: &Measured) -> Status {
+    fn find_due(&mut self, samples: &Samples) {
+        let (state, faults) = (self.machine.state(), self.protection.word().bits());
+        let changed = state != self.reports.state || faults != self.reports.faults;
+        self.reports.stirred = false;
+        if changed || self.reports.age >= self.coefficients.control.ticks_per_ms {
+            let (tick, terminals) = (samples.tick, samples.phase_voltage);
+            self.reports = Reports { age: 0, state, faults, stirred: false, due: true, tick, terminals };
+        }
+    }
+
+    fn status(&self) -> Status {
         let c = &self.coefficients;
         let direction = self.machine.direction();
         let state = self.machine.state();
         let hall = self.rotor.hall_diagnostics();
-        let power =
-            (measured.bus_voltage.to_bits() as i64 * measured.bus_current_filtered.to_bits() as i64) >> 16;
+        let (voltage, current) = (self.measurement.bus_voltage(), self.measurement.bus_current());
+        let power = (i64::from(voltage) * i64::from(current)) >> 16;
         let closed = match state {
             State::HallClosedLoop => true,
             State::SensorlessClosedLoop | State::SensorlessAutoRestart => self.sensorless.is_running(),
             _ => false,
         };
         let setpoint = if closed { self.control.setpoint() } else { 0 };
-        let sensorless = self.listens();
+        let sensorless = self.listens;
         let angle =
             if sensorless { self.sensorless.rotor().angle() } else { self.rotor.hall_position().angle };
         let (crossing, crossing_margin, crossings) = self.sensorless.why();
         Status {
-            tick: samples.tick,
+            tick: self.reports.tick,
             state,
             faults: self.protection.word(),
             critical: self.protection.critical(),
             extended_code: self.protection.code(),
             command_expired: self.machine.command_expired(&c.machine),
             refusal: self.machine.refusal(),
-            supply_low: measured.bus_voltage.to_bits() < c.protection.supply_low,
+            supply_low: voltage < c.protection.supply_low,
             direction,
             setpoint: ElectricalSpeed::from_bits(setpoint.saturating_mul(direction.sign())),
             speed_hall: self.rotor.hall_speed(),
@@ -517,10 +669,10 @@ impl Drive {
             }),
             angle: ElectricalAngle((angle >> 16) as u16),
             sectors: self.rotor.sectors(),
-            bus_voltage: Volts::from_bits(measured.bus_voltage.to_bits()),
-            bus_current: Amps::from_bits(measured.bus_current_filtered.to_bits()),
+            bus_voltage: Volts::from_bits(voltage),
+            bus_current: Amps::from_bits(current),
             power: Watts::from_bits(crate::units::saturate64(power)),
-            phase_voltage: c.measurement.phase_voltage(samples),
+            phase_voltage: c.measurement.phase_voltage(&self.reports.terminals),
             duty: self.applied.duty,
             limiter: self.limiter(),
             hall_invalid: hall.invalid,

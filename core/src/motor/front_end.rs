@@ -7,8 +7,13 @@ use serde::{Deserialize, Serialize};
 pub struct Channel {
     /// Nominal code at 0 V or 0 A.
     pub zero: u16,
-    /// Micro-units (uV or uA) of one code; positive.
+    /// Micro-units (uV or uA) of one code, 1 to [`Self::MICRO_PER_CODE_MAX`].
     pub micro_per_code: i32,
+}
+
+impl Channel {
+    /// 1/16 V or A a code: a full scale of 256 V or A, far beyond this drive's ratings, which leaves the tick's arithmetic room.
+    pub const MICRO_PER_CODE_MAX: i32 = 62_500;
 }
 
 /// Scales of the 12-bit converter channels that the tick reads.
@@ -55,11 +60,13 @@ pub struct Board {
 }
 
 impl Board {
-    /// Whether a controller can be built for these constants at all: 1 to 100 kHz, positive scales, zeros that the
-    /// converter can give.
+    /// Whether a controller can be built for these constants at all: 1 to 100 kHz, scales within
+    /// [`Channel::MICRO_PER_CODE_MAX`], zeros that the converter can give.
     pub const fn is_plausible(&self) -> bool {
         const fn fits(channel: Channel) -> bool {
-            channel.micro_per_code > 0 && channel.zero <= FrontEnd::CODE_MAX
+            channel.micro_per_code > 0
+                && channel.micro_per_code <= Channel::MICRO_PER_CODE_MAX
+                && channel.zero <= FrontEnd::CODE_MAX
         }
         let FrontEnd { bus_voltage, phase_voltage, bus_current } = self.front_end;
         let scaled = fits(bus_voltage) && fits(phase_voltage) && fits(bus_current);

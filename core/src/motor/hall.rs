@@ -5,6 +5,7 @@
 //! healthy rotor nothing. 000 and 111 are never taken. Glitches are counted; faults come from counts, not from one.
 
 use super::commutation::{Direction, SECTOR, sector_of};
+use super::interval::{SIXTH, TICK, part_of, speed_of};
 use super::samples::{EdgeSource, Samples};
 use crate::units::ElectricalAngle;
 use serde::{Deserialize, Serialize};
@@ -20,12 +21,8 @@ pub struct HallWiring {
     pub offset: i16,
 }
 
-/// One tick in the units of intervals: 1/65 536 tick.
-pub const TICK: u32 = 1 << 16;
 /// An edge that only the sampled level shows came half a tick ago, on average.
 const SAMPLED_AGE: u32 = TICK / 2;
-/// One sixth of a turn as a u32 angle.
-const SIXTH: u32 = u32::MAX / 6;
 /// No sector.
 const INVALID: u8 = 0xFF;
 /// Sector by code of correctly wired sensors; bit 0 = A. A is high from 330 to 150 degrees, B and C 120 later each.
@@ -80,10 +77,12 @@ pub struct HallEvents {
 }
 
 /// State of the hall station.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hall {
-    /// Present sector; `None` until the first valid code.
-    sector: Option<u8>,
+    /// Present sector, [`INVALID`] until the first valid code.
+    sector: u8,
+    /// Nothing waits for its confirmation, and the last level was this sector's.
+    settled: bool,
     /// A change that waits for its confirmation: sector and its age at the last boundary.
     candidate: Option<(u8, u32)>,
     /// Since the last accepted edge, in 1/65 536 tick, saturating.
@@ -96,13 +95,45 @@ pub struct Hall {
     direction: Direction,
     /// Angle at the present boundary, u32 turn.
     angle: u32,
-    /// Speed over up to one revolution, 2^-32 turn a tick, signed.
+    /// Interpolation stays from here to so far beyond, u32 turn.
+    from: u32,
+    span: u32,
+    /// Speed over up to one revolution, 2^-32 turn a tick, signed; what of it is interpolated; its bound by the edge that has not come.
     speed: i32,
+    interpolated: i32,
+    bounded: i32,
+    /// Until the last edge is this old no bound has to be looked for, 1/65 536 tick.
+    unbounded: u32,
     /// Ticks in a row with the level 000 or 111, saturating.
     invalid_run: u8,
     /// The rotor seems to have jumped, or to have turned round at speed: the sensors are not believed.
     doubt: bool,
     diagnostics: HallDiagnostics,
+}
+
+impl Default for Hall {
+    fn default() -> Self {
+        Self {
+            sector: INVALID,
+            settled: false,
+            candidate: None,
+            since_edge: 0,
+            intervals: [0; 6],
+            valid: 0,
+            next: 0,
+            direction: Direction::default(),
+            angle: 0,
+            from: 0,
+            span: u32::MAX,
+            speed: 0,
+            interpolated: 0,
+            bounded: 0,
+            unbounded: u32::MAX,
+            invalid_run: 0,
+            doubt: false,
+            diagnostics: HallDiagnostics::default(),
+        }
+    }
 }
 
 /// Ticks of an invalid level after which the position is lost.
@@ -111,12 +142,59 @@ const INVALID_RUN_MAX: u8 = 3;
 const CONVINCING: u8 = 2;
 
 impl Hall {
-    /// One tick: takes the edges of the period that ended and the present level.
+    /// One tick: takes the edges of the period that ended and the present level. Most ticks have no edge, and the level of the present sector.
+    #[inline]
     pub fn step(&mut self, c: &HallCoefficients, samples: &Samples) -> HallEvents {
-        let mut events = HallEvents::default();
         self.since_edge = self.since_edge.saturating_add(TICK);
-        self.angle = self.angle.wrapping_add(self.speed as u32);
+        self.angle = self.angle.wrapping_add(self.interpolated as u32);
         let level = c.sectors[(samples.hall & 7) as usize];
+        let events = if self.settled && level == self.sector && samples.edges.is_empty() {
+            HallEvents::default()
+        } else {
+            self.attend(c, samples, level)
+        };
+        if self.angle.wrapping_sub(self.from) > self.span {
+            self.clamp();
+        }
+        if self.since_edge > self.unbounded {
+            self.bound();
+        }
+        if self.since_edge >= c.timeout && (self.valid > 0 || self.speed != 0 || self.doubt) {
+            (self.valid, self.speed, self.bounded, self.doubt) = (0, 0, 0, false);
+            self.rest(c);
+        }
+        events
+    }
+
+    /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass.
+    pub fn calm(&self, c: &HallCoefficients) -> u32 {
+        if !self.settled {
+            return 0;
+        }
+        let to = |age: u32| age.saturating_sub(self.since_edge) / TICK;
+        let end = if self.since_edge >= c.timeout {
+            u32::MAX
+        } else {
+            (c.timeout - 1).saturating_sub(self.since_edge) / TICK
+        };
+        let overdue = if self.unbounded == u32::MAX { u32::MAX } else { to(self.unbounded) };
+        let per_tick = self.interpolated.unsigned_abs();
+        let passed = self.angle.wrapping_sub(self.from);
+        let room = if self.interpolated < 0 { passed } else { self.span.saturating_sub(passed) };
+        let clamped = room.checked_div(per_tick).unwrap_or(u32::MAX);
+        end.min(overdue).min(clamped)
+    }
+
+    /// The present code, and no edge, for `ticks` that [`calm`](Self::calm) allowed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.since_edge = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
+        self.angle = self.angle.wrapping_add((self.interpolated as u32).wrapping_mul(ticks));
+    }
+
+    /// Something has changed, or waits.
+    #[inline(never)]
+    fn attend(&mut self, c: &HallCoefficients, samples: &Samples, level: u8) -> HallEvents {
+        let mut events = HallEvents::default();
         let waiting = self.candidate.take();
         let mut captured = false;
         for edge in samples.edges.iter().filter(|edge| edge.source == EdgeSource::Hall) {
@@ -130,19 +208,14 @@ impl Hall {
         if level == INVALID {
             events.invalid = true;
             self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(1);
-        } else if self.sector != Some(level) && !captured && self.candidate.is_none() {
-            if c.captured && self.sector.is_some() {
+        } else if self.sector != level && !captured && self.candidate.is_none() {
+            if c.captured && self.sector != INVALID {
                 self.candidate = Some((level, 0));
             } else {
                 self.observe_sector(c, level, SAMPLED_AGE, &mut events);
             }
         }
-        self.clamp(c);
-        if self.since_edge >= c.timeout {
-            self.valid = 0;
-            self.speed = 0;
-            self.doubt = false;
-        }
+        self.settled = self.candidate.is_none() && self.sector == level && level != INVALID;
         events
     }
 
@@ -161,7 +234,7 @@ impl Hall {
         events: &mut HallEvents,
     ) {
         let Some((sector, age)) = waiting else { return };
-        if sector != level || self.sector == Some(level) {
+        if sector != level || self.sector == level {
             return;
         }
         let age = match self.candidate.take() {
@@ -182,14 +255,15 @@ impl Hall {
     }
 
     fn observe_sector(&mut self, c: &HallCoefficients, sector: u8, age: u32, events: &mut HallEvents) {
-        let Some(present) = self.sector else {
-            self.sector = Some(sector);
-            self.angle = self.centre(c, sector);
+        if self.sector == INVALID {
+            self.sector = sector;
+            self.angle = centre(c, sector);
             // The rotor may turn already: what is left of this sector is no interval.
             self.since_edge = u32::MAX;
+            self.rest(c);
             return;
-        };
-        let direction = match (sector + 6 - present) % 6 {
+        }
+        let direction = match (sector + 6 - self.sector) % 6 {
             0 => {
                 self.candidate = None;
                 return;
@@ -214,7 +288,7 @@ impl Hall {
 
     /// The rotor has entered `sector` `age` before this tick's boundary.
     fn accept(&mut self, c: &HallCoefficients, sector: u8, age: u32, events: &mut HallEvents) {
-        let turned = match (sector + 6 - self.sector.unwrap_or(sector)) % 6 {
+        let turned = match (sector + 6 - self.sector) % 6 {
             0 => return,
             step @ 1..=3 => step as i8,
             step => step as i8 - 6,
@@ -233,21 +307,39 @@ impl Hall {
         }
         self.direction = direction;
         self.since_edge = age;
-        self.sector = Some(sector);
+        self.sector = sector;
         events.sectors = events.sectors.saturating_add(turned);
         self.speed = self.measure();
-        self.angle = self.entry(c, sector, direction).wrapping_add(fraction_of(self.speed, age));
+        self.angle = entry(c, sector, direction).wrapping_add(part_of(self.speed, age as i32));
+        self.bounded = self.speed;
+        self.unbounded = if self.valid == 0 { u32::MAX } else { self.newest() };
+        if self.speed.unsigned_abs() < c.interpolation_min.max(1) {
+            self.rest(c);
+        } else {
+            // From the edge behind to half a sector beyond the edge ahead.
+            self.interpolated = self.speed;
+            self.span = SIXTH / 2 + SIXTH;
+            let behind = if direction == Direction::Forward { SIXTH / 2 } else { SIXTH };
+            self.from = centre(c, sector).wrapping_sub(behind);
+        }
+    }
+
+    /// Below the speed floor the middle of the sector stands for all of it.
+    fn rest(&mut self, c: &HallCoefficients) {
+        if self.sector != INVALID {
+            (self.from, self.span, self.interpolated) = (centre(c, self.sector), 0, 0);
+        }
     }
 
     /// `valid / 6` turns over the sum of the intervals: a whole revolution when it has one, so that misplaced
     /// sensors cancel.
     fn measure(&self) -> i32 {
-        let sum: u64 = (0..self.valid).map(|back| self.interval(back) as u64).sum();
-        if sum == 0 {
-            return 0;
-        }
-        let turned = self.valid as u64 * (SIXTH as u64);
-        let speed = ((turned << 16) / sum).min(i32::MAX as u64) as i32;
+        let sum = (0..self.valid).fold(0, |sum, back| sum + u64::from(self.interval(back)));
+        let speed = match u32::try_from(sum) {
+            Ok(0) => 0,
+            Ok(sum) => speed_of(self.valid, sum),
+            Err(_) => speed_of(self.valid, (sum >> 3) as u32) >> 3,
+        };
         speed * self.direction.sign()
     }
 
@@ -259,32 +351,20 @@ impl Hall {
         self.interval(0)
     }
 
-    /// Interpolation stays between the edge behind and half a sector beyond the edge ahead; below the speed floor
-    /// the middle of the sector stands for all of it.
-    fn clamp(&mut self, c: &HallCoefficients) {
-        let Some(sector) = self.sector else { return };
-        let centre = self.centre(c, sector);
-        if self.speed.unsigned_abs() < c.interpolation_min.max(1) {
-            self.angle = centre;
-            return;
-        }
-        let ahead = self.angle.wrapping_sub(centre) as i32;
-        let (behind_max, ahead_max) = match self.direction {
-            Direction::Forward => (SIXTH / 2, SIXTH),
-            Direction::Reverse => (SIXTH, SIXTH / 2),
-        };
-        self.angle = centre.wrapping_add(ahead.clamp(-(behind_max as i32), ahead_max as i32) as u32);
+    /// To the nearer end of the span.
+    fn clamp(&mut self) {
+        let beyond = self.angle.wrapping_sub(self.from).wrapping_sub(self.span);
+        let ahead = beyond < (u32::MAX - self.span) / 2;
+        self.angle = if ahead { self.from.wrapping_add(self.span) } else { self.from };
     }
 
-    fn centre(&self, c: &HallCoefficients, sector: u8) -> u32 {
-        // 60 + 60 s degrees.
-        SIXTH.wrapping_mul(sector as u32 + 1).wrapping_add((c.offset.0 as u32) << 16)
-    }
-
-    fn entry(&self, c: &HallCoefficients, sector: u8, direction: Direction) -> u32 {
-        match direction {
-            Direction::Forward => self.centre(c, sector).wrapping_sub(SIXTH / 2),
-            Direction::Reverse => self.centre(c, sector).wrapping_add(SIXTH / 2),
+    /// The edge is overdue: the speed is no more than it allows.
+    fn bound(&mut self) {
+        // Within the bound, by multiplication: the 64-bit division is for the edge that is overdue.
+        let sixth = (SIXTH as u64) << 16;
+        if self.speed.unsigned_abs() as u64 * self.since_edge as u64 > sixth {
+            let bound = (sixth / self.since_edge as u64).min(i32::MAX as u64) as i32;
+            self.bounded = self.speed.clamp(-bound, bound);
         }
     }
 
@@ -299,17 +379,9 @@ impl Hall {
     }
 
     /// Speed for the speed loop: the measured one, but never more than the edge that has not come allows.
-    pub fn speed_bounded(&self) -> i32 {
-        if self.valid == 0 || self.since_edge <= self.newest() {
-            return self.speed;
-        }
-        // Within the bound, by multiplication: the 64-bit division is for the edge that is overdue.
-        let sixth = (SIXTH as u64) << 16;
-        if self.speed.unsigned_abs() as u64 * self.since_edge as u64 <= sixth {
-            return self.speed;
-        }
-        let bound = (sixth / self.since_edge as u64).min(i32::MAX as u64) as i32;
-        self.speed.clamp(-bound, bound)
+    #[inline]
+    pub const fn speed_bounded(&self) -> i32 {
+        self.bounded
     }
 
     /// No edge for the time-out.
@@ -324,7 +396,7 @@ impl Hall {
 
     /// Present sector, 0..=5; `None` until the first valid code.
     pub const fn sector(&self) -> Option<u8> {
-        self.sector
+        if self.sector == INVALID { None } else { Some(self.sector) }
     }
 
     /// The counts.
@@ -333,9 +405,16 @@ impl Hall {
     }
 }
 
-/// `speed x age / tick`.
-fn fraction_of(speed: i32, age: u32) -> u32 {
-    ((speed as i64 * age as i64) >> 16) as u32
+/// The middle of `sector`: 60 + 60 s degrees.
+fn centre(c: &HallCoefficients, sector: u8) -> u32 {
+    SIXTH.wrapping_mul(sector as u32 + 1).wrapping_add((c.offset.0 as u32) << 16)
+}
+
+fn entry(c: &HallCoefficients, sector: u8, direction: Direction) -> u32 {
+    match direction {
+        Direction::Forward => centre(c, sector).wrapping_sub(SIXTH / 2),
+        Direction::Reverse => centre(c, sector).wrapping_add(SIXTH / 2),
+    }
 }
 
 const _: () = assert!(SECTOR as u32 == SIXTH.div_ceil(1 << 16) && sector_of(ElectricalAngle(0)) == 5);

@@ -9,7 +9,7 @@
 //! ```
 
 use super::commutation::Direction;
-use super::hall::TICK;
+use super::interval::TICK;
 use crate::units::Volts;
 use serde::{Deserialize, Serialize};
 

@@ -163,23 +163,18 @@ impl Machine {
         self.calibrate = run;
     }
 
-    /// One tick: time passes, at most one transition fires.
+    /// Time passes. True in the ordinary tick of a state, in which no row of the table can hold; else [`advance`](Self::advance) looks. The
+    /// conditions as in [`Inputs`].
     #[inline]
-    pub fn step(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
+    pub fn rests(&mut self, c: &MachineCoefficients, critical: bool, stopped: bool, unhealthy: bool) -> bool {
         self.age = self.age.saturating_add(1);
         self.command_age = self.command_age.saturating_add(1);
-        if self.goes_on(c, inputs) { None } else { self.advance(c, inputs) }
-    }
-
-    /// The ordinary tick of a driven state and of Standby, in which no row of the table can hold.
-    #[inline]
-    fn goes_on(&self, c: &MachineCoefficients, inputs: &Inputs) -> bool {
         match self.state {
-            State::Initialization => self.age < c.boot && !inputs.unhealthy,
-            State::Standby => !inputs.critical && !self.wants_to_run(),
+            State::Initialization => self.age < c.boot && !unhealthy,
+            State::Standby => !critical && !self.wants_to_run(),
             State::Fault => !self.acknowledged,
             _ => {
-                !(inputs.critical || inputs.stopped || inputs.calibrated)
+                !(critical || stopped || self.calibrating())
                     && self.wants_to_run()
                     && self.requested_direction() == self.direction
                     && !self.command_expired(c)
@@ -188,13 +183,39 @@ impl Machine {
         }
     }
 
+    /// For how many ticks from now no row of a driven state can hold by time alone, and nothing but time would change anything.
+    pub fn calm(&self, c: &MachineCoefficients) -> u32 {
+        let goes_on = self.state.is_driving()
+            && !self.calibrating()
+            && self.wants_to_run()
+            && self.requested_direction() == self.direction;
+        if !goes_on {
+            return 0;
+        }
+        let silent = c.command_timeout.saturating_sub(self.command_age);
+        silent.min(self.duration(c).saturating_sub(self.age)).saturating_sub(1)
+    }
+
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.age = self.age.saturating_add(ticks);
+        self.command_age = self.command_age.saturating_add(ticks);
+    }
+
     #[inline]
     fn wants_to_run(&self) -> bool {
         matches!(self.command.request, Request::Drive | Request::Reverse)
     }
 
+    /// One tick: time passes, at most one transition fires.
+    pub fn step(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
+        let rests = self.rests(c, inputs.critical, inputs.stopped, inputs.unhealthy);
+        if rests { None } else { self.advance(c, inputs) }
+    }
+
+    /// Where the tick does not rest: at most one transition fires.
     #[inline(never)]
-    fn advance(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
+    pub fn advance(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
         let conditions = self.conditions(c, inputs);
         let row = transition(self.state, conditions)?;
         match row.to {

@@ -1,27 +1,51 @@
-//! Converter codes to volts and amperes, with calibration, and the reciprocal of the bus voltage.
+//! Converter codes to volts and amperes, with calibration, and volts to duty.
 
-use super::gain::Gain;
+use super::front_end::Channel;
 use super::samples::Samples;
-use crate::units::{Amps, Duty, Volts, saturate64};
+use crate::units::{Amps, Duty, Volts};
 use serde::{Deserialize, Serialize};
 
-/// One converter channel: `value = (code - zero) x gain + offset`.
+/// One converter channel: `value = (code - zero) x gain + offset`, as one multiplication and one sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChannelScale {
-    /// Code of 0.
-    pub zero: u16,
-    /// Raw I16F16 per code.
-    pub gain: Gain,
-    /// Calibration offset, raw I16F16, added.
-    pub offset: i32,
+    /// Raw I16F16 per code, with 16 extra bits.
+    gain: i32,
+    /// Value of code 0, the same.
+    bias: i64,
 }
 
+/// No credible calibration offset is larger: 256 V or A, raw I16F16.
+const OFFSET_MAX: i32 = 1 << 24;
+
 impl ChannelScale {
+    /// For a channel of at most [`Channel::MICRO_PER_CODE_MAX`]; `offset` (raw I16F16) is added.
+    pub const fn new(channel: Channel, offset: i32) -> Self {
+        let micro = if channel.micro_per_code > Channel::MICRO_PER_CODE_MAX {
+            Channel::MICRO_PER_CODE_MAX
+        } else {
+            channel.micro_per_code
+        };
+        let gain = ((micro as i64) << 32) / 1_000_000;
+        let offset = if offset > OFFSET_MAX {
+            OFFSET_MAX
+        } else if offset < -OFFSET_MAX {
+            -OFFSET_MAX
+        } else {
+            offset
+        };
+        Self { gain: gain as i32, bias: ((offset as i64) << 16) - gain * channel.zero as i64 }
+    }
+
     /// Raw I16F16 of `code`.
     #[inline]
     pub const fn convert(&self, code: u16) -> i32 {
-        let value = self.gain.apply(code as i32 - self.zero as i32);
-        saturate64(value + self.offset as i64)
+        ((code as i64 * self.gain as i64 + self.bias) >> 16) as i32
+    }
+
+    /// Raw I16F16 of a difference of `codes`, within 2^18: zero and offset cancel.
+    #[inline]
+    pub const fn convert_difference(&self, codes: i32) -> i32 {
+        ((codes as i64 * self.gain as i64) >> 16) as i32
     }
 }
 
@@ -52,16 +76,22 @@ pub struct Measured {
 /// State of the measurement station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Measurement {
-    /// Raw I16F16 with 6 extra bits.
-    filtered: i64,
+    /// Mean bus current, raw I16F16 with 6 extra bits.
+    filtered: i32,
     zero: ZeroCurrent,
-    reciprocal: Reciprocal,
+    /// Bus voltage, raw I16F16.
+    bus_voltage: i32,
 }
 
 /// The bus current's zero, found while the bridge is off during Initialization: what the converter reads then is
-/// its offset. A first-order mean of 1024 ticks, raw I16F16 with 10 extra bits.
+/// its offset.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct ZeroCurrent(i64);
+struct ZeroCurrent {
+    /// A first-order mean of 1024 ticks, raw I16F16 with 10 extra bits.
+    mean: i64,
+    /// The same, no more than is credible.
+    zero: i32,
+}
 
 impl ZeroCurrent {
     /// No credible offset is larger: 0.25 A.
@@ -69,82 +99,67 @@ impl ZeroCurrent {
 
     #[inline]
     fn step(&mut self, current: i32, idle: bool) -> i32 {
-        let zero = ((self.0 >> 10) as i32).clamp(-Self::MAX, Self::MAX);
+        let zero = self.zero;
         if idle {
-            self.0 += i64::from(current) - (self.0 >> 10);
+            self.mean += i64::from(current) - (self.mean >> 10);
+            self.zero = ((self.mean >> 10) as i32).clamp(-Self::MAX, Self::MAX);
         }
-        current.saturating_sub(zero)
+        current - zero
     }
 }
 
 impl MeasurementScales {
-    /// Terminal voltages A, B, C. Only the back-EMF station and reports ask for them.
+    /// Terminal voltages A, B, C. Only listening and reports ask for them.
     #[inline]
-    pub fn phase_voltage(&self, samples: &Samples) -> [Volts; 3] {
-        samples.phase_voltage.map(|code| Volts::from_bits(self.phase_voltage.convert(code)))
+    pub fn phase_voltage(&self, codes: &[u16; 3]) -> [Volts; 3] {
+        codes.map(|code| Volts::from_bits(self.phase_voltage.convert(code)))
     }
 }
+
+/// The filter's room: 256 A, raw I16F16.
+const FILTER_MAX: i32 = 1 << 24;
 
 impl Measurement {
     /// Converts one tick's codes, phase voltages apart. `idle`: no current can flow, so what the current channel reads is its zero.
     #[inline]
     pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Measured {
-        let bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
+        self.bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
         let bus_current = self.zero.step(scales.bus_current.convert(samples.bus_current), idle);
-        self.filtered += i64::from(bus_current) - (self.filtered >> 6);
-        self.reciprocal.follow(bus_voltage);
+        self.filtered += bus_current.clamp(-FILTER_MAX, FILTER_MAX) - (self.filtered >> 6);
         Measured {
-            bus_voltage: Volts::from_bits(bus_voltage),
+            bus_voltage: Volts::from_bits(self.bus_voltage),
             bus_current: Amps::from_bits(bus_current),
-            bus_current_filtered: Amps::from_bits((self.filtered >> 6) as i32),
+            bus_current_filtered: Amps::from_bits(self.filtered >> 6),
             phase_voltage: [Volts::ZERO; 3],
         }
     }
 
-    /// The duty that gives `voltage` (raw I16F16, >= 0) on the present bus, 0..=1.
+    /// Bus voltage as of the last step, raw I16F16.
     #[inline]
-    pub fn duty(&self, voltage: i32) -> Duty {
-        self.reciprocal.quotient(voltage)
+    pub const fn bus_voltage(&self) -> i32 {
+        self.bus_voltage
+    }
+
+    /// Filtered bus current as of the last step, raw I16F16.
+    #[inline]
+    pub const fn bus_current(&self) -> i32 {
+        self.filtered >> 6
+    }
+
+    /// The duty that gives `voltage` (raw I16F16) on the present bus, 0..=1, rounded down; the bus counts as at least 4 V.
+    ///
+    /// One 32-bit division, which the processor has: both are scaled until the divisor keeps 16 bits.
+    #[inline]
+    pub const fn duty(&self, voltage: i32) -> Duty {
+        let bus = if self.bus_voltage > BUS_MIN { self.bus_voltage as u32 } else { BUS_MIN as u32 };
+        let voltage = if voltage > 0 { voltage as u32 } else { 0 };
+        if voltage >= bus {
+            return Duty::ONE;
+        }
+        let scale = 16 - bus.leading_zeros();
+        Duty::from_bits(((voltage << (15 - scale)) / (bus >> scale)) as u16)
     }
 }
 
-/// `2^47 / voltage bits`, kept by two Newton steps a tick: `r' = r (2 - v r)`. At most 2^29 and a little, by [`BUS_MIN`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Reciprocal(i64);
-
-/// Below 4 V nothing runs, and the reciprocal stays within 30 bits.
+/// Below 4 V nothing runs; from there on the bus voltage has more than 16 bits.
 const BUS_MIN: i32 = 4 << 16;
-
-impl Reciprocal {
-    #[inline]
-    fn follow(&mut self, bus_voltage: i32) {
-        let voltage = bus_voltage.max(BUS_MIN);
-        let error = self.error(voltage);
-        // A step squares the relative error: from within 1/16 two leave 2^-16. Outside (power-up, a torn supply)
-        // divide once.
-        *self = if error.abs() < 1 << 43 {
-            let first = self.refined(error);
-            first.refined(first.error(voltage))
-        } else {
-            Self((1 << 47) / i64::from(voltage))
-        };
-    }
-
-    /// 2^47 less voltage x reciprocal. Both factors have 32 bits: one multiply instruction.
-    #[inline]
-    const fn error(self, voltage: i32) -> i64 {
-        (1 << 47) - voltage as i64 * self.0 as i32 as i64
-    }
-
-    /// One Newton step; `error` is within 2^43.
-    #[inline]
-    const fn refined(self, error: i64) -> Self {
-        Self((self.0 as i32 as i64) + ((self.0 as i32 as i64 * (error >> 16) as i32 as i64) >> 31))
-    }
-
-    #[inline]
-    fn quotient(self, voltage: i32) -> Duty {
-        let bits = (voltage.max(0) as i64 * self.0 as i32 as i64) >> 32;
-        Duty::from_bits(bits.min(Duty::ONE.to_bits() as i64) as u16)
-    }
-}

@@ -18,6 +18,7 @@ pub mod zero_crossing;
 
 pub mod hall;
 pub mod hall_calibration;
+pub mod interval;
 pub mod open_loop;
 pub mod rotor;
 pub mod sensorless;

@@ -24,37 +24,48 @@ pub struct OpenPhaseCoefficients {
 pub struct OpenPhase {
     step: Step,
     /// Ticks in this step, and those of them with current.
-    ticks: u16,
-    carrying: u16,
+    ticks: u32,
+    carrying: u32,
     /// Per phase: consecutive steps that fit "this phase is open".
     evidence: [u8; 3],
     resting: u16,
+    /// One of them has been reached.
+    found: bool,
 }
 
 /// Consecutive steps, three electrical revolutions.
 const EVIDENCE: u8 = 18;
 
 impl OpenPhase {
-    /// One tick; true when a phase is open.
+    /// One tick of a step: is there current?
     #[inline]
-    pub fn step(
-        &mut self,
-        c: &OpenPhaseCoefficients,
-        applied: Step,
-        duty: Duty,
-        current: Amps,
-        stopped: bool,
-    ) -> bool {
-        let carries = current.to_bits() > NONE;
-        let pressing = stopped && !carries && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
-        self.resting = if pressing { self.resting.saturating_add(1) } else { 0 };
-        if applied != self.step {
-            self.judge();
-            (self.step, self.ticks, self.carrying) = (applied, 0, 0);
-        }
+    pub const fn count(&mut self, current: Amps) {
         self.ticks = self.ticks.saturating_add(1);
-        self.carrying = self.carrying.saturating_add(u16::from(carries));
-        self.resting >= c.at_rest || self.evidence.iter().any(|count| *count >= EVIDENCE)
+        if current.to_bits() > NONE {
+            self.carrying += 1;
+        }
+    }
+
+    /// The rotor is at rest (`stopped`), or not known to turn: a voltage must drive a current. Once a tick.
+    pub fn rest(&mut self, applied: Step, duty: Duty, current: Amps, stopped: bool) {
+        let pressing =
+            stopped && current.to_bits() <= NONE && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
+        self.resting = if pressing { self.resting.saturating_add(1) } else { 0 };
+    }
+
+    /// From the next tick on `step` is applied: what has been seen of the one before is judged.
+    #[inline]
+    pub fn change(&mut self, step: Step) {
+        if step != self.step {
+            self.judge();
+            (self.step, self.ticks, self.carrying) = (step, 0, 0);
+        }
+    }
+
+    /// A phase is open.
+    #[inline]
+    pub const fn is_found(&self, c: &OpenPhaseCoefficients) -> bool {
+        self.found || self.resting >= c.at_rest
     }
 
     /// Forgets everything: the bridge is off.
@@ -75,5 +86,6 @@ impl OpenPhase {
             let fits = if leg == Leg::Floating { alive } else { dead };
             *count = if fits { count.saturating_add(1) } else { 0 };
         }
+        self.found = self.evidence.iter().any(|count| *count >= EVIDENCE);
     }
 }

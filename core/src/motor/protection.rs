@@ -136,6 +136,19 @@ pub struct Evidence {
     pub sensorless: Option<Cause>,
 }
 
+/// What every tick measures for the fault logic, raw I16F16.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Bus voltage.
+    pub bus_voltage: i32,
+    /// Mean DC-link current.
+    pub bus_current: i32,
+    /// Speed magnitude while the bridge is on, electrical rev/s; else 0.
+    pub speed: i32,
+    /// Digital inputs.
+    pub lines: Lines,
+}
+
 /// Plausibility counts of the hall sensors: each glitch adds, time takes away.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct HallCounts {
@@ -175,16 +188,8 @@ pub struct Protection {
 
 impl Protection {
     /// One tick. True when a critical fault is present now.
-    #[inline]
-    pub fn step(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
-        if self.quiet && self.stays_quiet(c, evidence) {
-            return false;
-        }
-        self.judge(c, evidence)
-    }
-
     #[inline(never)]
-    fn judge(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
+    pub fn step(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
         let mask = FaultWord::critical(c.critical_mask, evidence.driving);
         self.live = FaultWord::empty();
         self.limits(c, evidence, mask);
@@ -194,36 +199,26 @@ impl Protection {
         self.live.intersects(mask)
     }
 
-    /// With everything at rest, nothing that is looked at would move anything: most ticks end here.
-    #[inline]
-    fn stays_quiet(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
-        let overspeed = if evidence.hall_driving { &c.overspeed_hall } else { &c.overspeed_sensorless };
-        self.overspeed_trip = self.overspeed_trip.max(overspeed.trip);
-        let voltage = evidence.measured.bus_voltage.to_bits();
-        let temperature = evidence.slow.temperature.to_bits();
-        let looked_at = Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(c.shutdown_lines);
-        let hall = &evidence.hall;
-        !(voltage > c.over_voltage.trip.min(c.over_voltage_at_once)
-            || voltage < c.under_voltage.trip
-            || evidence.measured.bus_current.abs().to_bits() > c.over_current.trip
-            || evidence.driving && evidence.speed > self.overspeed_trip
-            || temperature > c.over_temperature.trip.min(c.warning.trip)
-            || evidence.slow.pressure.to_bits() > c.over_pressure.trip
-            || evidence.lines.intersects(looked_at)
-            || evidence.request == Request::Shutdown
-            || evidence.open_phase
-            || evidence.sensorless.is_some()
-            || evidence.health.self_test_failed
-            || !evidence.health.store_faults.is_empty()
-            || evidence.hall_driving
-                && (hall.invalid || hall.jump || hall.sectors != 0 || evidence.hall_stopped || !self.leak(c)))
+    /// Something has changed that does not come with every tick's samples: the next tick looks at everything.
+    pub const fn wake(&mut self) {
+        self.quiet = false;
     }
 
-    /// The leak of counts that are 0 is only its clock; in the last tick of a round the long way round is taken.
-    fn leak(&mut self, c: &ProtectionCoefficients) -> bool {
-        let goes_on = self.hall.leak.saturating_add(1) < c.ticks_per_ms;
-        self.hall.leak += u16::from(goes_on);
-        goes_on
+    /// With everything at rest, would what a tick measures move anything? Most ticks need no more than this.
+    #[inline]
+    pub fn stays_quiet(&self, c: &ProtectionCoefficients, seen: &Seen) -> bool {
+        let looked_at = Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(c.shutdown_lines);
+        self.quiet
+            && seen.bus_voltage <= c.over_voltage.trip
+            && seen.bus_voltage >= c.under_voltage.trip
+            && seen.bus_current.saturating_abs() <= c.over_current.trip
+            && seen.speed <= self.overspeed_trip
+            && !seen.lines.intersects(looked_at)
+    }
+
+    /// Everything is at rest.
+    pub const fn is_quiet(&self) -> bool {
+        self.quiet
     }
 
     fn is_at_rest(&self) -> bool {
@@ -372,7 +367,7 @@ impl Protection {
             return;
         }
         let counts = &mut self.hall;
-        counts.leak += 1;
+        counts.leak = if (counts.invalid, counts.jumps) == (0, 0) { 0 } else { counts.leak + 1 };
         if counts.leak >= c.ticks_per_ms {
             counts.leak = 0;
             counts.invalid = counts.invalid.saturating_sub(1);

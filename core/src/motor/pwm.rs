@@ -48,6 +48,14 @@ impl Commutations {
             _ => {}
         }
     }
+    /// The pattern after the last of them.
+    pub const fn last(&self) -> Option<Step> {
+        match self.0 {
+            [_, Some(last)] | [Some(last), None] => Some(last.step),
+            [None, None] => None,
+        }
+    }
+
     /// The changes in order of time.
     pub fn iter(&self) -> impl Iterator<Item = Commutation> + '_ {
         self.0.iter().flatten().copied()

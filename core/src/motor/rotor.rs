@@ -15,8 +15,9 @@ pub struct Rotor {
     open_loop: OpenLoop,
     /// Sectors turned since power-up by the hall sensors, signed, wrapping.
     sectors: i32,
-    /// Speed by the hall sensors as of this tick: one division serves all who ask.
+    /// Speed by the hall sensors as of this tick, and the 2^-32 turn a tick that it was converted from.
     hall_speed: ElectricalSpeed,
+    hall_turns: i32,
 }
 
 /// A rotor position as the commutator wants it.
@@ -30,19 +31,33 @@ pub struct Position {
 
 impl Rotor {
     /// One tick of the sensors.
+    #[inline]
     pub fn step(&mut self, c: &Coefficients, samples: &Samples) -> HallEvents {
         let events = self.hall.step(&c.hall, samples);
         self.sectors = self.sectors.wrapping_add(events.sectors as i32);
-        let speed = c.speed_of_turns.apply32(self.hall.speed_bounded());
-        self.hall_speed = ElectricalSpeed::from_bits(speed);
+        let turns = self.hall.speed_bounded();
+        if turns != self.hall_turns {
+            self.hall_turns = turns;
+            self.hall_speed = ElectricalSpeed::from_bits(c.speed_of_turns.apply32(turns));
+        }
         events
+    }
+
+    /// For how many ticks from now the hall sensors need no look, if their code stays.
+    pub fn calm(&self, c: &Coefficients) -> u32 {
+        self.hall.calm(&c.hall)
+    }
+
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.hall.sleep(ticks);
     }
 
     /// The hall lines mean something else from now on: what was measured by the old meaning is forgotten.
     pub fn change_wiring(&mut self, before: &HallCoefficients, after: &HallCoefficients) {
         if (before.sectors, before.offset) != (after.sectors, after.offset) {
             self.hall.forget();
-            self.hall_speed = ElectricalSpeed::ZERO;
+            (self.hall_speed, self.hall_turns) = (ElectricalSpeed::ZERO, 0);
         }
     }
 

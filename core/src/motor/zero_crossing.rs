@@ -7,12 +7,9 @@
 use super::back_emf::{Level, Sight};
 use super::commutation::Direction;
 use super::gain::Gain;
-use super::hall::TICK;
+use super::interval::{SIXTH, TICK, TWELFTH, part_of, speed_of};
 use serde::{Deserialize, Serialize};
 
-/// One sixth of a turn as a u32 angle.
-const SIXTH: u32 = u32::MAX / 6;
-const TWELFTH: u32 = u32::MAX / 12;
 /// Blind steps in a row that the duty fades over; then the rotor is lost.
 pub const BLIND_MAX: u8 = 6;
 /// Late crossings in a row that do the same.
@@ -99,7 +96,6 @@ impl ZeroCrossing {
             self.why = Why::Blind;
         }
         let Some(sector) = sight.sector else { return true };
-        self.coasting = false;
         let place = 2 * ((sector + 1) % 6);
         if let Some(age) = sight.crossing {
             let offset = self.threshold_angle(sight.threshold, back_emf);
@@ -140,7 +136,6 @@ impl ZeroCrossing {
             self.start(angle, direction);
         }
         self.polarities = 3;
-        self.coasting = true;
         self.accept(place % 12, 0, age, Why::Listened);
     }
 
@@ -201,7 +196,8 @@ impl ZeroCrossing {
         self.consistent = self.consistent.saturating_add(1);
         (self.blind, self.late) = (0, 0);
         self.accepted = self.accepted.wrapping_add(1);
-        self.why = why;
+        // Of a rotor that has just been caught the last place is as old as coasting shows them, until it shows its first crossing.
+        (self.why, self.coasting) = (why, why == Why::Listened);
     }
 
     fn push(&mut self, interval: u32) {
@@ -254,7 +250,7 @@ impl ZeroCrossing {
     fn take_late(&mut self, place: u8, starting: bool) {
         self.late = self.late.saturating_add(1);
         self.consistent = 0;
-        self.why = Why::DemagLate;
+        (self.why, self.coasting) = (Why::DemagLate, false);
         let sign = self.direction.sign();
         if starting {
             self.skip_to_end(place);
@@ -371,20 +367,4 @@ impl ZeroCrossing {
 /// `since - age`, 1/65 536 tick.
 fn elapsed(since: u32, age: i32) -> u32 {
     if age < 0 { since.saturating_add(age.unsigned_abs()) } else { since.saturating_sub(age.unsigned_abs()) }
-}
-
-/// `speed x age / tick`, u32 turn.
-fn part_of(speed: i32, age: i32) -> u32 {
-    ((i64::from(speed) * i64::from(age)) >> 16) as u32
-}
-
-/// `sixths / 6` turns in `time` (1/65 536 tick), 2^-32 turn a tick: a 32-bit division with 16 significant bits.
-fn speed_of(sixths: u8, time: u32) -> i32 {
-    let scale = 16_u32.saturating_sub(time.leading_zeros());
-    let turned = SIXTH.saturating_mul(u32::from(sixths.min(5)));
-    let turned = if sixths >= 6 { u32::MAX } else { turned };
-    let quotient = turned / (time >> scale).max(1);
-    let speed =
-        if scale >= 16 { quotient >> (scale - 16) } else { quotient.saturating_mul(1 << (16 - scale)) };
-    speed.min(i32::MAX as u32 / 2) as i32
 }
