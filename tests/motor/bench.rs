@@ -1,6 +1,6 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
-use narx_core::motor::event::SlowMeasurements;
+use narx_core::motor::event::{Health, SlowMeasurements};
 use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
@@ -49,6 +49,8 @@ pub(crate) struct Closed {
     pub bus_max: f64,
     /// The master says nothing.
     pub silent: bool,
+    /// See [`watch`](Self::watch).
+    watched: Option<Drive>,
     /// Set-point, mechanical rpm.
     pub set_point: f64,
     /// What the last tick answered.
@@ -89,6 +91,7 @@ impl Closed {
             fastest: 0.0,
             bus_max: 0.0,
             silent: false,
+            watched: None,
             set_point: RPM,
             output: PwmCommand::default(),
             request: Request::Standby,
@@ -100,12 +103,12 @@ impl Closed {
     /// Other parameters from now on: the commissioned ones with these raw values changed.
     pub(crate) fn configure(&mut self, changes: &[(u16, i32)]) {
         let coefficients = commissioned(self.plant.config(), changes, self.mode, self.rated_current);
-        self.drive.handle_event(Event::Coefficients(coefficients));
+        self.handle_event(Event::Coefficients(coefficients));
     }
 
     pub(crate) fn ask(&mut self, request: Request) {
         self.request = request;
-        self.drive.handle_event(self.command());
+        self.handle_event(self.command());
     }
 
     fn command(&self) -> Event {
@@ -126,15 +129,24 @@ impl Closed {
         let mut samples = self.plant.sample();
         alter(&mut samples, &self.output);
         match samples.tick % 500 {
-            0 if !self.silent => self.drive.handle_event(self.command()),
-            k if k % 100 == 50 => self.drive.handle_event(Event::Slow(SlowMeasurements {
+            0 if !self.silent => self.handle_event(self.command()),
+            k if k % 100 == 50 => self.handle_event(Event::Slow(SlowMeasurements {
                 temperature: Celsius::from_milli((self.plant.ambient() * 1e3) as i32),
                 pressure: Volts::from_milli((self.plant.pressure() * 1e3) as i32),
             })),
             _ => {}
         }
+        let watched = self.watched.as_mut().map(|drive| {
+            // An event that says nothing new: the drive looks at everything in this tick.
+            drive.handle_event(Event::Health(Health::default()));
+            (drive.step(&samples), drive.poll_status())
+        });
         let output = self.drive.step(&samples);
-        if let Some(status) = self.drive.poll_status() {
+        let status = self.drive.poll_status();
+        if let Some(whole) = watched {
+            assert_eq!(whole, (output, status), "tick {}", samples.tick);
+        }
+        if let Some(status) = status {
             self.status = status;
         }
         self.plant.finish_period(&output);
@@ -143,6 +155,18 @@ impl Closed {
         self.peak = now.current.iter().fold(self.peak, |peak, current| peak.max(current.abs()));
         self.fastest = self.fastest.max(self.rpm().abs());
         self.bus_max = self.bus_max.max(now.bus_voltage);
+    }
+
+    fn handle_event(&mut self, event: Event) {
+        if let Some(drive) = &mut self.watched {
+            drive.handle_event(event.clone());
+        }
+        self.drive.handle_event(event);
+    }
+
+    /// From now on a second drive, which is made to look at everything in every tick, must answer every tick alike.
+    pub(crate) fn watch(&mut self) {
+        self.watched = Some(self.drive.clone());
     }
 
     /// Into Standby.

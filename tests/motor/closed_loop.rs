@@ -52,7 +52,12 @@ fn every_wrong_wiring_runs_or_faults() {
                     closed.peak
                 );
                 misaligned = misaligned.max(closed.peak);
-                assert!((speed - RPM).abs() < 0.05 * RPM, "order {order}, polarity {polarity}: {speed} rpm");
+                // A wiring that turns the motor two sectors off its best angle runs into the current limit.
+                let allowed = if right { 0.05 } else { 0.2 };
+                assert!(
+                    (speed - RPM).abs() < allowed * RPM,
+                    "order {order}, polarity {polarity}: {speed} rpm"
+                );
             }
         }
         assert!(closed.fastest <= 1.3 * RPM, "order {order}, polarity {polarity}: {:.0} rpm", closed.fastest);

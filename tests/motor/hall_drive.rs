@@ -104,7 +104,7 @@ fn no_sensors_at_all() {
             };
             let found = until_fault(&mut script, 20_000, spoil);
             // One tick takes T15; the sensors are judged from the next on.
-            assert_eq!(found, Some((72, Cause::HallInvalid as u16)), "{code:03b} at {frequency} rev/s");
+            assert_eq!(found, Some((71, Cause::HallInvalid as u16)), "{code:03b} at {frequency} rev/s");
         }
     }
 }

@@ -6,6 +6,7 @@ mod bad_signals;
 mod bench;
 mod boot;
 mod build;
+mod calm;
 mod closed_loop;
 mod commutation;
 mod commutation_angle;

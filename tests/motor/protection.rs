@@ -166,7 +166,7 @@ fn hall_causes_count_and_forgive() {
     let every =
         |period: u32, event| move |tick: u32| hall(if tick.is_multiple_of(period) { event } else { quiet });
     // 000 or 111 for good: 64 counts, one taken away a millisecond.
-    assert_eq!(hall_fault(every(1, invalid)), Some((71, Cause::HallInvalid as u16)));
+    assert_eq!(hall_fault(every(1, invalid)), Some((70, Cause::HallInvalid as u16)));
     assert_eq!(hall_fault(every(10, invalid)), None, "one a millisecond is forgiven");
     assert_eq!(hall_fault(every(1, jump)), Some((5, Cause::HallJumps as u16)));
     assert_eq!(hall_fault(every(131, jump)), None, "one in 13 ms is forgiven");

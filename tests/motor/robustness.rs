@@ -203,7 +203,7 @@ fn supply_dips_while_running() {
         (10.0, 5, &[OnSpeed], &[OnSpeed]),
         (0.0, 10, &[OnSpeed], &[OnSpeed]),
         (15.0, 200, &[OnSpeed], &under),
-        (10.0, 20, &[OnSpeed], &under),
+        (10.0, 30, &[OnSpeed], &under),
         (0.0, 50, &[OnSpeed], &under),
         (12.0, 3_000, &under, &under),
     ] {

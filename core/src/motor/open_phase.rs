@@ -37,11 +37,11 @@ pub struct OpenPhase {
 const EVIDENCE: u8 = 18;
 
 impl OpenPhase {
-    /// One tick of a step: is there current?
+    /// One tick of a step: is there current? The mean of the first one is still in part that of the step before.
     #[inline]
     pub const fn count(&mut self, current: Amps) {
         self.ticks = self.ticks.saturating_add(1);
-        if current.to_bits() > NONE {
+        if current.to_bits() > NONE && self.ticks > 1 {
             self.carrying += 1;
         }
     }
@@ -77,11 +77,12 @@ impl OpenPhase {
     /// freewheeling rest of the step before may still show in a dead one; what is neither proves nothing.
     #[inline(never)]
     fn judge(&mut self) {
-        if self.step.sector().is_none() || self.ticks < 2 {
+        let counted = self.ticks.saturating_sub(1);
+        if self.step.sector().is_none() || counted == 0 {
             return;
         }
-        let dead = self.carrying <= self.ticks / 4;
-        let alive = self.carrying >= self.ticks - self.ticks / 4;
+        let dead = self.carrying <= counted / 4;
+        let alive = self.carrying >= counted - counted / 4;
         for (count, leg) in self.evidence.iter_mut().zip(self.step.legs()) {
             let fits = if leg == Leg::Floating { alive } else { dead };
             *count = if fits { count.saturating_add(1) } else { 0 };

@@ -96,6 +96,7 @@ impl ZeroCrossing {
             self.why = Why::Blind;
         }
         let Some(sector) = sight.sector else { return true };
+        self.coasting = false;
         let place = 2 * ((sector + 1) % 6);
         if let Some(age) = sight.crossing {
             let offset = self.threshold_angle(sight.threshold, back_emf);
@@ -136,6 +137,7 @@ impl ZeroCrossing {
             self.start(angle, direction);
         }
         self.polarities = 3;
+        self.coasting = true;
         self.accept(place % 12, 0, age, Why::Listened);
     }
 
@@ -196,8 +198,7 @@ impl ZeroCrossing {
         self.consistent = self.consistent.saturating_add(1);
         (self.blind, self.late) = (0, 0);
         self.accepted = self.accepted.wrapping_add(1);
-        // Of a rotor that has just been caught the last place is as old as coasting shows them, until it shows its first crossing.
-        (self.why, self.coasting) = (why, why == Why::Listened);
+        self.why = why;
     }
 
     fn push(&mut self, interval: u32) {
@@ -250,7 +251,7 @@ impl ZeroCrossing {
     fn take_late(&mut self, place: u8, starting: bool) {
         self.late = self.late.saturating_add(1);
         self.consistent = 0;
-        (self.why, self.coasting) = (Why::DemagLate, false);
+        self.why = Why::DemagLate;
         let sign = self.direction.sign();
         if starting {
             self.skip_to_end(place);
@@ -312,8 +313,8 @@ impl ZeroCrossing {
 
     /// Speed over up to a revolution, but never more than the crossing that has not come allows.
     pub fn speed_bounded(&self) -> i32 {
-        // A coasting motor shows three places a revolution, a driven one six.
-        let sixths = if self.coasting { 3 } else { 1 };
+        // A coasting motor shows three places a revolution, a driven one six; one that has just been caught has its first crossing before it.
+        let sixths = if self.coasting || matches!(self.why, Why::Listened) { 3 } else { 1 };
         let patience = self.interval.saturating_mul(sixths);
         if self.valid == 0 || self.fresh <= patience.saturating_add(self.interval / 4) {
             return self.speed_mean;

@@ -1,0 +1,38 @@
+//! Between edges, crossings and commands a tick looks at nothing but the loops. That must not show: a drive that is made to look at
+//! everything in every tick answers the same.
+
+use crate::bench::{Closed, MOTOR, Outcome};
+use narx_core::motor::Request;
+use narx_sim::plant::{Injection, LoadConfig, PlantConfig};
+
+fn watched(supply: f64) -> Closed {
+    let mut config = PlantConfig::new(MOTOR, supply);
+    config.angle_deg = 40.0;
+    let mut closed = Closed::new(&config, &[]);
+    closed.watch();
+    closed.boot();
+    closed
+}
+
+#[test]
+fn a_calm_tick_is_a_whole_tick() {
+    for supply in [18.0, 24.0, 60.0] {
+        let mut closed = watched(supply);
+        for (set_point, load, ticks) in
+            [(800.0, 0.0, 6_000), (2_500.0, 0.02, 8_000), (1_200.0, 0.0, 8_000), (1_200.0, 0.05, 5_000)]
+        {
+            closed.set_point = set_point;
+            closed.plant.set_load(LoadConfig { constant: load, ..LoadConfig::default() });
+            closed.ask(Request::Drive);
+            assert_eq!(closed.run(ticks), Outcome::Running, "{supply} V, {set_point} rpm");
+        }
+        closed.ask(Request::Reverse);
+        assert_eq!(closed.run(25_000), Outcome::Running, "{supply} V");
+        assert!(closed.rpm() < -1_000.0, "{} rpm", closed.rpm());
+        closed.plant.inject(Injection::HallGlitches(200.0));
+        closed.run(5_000);
+        closed.plant.clear(Injection::HallGlitches(200.0));
+        closed.plant.inject(Injection::BlockedRotor);
+        assert!(matches!(closed.run(10_000), Outcome::Fault { .. }));
+    }
+}
