@@ -21,10 +21,10 @@ use crate::units::{Amps, Duty, ElectricalAngle, ElectricalSpeed, Volts, Watts};
 use serde::{Deserialize, Serialize};
 
 /// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
-pub const LAYOUT_VERSION: u16 = 2;
+pub const LAYOUT_VERSION: u16 = 3;
 
 /// What the drive does with its inputs: rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 2;
+pub const BEHAVIOUR_VERSION: u16 = 3;
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,6 +46,9 @@ pub struct Drive {
     calibration: HallCalibration,
     /// Somebody listens to the terminals.
     listens: bool,
+    /// Speed by back-EMF, 2^-32 turn a tick, and the same as raw I16F16 electrical rev/s: converted when it changes.
+    sensorless_turns: i32,
+    sensorless_rate: i32,
     calm: Calm,
     /// What was applied in the last tick.
     applied: PwmCommand,
@@ -126,6 +129,8 @@ impl Drive {
             calibrator: HallCalibrator::default(),
             calibration: HallCalibration::None,
             listens: false,
+            sensorless_turns: 0,
+            sensorless_rate: 0,
             calm: Calm::default(),
             applied: PwmCommand::default(),
             reports: Reports::default(),
@@ -288,6 +293,11 @@ impl Drive {
         let torque = self.machine.direction();
         measured.phase_voltage = self.coefficients.measurement.phase_voltage(&samples.phase_voltage);
         self.sensorless.observe(&self.coefficients.sensorless, samples, &measured, &self.applied, torque);
+        let turns = self.sensorless.speed(&self.coefficients.sensorless);
+        if turns != self.sensorless_turns {
+            self.sensorless_rate = self.coefficients.speed_of_turns.apply32(turns);
+            self.sensorless_turns = turns;
+        }
     }
 
     /// What is done once a millisecond, spread over its ticks.
@@ -495,8 +505,15 @@ impl Drive {
         }
     }
 
+    /// Signed, raw I16F16 electrical rev/s.
+    #[inline]
     fn sensorless_speed(&self) -> i32 {
-        self.coefficients.speed_of_turns.apply32(self.sensorless.speed(&self.coefficients.sensorless))
+        let turns = self.sensorless.speed(&self.coefficients.sensorless);
+        if turns == self.sensorless_turns {
+            self.sensorless_rate
+        } else {
+            self.coefficients.speed_of_turns.apply32(turns)
+        }
     }
 
     /// What the sequence from standstill to closed loop wants now.

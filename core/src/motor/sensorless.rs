@@ -97,6 +97,9 @@ pub struct Sensorless {
     level: Ramp,
     /// Ticks since the kick saw anything.
     idle: u32,
+    /// Back-EMF, raw I16F16 V, at the speed (2^-32 turn a tick) that it was last asked for.
+    emf: i32,
+    emf_at: i32,
     /// Closed loop has just begun, from a rotor that was caught coasting (true) or brought up (false).
     begun: Option<bool>,
     /// This episode's rotor turned already when it was taken.
@@ -136,7 +139,11 @@ impl Sensorless {
         }
         self.listening.reset();
         let expected = self.rotor.expected();
-        let emf = c.emf_of_turns.apply32(self.rotor.speed().saturating_abs());
+        if self.rotor.speed() != self.emf_at {
+            self.emf_at = self.rotor.speed();
+            self.emf = c.emf_of_turns.apply32(self.emf_at.saturating_abs());
+        }
+        let emf = self.emf;
         let sight = self.back_emf.step(&c.back_emf, samples, measured, applied, torque, expected, emf);
         if !matches!(self.phase, Phase::Kick | Phase::Run) || (self.phase == Phase::Kick && self.age < c.rest)
         {

@@ -19,7 +19,7 @@ impl Rotation {
     }
 
     /// Of an angle in radians; to 1e-12 for small ones, and those should be small.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn by(x: f64) -> Self {
         if x.abs() > SMALL {
             return Self::by_much(x);
@@ -34,7 +34,7 @@ impl Rotation {
     }
 
     /// Of an angle up to 0.15 rad, to 2e-8.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn by_little(x: f64) -> Self {
         let y = x * x;
         Self { sin: x * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))), cos: 1.0 - y * (0.5 - y * (1.0 / 24.0)) }
@@ -47,7 +47,7 @@ impl Rotation {
     }
 
     /// This angle and another one.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn and(&self, more: &Self) -> Self {
         Self {
             sin: self.sin * more.cos + self.cos * more.sin,
@@ -68,14 +68,14 @@ pub(crate) struct Sweep {
 
 impl Sweep {
     /// From `start` on by `span` rad.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn new(start: &Rotation, span: f64) -> Self {
         let half = Rotation::by(0.5 * span);
         Self { span, half, middle: start.and(&half) }
     }
 
     /// Where it arrives that turned by `turned` rad, which is about the span.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn end(&self, turned: f64) -> Rotation {
         let more = turned - self.span;
         let end = self.middle.and(&self.half);

@@ -69,26 +69,26 @@ impl Course {
     }
 
     /// Speed now, rad/s.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn speed(&self) -> f64 {
         let Motion { speed, drift, per_inertia } = self.motion;
         speed + drift * self.elapsed + per_inertia * self.impulse
     }
 
     /// Acceleration under an electrical torque in N m, rad/s2.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn acceleration(&self, torque: f64) -> f64 {
         self.motion.drift + self.motion.per_inertia * torque
     }
 
     /// What is left of it, s.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn rest(&self) -> f64 {
         self.length - self.elapsed
     }
 
     /// Back-EMF per speed along the coordinates of `wiring` for the next `h` seconds; `three` says that all its legs conduct.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn shape(&self, emf: &EmfShape, shaft: &Shaft, wiring: &Wiring, three: bool, h: f64) -> Shape {
         let t = self.elapsed + 0.5 * h;
         let rate = shaft.pole_pairs() * (self.motion.speed + self.acceleration * t);
@@ -107,7 +107,7 @@ impl Course {
     }
 
     /// Electrical angle after `t` seconds of the course, rad from its start.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn radians(&self, shaft: &Shaft, t: f64) -> f64 {
         shaft.pole_pairs() * t * (self.motion.speed + 0.5 * self.acceleration * t)
     }
@@ -118,7 +118,7 @@ impl Course {
     }
 
     /// Its sine and cosine.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn rotation(&self, shaft: &Shaft, t: f64) -> Rotation {
         let from_middle = self.radians(shaft, t) - 0.5 * self.sweep.span;
         self.sweep.middle.and(&Rotation::by_little(from_middle))
@@ -127,7 +127,7 @@ impl Course {
 
 impl Stage {
     /// Begins a course of `limit` seconds or less. Returns how long it is.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn set_out(&mut self, limit: f64) -> f64 {
         let length = self.longest(limit).max(PROGRESS).min(limit);
         let motion = self.shaft.predict(self.torque, length);
@@ -152,7 +152,7 @@ impl Stage {
     }
 
     /// Longest course up to `limit` that the approximations allow.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn longest(&self, limit: f64) -> f64 {
         let most = self.course.length_max;
         let mut length = if limit < most { limit } else { most };
@@ -174,7 +174,7 @@ impl Stage {
     }
 
     /// At the end of a course: moves the shaft and books what added up.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn arrive(&mut self) {
         let course = &self.course;
         let Course { length: h, impulse, moment, squares, fall, fall_squared, .. } = *course;

@@ -41,7 +41,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.start + self.slope * t
     }
@@ -96,7 +96,7 @@ impl EmfShape {
     /// Values along the coordinates of `wiring` over `h` seconds, of a sine, that turn by `rate` electrical rad/s about the angle
     /// `middle`: the straight line through the values at the interval's two Gauss points, so that the flux linkage is exact to
     /// the third order.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn along(&self, wiring: &Wiring, three: bool, middle: &Rotation, rate: f64, h: f64) -> Shape {
         let (value, per_second) = self.gauss(rate, h);
         let mix = &self.mixes[wiring.index & 31];
@@ -130,7 +130,7 @@ impl EmfShape {
 
     /// Gauss points lie a = half / sqrt 3 to either side of the middle m. Mean of both: sin m cos a; slope: cos m sin a / a
     /// times the angular speed.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn gauss(&self, rate: f64, h: f64) -> (f64, f64) {
         let half = 0.5 * rate * h;
         let y = half * half * (1.0 / 3.0);

@@ -11,7 +11,7 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 ///
 /// x = n ln 2 + r with a whole n and |r| <= ln 2 / 2, and the series of exp(r), in an order that keeps several
 /// multiplications under way at once.
-#[inline(always)]
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn falling(x: [f64; 2]) -> [f64; 2] {
     let x = x.map(|x| if x > LEAST { x } else { LEAST });
     let sum = x.map(|x| x * core::f64::consts::LOG2_E + ROUND);

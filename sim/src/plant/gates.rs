@@ -114,7 +114,7 @@ impl Gates {
     }
 
     /// What a switched leg's gates ask for at `t`.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn switched_gate(&self, t: f64) -> Gate {
         if t < self.on_until || t >= self.on_from {
             Gate::High

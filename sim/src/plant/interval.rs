@@ -56,7 +56,7 @@ impl Stage {
 
     /// Solves the circuit for `h` seconds or up to an event; `three` says that all legs conduct. None if a diode had to change
     /// first.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn solve(&mut self, h: f64, topology: Loop, three: bool, passes: u32) -> Option<f64> {
         let segment = self.segment_of(h, topology, three);
         // Diodes turn on or off until they agree with the voltages.
@@ -93,7 +93,7 @@ impl Stage {
         self.segment_of(h, wiring.topology, wiring.conducting == 3)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn segment_of(&self, h: f64, topology: Loop, three: bool) -> Segment {
         let Self { network, circuit, course, .. } = self;
         let shape = course.shape(&self.shape, &self.shaft, circuit.wiring, three, h);
@@ -126,7 +126,7 @@ impl Stage {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn settle_source(&mut self) {
         let excess = self.electric.v - self.network.source_v;
         if self.may_sink || excess < -VOLTAGE_EDGE {
@@ -137,7 +137,7 @@ impl Stage {
     }
 
     /// True if some diode may have to turn on or off at the start of the interval.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn is_unsettled(&self, segment: &Segment) -> bool {
         let circuit = &self.circuit;
         if circuit.has_diodes && (0..3).any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
@@ -156,7 +156,7 @@ impl Stage {
     }
 
     /// True if no diode's current ends before the end.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn keeps_diodes(&self, segment: &Segment, solved: &Solved) -> bool {
         let Solved { per_h, end, sums, .. } = solved;
         let circuit = &self.circuit;
@@ -170,7 +170,7 @@ impl Stage {
     }
 
     /// True if the source certainly goes on as it is until the end.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn keeps_source(&self, segment: &Segment, solved: &Solved) -> bool {
         let (low, high) = solved.bus;
         let source_v = self.network.source_v;
@@ -182,7 +182,7 @@ impl Stage {
     }
 
     /// True if certainly no idle leg's terminal leaves the rails before the end.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn keeps_idle_legs(&self, segment: &Segment, solved: &Solved) -> bool {
         let ((low, _), edge) = (solved.bus, self.network.drop);
         match self.circuit.wiring.conducting {
@@ -200,7 +200,7 @@ impl Stage {
     }
 
     /// Adds up what the interval moved.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn book(&mut self, segment: &Segment, solved: &Solved) {
         let Solved { h, per_h, end, sums, .. } = solved;
         let (network, course, start) = (&self.network, &mut self.course, &segment.start);
@@ -238,7 +238,7 @@ impl Stage {
     }
 
     /// Takes over what was solved, and lets the event happen.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn commit(&mut self, segment: &Segment, solved: &Solved) {
         self.book(segment, solved);
         let Solved { h, end, .. } = solved;
@@ -264,7 +264,7 @@ impl Stage {
 }
 
 impl Solved {
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn of(network: &Network, segment: &Segment, h: f64, end: Reduced, event: Option<Event>) -> Self {
         let (per_h, sums) = (1.0 / h, segment.sums(network, h, &end));
         Self { h, per_h, end, sums, bus: segment.bus_range(network, per_h, &end, &sums), event }
@@ -272,7 +272,7 @@ impl Solved {
 
     /// Torque impulse, N m s: back-EMF per speed times current along each coordinate, the current being a parabola of known
     /// mean.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn impulse(&self, segment: &Segment) -> f64 {
         let Self { h, end, sums, .. } = self;
         let (shape, start) = (&segment.shape, &segment.start);

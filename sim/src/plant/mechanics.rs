@@ -123,7 +123,7 @@ impl Shaft {
     }
 
     /// How the shaft is expected to move for `h` seconds if the electrical torque is `torque` at first, N m.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn predict(&self, torque: f64, h: f64) -> Motion {
         let (speed, per_inertia) = (self.speed, self.per_inertia);
         if self.blocked || speed == 0.0 {
@@ -174,7 +174,7 @@ impl Shaft {
 
     /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here, and the angle of
     /// cogging in its course.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn cogging(&self, span: f64) -> (f64, Sweep) {
         let span = self.cogging_periods * span;
         let sweep = Sweep::new(&self.cogging_rotation, span);
@@ -184,7 +184,7 @@ impl Shaft {
     }
 
     /// What an interval would do.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn turn(&self, push: &Push) -> Turn {
         let (cogging, sweep) = if self.cogging_torque == 0.0 {
             (0.0, None)
@@ -245,7 +245,7 @@ impl Shaft {
     }
 
     /// Takes over a turn.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn apply(&mut self, turn: &Turn) {
         self.speed = turn.speed;
         self.angle += turn.path * self.turns_per_radian;

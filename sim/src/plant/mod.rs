@@ -404,7 +404,7 @@ impl Plant {
     }
 
     /// One interval of the stage, to `goal` at most.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn run(&mut self, goal: f64) {
         if self.t >= self.gates_until {
             self.switch(goal);

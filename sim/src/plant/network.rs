@@ -164,7 +164,7 @@ impl Network {
     /// y has a fast part (source resistance times bus capacitance), which a quadrature would miss. The bus equation
     /// C dv/dt = G y - S - g v, multiplied by y, gives the integral of y^2 from that of S y, and S is smooth: it is
     /// taken as a straight line, and the moment of y that it needs is exact, again from the bus equation.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn fall_squared(
         &self,
         (h, per_h): (f64, f64),
@@ -190,13 +190,13 @@ impl Network {
     }
 
     /// What is left after `t` seconds of a current that decays on its own, and of a bus without the motor.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn separate_decay(&self, modes: &Modes, t: f64) -> [f64; 2] {
         falling([-self.rate * t, modes.a_vv * t])
     }
 
     /// What is left after `t` seconds of a current that decays on its own.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn leg_decay(&self, t: f64) -> f64 {
         falling([-self.rate * t; 2])[0]
     }
@@ -204,7 +204,7 @@ impl Network {
 
 impl Modes {
     /// exp(A t) = `alpha` + `beta` A.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn transition(&self, t: f64) -> (f64, f64) {
         if self.complex || self.distance * t < 1e-6 {
             return self.rare_transition(t);

@@ -61,7 +61,7 @@ pub(crate) struct Sums {
 impl Segment {
     /// The circuit from `start` on for `h` seconds; `shape` is the back-EMF per speed, `motion` speed (rad/s), acceleration
     /// (rad/s2) and 1 / inertia (1 / (kg m2)).
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn new(
         network: &Network,
         circuit: &Circuit,
@@ -111,7 +111,7 @@ impl Segment {
     }
 
     /// State `t` seconds after the start.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn at(&self, network: &Network, t: f64) -> Reduced {
         let Reduced { s, d, v } = self.fading;
         let (p, q, a) = (&self.p, &self.q, self.modes(network));
@@ -130,7 +130,7 @@ impl Segment {
     }
 
     /// Integrals over `h` seconds, exact from the circuit's equations.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn sums(&self, network: &Network, h: f64, to: &Reduced) -> Sums {
         let modes = self.modes(network);
         let Self { u, f, start, .. } = self;
@@ -150,7 +150,7 @@ impl Segment {
     }
 
     /// Slope of the state at `t`, A/s and V/s.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn slopes(&self, network: &Network, t: f64, at: &Reduced) -> Reduced {
         let modes = self.modes(network);
         let link = if self.kind.topology == Loop::Open { 0.0 } else { at.s };
@@ -163,7 +163,7 @@ impl Segment {
 
     /// Lowest and highest bus voltage on the way to `end` `h` seconds later: the bus follows the voltage at which the source
     /// gives what the motor takes, and never passes it.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn bus_range(&self, network: &Network, per_h: f64, end: &Reduced, sums: &Sums) -> (f64, f64) {
         let (from, to) = (self.start.v, end.v);
         if self.kind.topology == Loop::Open {
@@ -181,7 +181,7 @@ impl Segment {
         (from.min((j - most) * per_g), from.max((j - least) * per_g))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn modes<'a>(&self, network: &'a Network) -> &'a Modes {
         network.modes(self.kind.topology, self.kind.source_on)
     }
@@ -207,7 +207,7 @@ impl Segment {
 
 /// p and q of s and of v where the motor draws from the bus: A q = -b1, A p = q - b0 with b0 = (u.start / L, j / C),
 /// b1 = (u.slope / L, 0).
-#[inline(always)]
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 fn particular(network: &Network, modes: &Modes, u: &Line) -> ((f64, f64), (f64, f64)) {
     let Modes { g, j, k, per_det, .. } = *modes;
     let (q_s, q_v) = (u.slope * g * per_det, -u.slope * per_det);

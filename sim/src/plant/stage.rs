@@ -119,7 +119,7 @@ impl Stage {
     }
 
     /// Brings `circuit` and `reduced` up to date.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn refresh(&mut self) {
         if self.changed {
             self.circuit = Circuit::new(&self.legs, self.network.drop);
@@ -143,7 +143,7 @@ impl Stage {
     }
 
     /// Keeps the largest current.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn see_peak(&mut self) {
         let [a, b, c] = self.electric.i.map(f64::abs);
         let most = if a > b { a } else { b };
