@@ -101,7 +101,7 @@ fn draw(root: &Area<'_>, starts: &[Start]) -> Result<(), DrawError> {
         100.0 * starts.iter().filter(|start| holds(start)).count() as f64 / starts.len().max(1) as f64
     };
     let title = format!(
-        "Sensorless starts of {} random plants: {:.1} % at the first try, {:.2} % within Auto-restart",
+        "Sensorless starts of {} random plants: {:.2} % at the first try, {:.2} % within Auto-restart",
         starts.len(),
         share(Start::started_at_once),
         share(Start::started)
