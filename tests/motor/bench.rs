@@ -188,6 +188,17 @@ impl Closed {
         Outcome::Running
     }
 
+    /// True mechanical speed over the next `ticks`; `see` is shown the drive in each.
+    pub(crate) fn mean_rpm(&mut self, ticks: u64, mut see: impl FnMut(&Drive)) -> f64 {
+        let from = self.plant.observe();
+        for _ in 0..ticks {
+            self.tick();
+            see(&self.drive);
+        }
+        let to = self.plant.observe();
+        (to.angle - from.angle) / (to.time - from.time) * 60.0 / std::f64::consts::TAU
+    }
+
     /// True mechanical speed.
     pub(crate) fn rpm(&self) -> f64 {
         self.plant.observe().speed * 60.0 / std::f64::consts::TAU

@@ -144,3 +144,16 @@ fn a_reversal_ends_a_calibration() {
     assert_eq!(run(&mut script, Request::Reverse, 1), State::Standby);
     assert_eq!(script.status.hall_calibration, HallCalibration::Failed);
 }
+
+/// Short pulses on the hall lines, twenty a second: the rotor hardly slows down.
+#[test]
+fn glitches_hardly_disturb_the_speed() {
+    let mut closed = running(24.0);
+    closed.plant.inject(Injection::HallGlitches(20.0));
+    let mut slowest = f64::MAX;
+    for _ in 0..50_000 {
+        assert_eq!(closed.run(1), Outcome::Running);
+        slowest = slowest.min(closed.rpm());
+    }
+    assert!(slowest > 0.97 * RPM, "{slowest:.0} rpm");
+}

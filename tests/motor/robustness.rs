@@ -196,13 +196,15 @@ fn reversals_at_any_speed() {
 fn supply_dips_while_running() {
     let mut table = Table::new("supply dips while running");
     let under = [Fault(Cause::UnderVoltage)];
+    let either = [OnSpeed, under[0]];
     for (volts, ticks, idle, loaded) in [
-        (17.0, 500, &[OnSpeed], &[OnSpeed]),
+        (17.0, 500, &[OnSpeed][..], &[OnSpeed][..]),
         (16.4, 10_000, &[OnSpeed], &[OnSpeed]),
         (15.0, 8, &[OnSpeed], &[OnSpeed]),
         (10.0, 5, &[OnSpeed], &[OnSpeed]),
         (0.0, 10, &[OnSpeed], &[OnSpeed]),
         (15.0, 200, &[OnSpeed], &under),
+        (10.0, 20, &[OnSpeed], &either),
         (10.0, 30, &[OnSpeed], &under),
         (0.0, 50, &[OnSpeed], &under),
         (12.0, 3_000, &under, &under),

@@ -3,7 +3,7 @@
 
 use crate::driven;
 use crate::install::{self, Package};
-use crate::steps::Outcome;
+use crate::steps::{self, Outcome};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,16 +26,7 @@ const HEAD: &str = "\
 
 /// Counts and writes the golden file, or with `check` compares it.
 pub fn command(root: &Path, check: bool) -> ExitCode {
-    match regenerate(root, check) {
-        Ok(lines) => {
-            lines.iter().for_each(|line| println!("{line}"));
-            ExitCode::SUCCESS
-        }
-        Err(reason) => {
-            eprintln!("{reason}");
-            ExitCode::FAILURE
-        }
-    }
+    steps::finish(regenerate(root, check))
 }
 
 /// Counts everything and writes the golden file, or with `check` compares it. Where there is no valgrind and none can be

@@ -1,6 +1,6 @@
 //! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and the dictionary's numbers.
 
-use crate::steps::Outcome;
+use crate::steps::{self, Outcome};
 use cbindgen::{Builder, Config};
 use std::fs;
 use std::path::Path;
@@ -8,16 +8,7 @@ use std::process::ExitCode;
 
 /// `cargo xtask header [--check]`.
 pub fn command(root: &Path, check: bool) -> ExitCode {
-    match regenerate(root, check) {
-        Ok(lines) => {
-            lines.iter().for_each(|line| println!("{line}"));
-            ExitCode::SUCCESS
-        }
-        Err(reason) => {
-            eprintln!("{reason}");
-            ExitCode::FAILURE
-        }
-    }
+    steps::finish(regenerate(root, check))
 }
 
 /// Writes the header, or with `check` only compares it with the one that is there.

@@ -1,7 +1,7 @@
 //! Instructions of every control tick on a Cortex-M4F, exactly: golden figures in `tests/golden/instructions.toml`.
 
 use crate::firmware::{self, Image};
-use crate::steps::Outcome;
+use crate::steps::{self, Outcome};
 use crate::{qemu, vectors};
 use narx_core::motor::State;
 use std::fmt::Write;
@@ -22,16 +22,7 @@ const HEAD: &str = "\
 /// Builds the images and makes the golden file anew; with `check` nothing is written, and any other figure is a failure.
 pub fn command(root: &Path, check: bool) -> ExitCode {
     let built = firmware::build(root).and_then(|_| firmware::emulator());
-    match built.and_then(|_| regenerate(root, check)) {
-        Ok(lines) => {
-            lines.iter().for_each(|line| println!("{line}"));
-            ExitCode::SUCCESS
-        }
-        Err(reason) => {
-            eprintln!("{reason}");
-            ExitCode::FAILURE
-        }
-    }
+    steps::finish(built.and_then(|_| regenerate(root, check)))
 }
 
 /// With the images built, counts everything, prints it, and writes the golden file, or with `check` compares it.

@@ -26,6 +26,20 @@ impl<'a> Step<'a> {
     }
 }
 
+/// The end of a command of one step: its closing lines, or why it failed.
+pub fn finish(outcome: Outcome) -> ExitCode {
+    match outcome {
+        Ok(lines) => {
+            lines.iter().for_each(|line| println!("{line}"));
+            ExitCode::SUCCESS
+        }
+        Err(reason) => {
+            eprintln!("{reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
 /// Runs all steps, goes on after one that fails, and ends with a table of what they came to.
 pub fn run_all(steps: Vec<Step<'_>>) -> ExitCode {
     let mut results: Vec<(&str, Duration, Outcome)> = Vec::new();

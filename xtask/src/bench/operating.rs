@@ -10,10 +10,8 @@ use std::f64::consts::TAU;
 
 /// Share of power and voltage that an operating point may use, so that the loops keep something to control with.
 const MARGIN: f64 = 0.9;
-/// Share of the phase current limit: within a step the current is a sawtooth whose crest the limiter sees, up to 4/3 of the mean.
-const CURRENT_MARGIN: f64 = 0.8;
-/// Share of the continuous rating, which is one of heat.
-const HEAT_MARGIN: f64 = 0.87;
+/// Share of a mean current: within a step it is a sawtooth whose crest the limiter sees.
+const CURRENT_MARGIN: f64 = 0.87;
 /// Continuous phase current (Table 2): 6 A rms is 6 sqrt(3/2) A for two thirds of the time.
 const CONTINUOUS: f64 = 7.35;
 
@@ -94,8 +92,8 @@ impl Point {
         let commissioning = plate.commission(self.mode).map_err(|error| error.to_string())?;
         let torque = self.load * self.preset.rated_torque();
         let needed = self.current(torque);
-        let current = (CURRENT_MARGIN * commissioning.phase_current).min(HEAT_MARGIN * CONTINUOUS);
-        if needed > current {
+        let current = commissioning.phase_current.min(CONTINUOUS);
+        if needed > CURRENT_MARGIN * current {
             let why = commissioning.notes.first().map_or(String::new(), |note| format!(": {note}"));
             return Err(format!("{torque:.3} N m take {needed:.1} A, the limits leave {current:.1} A{why}"));
         }

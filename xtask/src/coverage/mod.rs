@@ -18,16 +18,7 @@ use table::Table;
 
 /// Writes `tests/coverage.md`; with `check` only says whether it would change.
 pub fn command(root: &Path, check: bool) -> ExitCode {
-    match regenerate(root, check) {
-        Ok(lines) => {
-            lines.iter().for_each(|line| println!("{line}"));
-            ExitCode::SUCCESS
-        }
-        Err(reason) => {
-            eprintln!("{reason}");
-            ExitCode::FAILURE
-        }
-    }
+    steps::finish(regenerate(root, check))
 }
 
 /// Writes the page, or with `check` compares it: the closing line.

@@ -51,16 +51,7 @@ pub fn recordings(root: &Path) -> Result<Vec<PathBuf>, String> {
 /// Makes all recordings anew and prints what they are; with `check` nothing is written, and anything that differs is a
 /// failure.
 pub fn command(root: &Path, check: bool) -> ExitCode {
-    match regenerate(root, check) {
-        Ok(lines) => {
-            lines.iter().for_each(|line| println!("{line}"));
-            ExitCode::SUCCESS
-        }
-        Err(reason) => {
-            eprintln!("{reason}");
-            ExitCode::FAILURE
-        }
-    }
+    steps::finish(regenerate(root, check))
 }
 
 /// Makes all recordings anew, or with `check` compares them: the closing line.
