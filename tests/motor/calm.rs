@@ -2,7 +2,7 @@
 //! everything in every tick answers the same.
 
 use crate::bench::{Closed, MOTOR, Outcome};
-use narx_core::motor::Request;
+use narx_core::motor::{Request, State};
 use narx_sim::plant::{Injection, LoadConfig, PlantConfig};
 
 fn watched(supply: f64) -> Closed {
@@ -34,5 +34,32 @@ fn a_calm_tick_is_a_whole_tick() {
         closed.plant.clear(Injection::HallGlitches(200.0));
         closed.plant.inject(Injection::BlockedRotor);
         assert!(matches!(closed.run(10_000), Outcome::Fault { .. }));
+    }
+}
+
+#[test]
+fn a_calm_tick_without_sensors_is_a_whole_tick() {
+    for supply in [18.0, 24.0, 60.0] {
+        let mut config = PlantConfig::new(MOTOR, supply);
+        config.angle_deg = 40.0;
+        let mut closed = Closed::sensorless(&config, &[]);
+        closed.watch();
+        closed.boot();
+        for (set_point, load, ticks) in
+            [(800.0, 0.0, 12_000), (2_500.0, 0.02, 8_000), (1_200.0, 0.0, 8_000), (1_200.0, 0.05, 5_000)]
+        {
+            closed.set_point = set_point;
+            closed.plant.set_load(LoadConfig { constant: load, ..LoadConfig::default() });
+            closed.ask(Request::Drive);
+            assert_eq!(closed.run(ticks), Outcome::Running, "{supply} V, {set_point} rpm");
+        }
+        closed.plant.set_load(LoadConfig::default());
+        closed.ask(Request::Reverse);
+        assert_eq!(closed.run(25_000), Outcome::Running, "{supply} V");
+        assert!(closed.rpm() < -1_000.0, "{} rpm", closed.rpm());
+        // Blocked, it gives up, each try watched.
+        closed.plant.inject(Injection::BlockedRotor);
+        closed.run(40_000);
+        assert!(closed.rpm().abs() < 1.0 && closed.status.state != State::SensorlessClosedLoop);
     }
 }

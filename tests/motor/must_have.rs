@@ -7,12 +7,12 @@ use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Sight};
 use narx_core::motor::control::Control;
 use narx_core::motor::gain::Gain;
-use narx_core::motor::measurement::Measured;
+use narx_core::motor::front_end::Channel;
+use narx_core::motor::measurement::ChannelScale;
 use narx_core::motor::zero_crossing::{Why, ZeroCrossing};
 use narx_core::motor::{
     Board, Coefficients, Direction, Leg, PwmCommand, Request, SampleMode, Samples, State, Step,
 };
-use narx_core::units::Volts;
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use std::collections::BTreeSet;
 use std::fs;
@@ -109,22 +109,20 @@ fn sampling_mode_has_hysteresis() {
 /// crossing after it is healthy.
 #[test]
 fn demagnetisation_is_no_evidence() {
-    let c = BackEmfCoefficients { noise: 5_120, discard: 1 << 16, earliest: 8_192, ..Default::default() };
-    let volts = |value: f64| Volts::from_bits((value * 65_536.0) as i32);
-    let samples = Samples { sample_mode: SampleMode::OnTime, ..Samples::default() };
+    // Codes are millivolts.
+    let terminal = ChannelScale::new(Channel { zero: 0, micro_per_code: 1_000 }, 0);
+    let c =
+        BackEmfCoefficients { terminal, noise: 5_120, discard: 1 << 16, earliest: 8_192, ..Default::default() };
     let mut back_emf = BackEmf::default();
     let mut crossings = Vec::new();
     for tick in 0..20 {
         // AC floats B, whose crossing rises: at tick 12.
         let step = if tick == 0 { Step::AB } else { Step::AC };
         let floating = if tick < 8 { 24.0 } else { 12.0 + 0.6 * (f64::from(tick) - 12.0) };
-        let measured = Measured {
-            bus_voltage: volts(24.0),
-            phase_voltage: [24.0, floating, 0.0].map(volts),
-            ..Measured::default()
-        };
+        let phase_voltage = [24.0, floating, 0.0].map(|volts| (volts * 1e3) as u16);
+        let samples = Samples { phase_voltage, sample_mode: SampleMode::OnTime, ..Samples::default() };
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
-        let sight = back_emf.step(&c, &samples, &measured, &applied, Direction::Forward, 24 << 16, 0);
+        let sight = back_emf.step(&c, &samples, 24 << 16, &applied, Direction::Forward, 24 << 16, 0);
         assert!(!sight.late, "tick {tick}");
         crossings.extend(sight.crossing.map(|age| f64::from(tick) - f64::from(age) / 65_536.0));
     }

@@ -3,7 +3,8 @@
 use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Level, Sight};
 use narx_core::motor::gain::Gain;
 use narx_core::motor::listening::Listening;
-use narx_core::motor::measurement::Measured;
+use narx_core::motor::front_end::Channel;
+use narx_core::motor::measurement::ChannelScale;
 use narx_core::motor::pwm::Commutation;
 use narx_core::motor::rails::{Rail, RailCoefficients, Rails};
 use narx_core::motor::zero_crossing::{BLIND_MAX, PREPARED, Why, ZeroCrossing};
@@ -15,7 +16,9 @@ const TICK: f64 = 65_536.0;
 const NOISE: i32 = 5_120;
 
 fn coefficients() -> BackEmfCoefficients {
-    BackEmfCoefficients { noise: NOISE, discard: 1 << 16, earliest: 8_192, ..BackEmfCoefficients::default() }
+    // Codes are millivolts.
+    let terminal = ChannelScale::new(Channel { zero: 0, micro_per_code: 1_000 }, 0);
+    BackEmfCoefficients { terminal, noise: NOISE, discard: 1 << 16, earliest: 8_192, ..Default::default() }
 }
 
 fn raw(volts: f64) -> i32 {
@@ -23,17 +26,14 @@ fn raw(volts: f64) -> i32 {
 }
 
 /// Terminals in step AB: A switched, B low, C floating with back-EMF `emf`.
-fn terminals(bus: f64, emf: f64, mode: SampleMode) -> Measured {
-    let (high, neutral) = match mode {
+fn terminals(bus: f64, emf: f64, sample_mode: SampleMode) -> Samples {
+    let (high, neutral) = match sample_mode {
         SampleMode::OnTime => (bus, bus / 2.0),
         SampleMode::OffTime => (0.0, 0.0),
     };
     let floating = (neutral + 1.5 * emf).clamp(0.0, bus);
-    Measured {
-        bus_voltage: Volts::from_bits(raw(bus)),
-        phase_voltage: [high, 0.0, floating].map(|volts| Volts::from_bits(raw(volts))),
-        ..Measured::default()
-    }
+    let phase_voltage = [high, 0.0, floating].map(|volts| (volts * 1e3).round() as u16);
+    Samples { phase_voltage, sample_mode, ..Samples::default() }
 }
 
 /// Runs step AB, whose crossing falls, for a back-EMF `volts` a tick that is 0 at tick `crossing`; the sights of all ticks.
@@ -47,12 +47,11 @@ fn fall(
 ) -> Vec<Sight> {
     let mut back_emf = BackEmf::default();
     let applied = |step| PwmCommand { step, sample_mode: mode, ..PwmCommand::default() };
-    let samples = Samples { sample_mode: mode, ..Samples::default() };
     // The step before, so that AB begins at its first tick.
     back_emf.step(
         c,
-        &samples,
         &terminals(bus, 0.0, mode),
+        raw(bus),
         &applied(Step::CB),
         Direction::Forward,
         interval,
@@ -61,8 +60,8 @@ fn fall(
     (1..40)
         .map(|tick| {
             let emf = (crossing - f64::from(tick)) * volts;
-            let measured = terminals(bus, emf, mode);
-            back_emf.step(c, &samples, &measured, &applied(Step::AB), Direction::Forward, interval, 0)
+            let samples = terminals(bus, emf, mode);
+            back_emf.step(c, &samples, raw(bus), &applied(Step::AB), Direction::Forward, interval, 0)
         })
         .collect()
 }
@@ -108,11 +107,10 @@ fn off_time_threshold_is_told() {
 fn a_spike_does_not_outvote_the_window() {
     let c = coefficients();
     let mut back_emf = BackEmf::default();
-    let samples = Samples { sample_mode: SampleMode::OnTime, ..Samples::default() };
     let applied = |step| PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
     let mut step = |step, emf| {
-        let measured = terminals(24.0, emf, SampleMode::OnTime);
-        back_emf.step(&c, &samples, &measured, &applied(step), Direction::Forward, 100 << 16, 0)
+        let samples = terminals(24.0, emf, SampleMode::OnTime);
+        back_emf.step(&c, &samples, raw(24.0), &applied(step), Direction::Forward, 100 << 16, 0)
     };
     step(Step::CB, 0.0);
     let mut found = Vec::new();
@@ -153,13 +151,12 @@ fn a_crossing_is_healthy_or_late() {
 fn a_rotor_that_stops_has_not_crossed() {
     let c = coefficients();
     let mut back_emf = BackEmf::default();
-    let samples = Samples { sample_mode: SampleMode::OnTime, ..Samples::default() };
     for tick in 0..60 {
         let step = if tick == 0 { Step::CB } else { Step::AB };
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
         let emf = if tick < 20 { 0.2 } else { -0.01 };
-        let measured = terminals(24.0, emf, SampleMode::OnTime);
-        let sight = back_emf.step(&c, &samples, &measured, &applied, Direction::Forward, 0, 0);
+        let samples = terminals(24.0, emf, SampleMode::OnTime);
+        let sight = back_emf.step(&c, &samples, raw(24.0), &applied, Direction::Forward, 0, 0);
         assert!(sight.crossing.is_none() && !sight.late, "tick {tick}");
     }
 }
@@ -187,7 +184,7 @@ fn comparator_edges_with_their_delays() {
         let mut tick = |step, edges: &[Edge]| {
             let samples = Samples { edges: edges.iter().copied().collect(), ..Samples::default() };
             let applied = PwmCommand { step, ..PwmCommand::default() };
-            back_emf.step(&c, &samples, &Measured::default(), &applied, Direction::Forward, 2 << 16, 0)
+            back_emf.step(&c, &samples, 0, &applied, Direction::Forward, 2 << 16, 0)
         };
         tick(before, &[]);
         // Demagnetisation looks like the level beyond, then the level before shows, then the crossing.
@@ -406,7 +403,7 @@ fn an_edge_before_the_commutation_of_its_period_counts() {
         if let Some(step) = then {
             applied.commutations.push(Commutation { instant: 60_000, step });
         }
-        back_emf.step(&c, &samples, &Measured::default(), &applied, Direction::Forward, 2 << 16, 0)
+        back_emf.step(&c, &samples, 0, &applied, Direction::Forward, 2 << 16, 0)
     };
     tick(Step::CB, None, &[]);
     // AB floats C, whose crossing falls.

@@ -19,15 +19,16 @@
 use super::commutation::{Direction, Leg, Step};
 use super::gain::Gain;
 use super::interval::{TICK, fraction};
-use super::measurement::Measured;
+use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
 use super::samples::{EdgeSource, SampleMode, Samples};
-use crate::units::Volts;
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of the back-EMF station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BackEmfCoefficients {
+    /// Scale of the phase terminals.
+    pub terminal: ChannelScale,
     /// Smallest level of one sample that is told from noise, raw I16F16 V.
     pub noise: i32,
     /// Least blanking after a commutation, 1/65 536 tick (parameter 86).
@@ -80,216 +81,380 @@ const FIRST_SIGN: i32 = 4;
 /// Samples that the mean reaches back at most.
 const WINDOW: usize = 8;
 
+/// How far a step's crossing has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Passage {
+    /// Neither side of it has been seen for certain.
+    #[default]
+    Unseen,
+    /// The level before it was seen: what follows is a crossing and no demagnetisation.
+    Healthy,
+    /// The signal has passed its threshold, and not yet gone far enough to be believed.
+    Crossing,
+    /// It was seen, or was late.
+    Found,
+}
+
+/// What a running step watches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Watch {
+    /// The rotor's sector.
+    sector: u8,
+    /// The floating phase.
+    phase: u8,
+}
+
 /// State of the station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BackEmf {
     step: Step,
     /// It followed another step, so that its crossing is still to come.
     whole: bool,
-    /// Age of the pattern at the present boundary, 1/65 536 tick.
-    age: u32,
-    window: [i32; WINDOW],
-    sum: i32,
-    /// Samples since the blanking, saturating at 255, and what the mean takes of them: 2^shift.
-    count: u8,
+    watch: Option<Watch>,
+    passage: Passage,
+    /// Samples that the mean takes: 2^shift.
     shift: u8,
-    /// Mean of the tick before, and the age of that sample.
-    previous: i32,
-    previous_age: i32,
-    /// The level before the crossing was seen: what follows is a crossing and no demagnetisation.
-    healthy: bool,
-    /// The signal has passed its threshold this long ago, and not yet gone far enough to be believed.
-    crossed: Option<i32>,
-    found: bool,
+    /// Samples since the blanking.
+    count: u8,
     after_run: u8,
     /// Comparator outputs as last captured.
     code: u8,
+    /// Where in its period the sample before was taken, 1/65 536.
+    sampled_at: u16,
+    /// Age of the pattern at the present boundary, and when its blanking ends, 1/65 536 tick.
+    age: i32,
+    blank: i32,
+    /// What was expected of this step as it began: its time, 1/65 536 tick, 0 unknown; the flank that one mean may hold, and what is
+    /// told from noise, raw I16F16 V.
+    interval: u32,
+    flank: i32,
+    noise: i32,
+    /// Mean of the tick before.
+    previous: i32,
+    /// How long ago the signal has passed its threshold, while it is not yet believed.
+    crossed: i32,
+    window: [i32; WINDOW],
+    sum: i32,
+}
+
+/// The mean that a sample makes, and what it leaves in the window.
+#[derive(Clone, Copy)]
+struct Mean {
+    value: i32,
+    signal: i32,
+    sum: i32,
 }
 
 impl BackEmf {
+    /// The ordinary tick of a step that goes on, without edges: takes its sample and answers true, if that says nothing new to the estimator. Else
+    /// nothing is taken, and [`step`](Self::step) is to look.
+    #[inline]
+    pub fn passes(
+        &mut self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+    ) -> bool {
+        let Some(watch) = self.watch else { return false };
+        if self.is_changed_by(applied) || self.passage == Passage::Crossing {
+            return false;
+        }
+        let age = self.age.saturating_add(TICK as i32);
+        if c.comparator {
+            let after = age >= self.blank && ((self.code >> watch.phase) & 1) == (watch.sector & 1);
+            match self.passage {
+                _ if age < self.blank => {}
+                Passage::Found if after => {}
+                Passage::Unseen | Passage::Healthy if !after => self.passage = Passage::Healthy,
+                _ => return false,
+            }
+        } else if age.saturating_add(applied.sample_at.into()) >= self.blank {
+            if self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, age, watch) {
+                (self.count, self.sum) = (0, 0);
+            } else {
+                let threshold = self.threshold(samples, watch);
+                let mean = self.mean(c, samples, watch);
+                match self.passage {
+                    Passage::Found if mean.value >= threshold - self.noise => {}
+                    Passage::Healthy if mean.value < threshold => {}
+                    Passage::Unseen if mean.value < threshold - self.noise => {
+                        (self.passage, self.after_run) = (Passage::Healthy, 0);
+                    }
+                    _ => return false,
+                }
+                self.keep(mean, applied.sample_at);
+            }
+        }
+        self.age = age;
+        true
+    }
+
+    /// What was applied in the period that has ended begins another step.
+    #[inline]
+    pub fn is_changed_by(&self, applied: &PwmCommand) -> bool {
+        applied.step != self.step || !applied.commutations.is_empty()
+    }
+
+    /// The ordinary change to another step, whose crossing was found: true, and the tick is over. Else nothing is done.
+    pub fn turns_over(
+        &mut self,
+        c: &BackEmfCoefficients,
+        applied: &PwmCommand,
+        torque: Direction,
+        interval: u32,
+        emf: i32,
+    ) -> bool {
+        let (step, instant) = match applied.commutations.last() {
+            Some(last) => (last.step, last.instant),
+            None => (applied.step, c.earliest),
+        };
+        let age = TICK as i32 - i32::from(instant) + i32::from(applied.sample_at);
+        let plain = self.passage == Passage::Found && !c.comparator && step.sector().is_some();
+        if !plain || age >= blanking(c, interval) {
+            return false;
+        }
+        self.begin(c, step, instant, torque, interval, emf);
+        true
+    }
+
     /// One tick. `interval` is the expected time of a sector, 1/65 536 tick; 0 unknown. `emf` is the line-to-line back-EMF at that
-    /// speed, raw I16F16 V; 0 unknown.
+    /// speed, and `bus_voltage` as it is now, raw I16F16 V; 0 unknown.
     #[allow(clippy::too_many_arguments, reason = "one station, called from one place")]
     pub fn step(
         &mut self,
         c: &BackEmfCoefficients,
         samples: &Samples,
-        measured: &Measured,
+        bus_voltage: i32,
         applied: &PwmCommand,
         torque: Direction,
         interval: u32,
         emf: i32,
     ) -> Sight {
-        let earlier = self.edges_before_change(c, samples, applied, torque, interval);
-        let missed = self.follow(c, applied, interval);
+        let earlier = self.edges_before_change(c, samples, applied);
+        let missed = self.follow(c, applied, torque, interval, emf);
         let mut sight = Sight { missed, ..Sight::default() };
-        let Some((sector, phase)) = floating(self.step, torque) else { return earlier.unwrap_or(sight) };
-        sight.sector = Some(sector);
-        let rising = sector & 1 == 1;
-        let blank = blanking(c, interval);
+        let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
+        sight.sector = Some(watch.sector);
         if c.comparator {
-            self.edges(samples, phase, rising, blank, &mut sight);
+            self.edges(samples, watch, &mut sight);
             // At rest a comparator's output says nothing.
             sight.late &= interval > 0;
-        } else if self.age.saturating_add(applied.sample_at.into()) >= blank {
-            if self.demagnetises(c, samples, measured, phase, rising, interval) {
+        } else if self.age.saturating_add(applied.sample_at.into()) >= self.blank {
+            if self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, self.age, watch) {
                 (self.count, self.sum) = (0, 0);
             } else {
-                self.sample(
-                    c,
-                    samples,
-                    measured,
-                    phase,
-                    rising,
-                    applied.sample_at,
-                    (interval, emf),
-                    &mut sight,
-                );
+                self.sample(c, samples, applied.sample_at, watch, &mut sight);
             }
         }
-        let delay = if rising { c.delay_rising } else { c.delay_falling };
+        let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
         sight.crossing = sight.crossing.map(|age| age.saturating_add(delay));
-        self.found |= sight.crossing.is_some() || sight.late;
-        sight.passed = self.found;
+        if sight.crossing.is_some() || sight.late {
+            self.passage = Passage::Found;
+        }
+        sight.passed = self.passage == Passage::Found;
         earlier.unwrap_or(sight)
     }
 
     /// The crossing was too early to be one: it is looked for again.
     pub fn reject(&mut self) {
-        (self.healthy, self.found, self.after_run, self.crossed) = (false, false, 0, None);
+        (self.passage, self.after_run) = (Passage::Unseen, 0);
+    }
+
+    /// The sector whose crossing is still to come in `present`, the step that goes on from here.
+    #[inline]
+    pub fn expects(&self, present: Step, torque: Direction) -> Option<u8> {
+        if present == self.step && self.passage == Passage::Found { None } else { present.rotor_sector(torque) }
     }
 
     /// Ages the pattern by the period that has ended and takes over its changes. True if a step ended unseen.
-    fn follow(&mut self, c: &BackEmfCoefficients, applied: &PwmCommand, interval: u32) -> bool {
-        self.age = self.age.saturating_add(TICK);
-        self.previous_age = self.previous_age.saturating_add(TICK as i32);
-        self.crossed = self.crossed.map(|age| age.saturating_add(TICK as i32));
+    fn follow(
+        &mut self,
+        c: &BackEmfCoefficients,
+        applied: &PwmCommand,
+        torque: Direction,
+        interval: u32,
+        emf: i32,
+    ) -> bool {
+        self.age = self.age.saturating_add(TICK as i32);
+        self.crossed = self.crossed.saturating_add(TICK as i32);
         let first = (applied.step, c.earliest);
         let later = applied.commutations.iter().map(|change| (change.step, change.instant));
         let mut missed = false;
         for (step, instant) in core::iter::once(first).chain(later) {
-            if step == self.step {
-                continue;
+            if step != self.step {
+                missed |= self.passage != Passage::Found && self.whole && step.sector().is_some();
+                self.begin(c, step, instant, torque, interval, emf);
             }
-            missed |= !self.found && self.whole && step.sector().is_some();
-            let whole = self.step.sector().is_some();
-            let code = self.code;
-            *self = Self { step, whole, age: TICK - u32::from(instant), code, ..Self::default() };
-            // The mean takes about an eighth of the step: one sample at 6 a step.
-            self.shift = match interval >> 16 {
-                0 if interval == 0 => 3,
-                0..24 => 0,
-                24..48 => 1,
-                48..96 => 2,
-                _ => 3,
-            };
         }
         missed
     }
 
-    #[allow(clippy::too_many_arguments, reason = "one station, called from one place")]
+    /// `step` began at `instant` of the period that has ended.
+    fn begin(
+        &mut self,
+        c: &BackEmfCoefficients,
+        step: Step,
+        instant: u16,
+        torque: Direction,
+        interval: u32,
+        emf: i32,
+    ) {
+        // The mean takes about an eighth of the step: one sample at 6 a step.
+        let shift = match interval >> 16 {
+            0 if interval == 0 => 3,
+            0..24 => 0,
+            24..48 => 1,
+            48..96 => 2,
+            _ => 3,
+        };
+        *self = Self {
+            step,
+            whole: self.step.sector().is_some(),
+            watch: floating(step, torque).map(|(sector, phase)| Watch { sector, phase: phase as u8 }),
+            shift,
+            code: self.code,
+            age: TICK as i32 - i32::from(instant),
+            blank: blanking(c, interval),
+            interval,
+            flank: emf / 4,
+            // A mean of 8 samples has a third of the noise.
+            noise: if shift == 3 { c.noise / 2 } else { c.noise },
+            ..Self::default()
+        };
+    }
+
+    /// Off-time: at 2 noises of the unsigned signal, from either side.
+    #[inline]
+    fn threshold(&self, samples: &Samples, watch: Watch) -> i32 {
+        match samples.sample_mode {
+            SampleMode::OnTime => 0,
+            SampleMode::OffTime if watch.rises() => 2 * self.noise,
+            SampleMode::OffTime => -2 * self.noise,
+        }
+    }
+
     fn sample(
         &mut self,
         c: &BackEmfCoefficients,
         samples: &Samples,
-        measured: &Measured,
-        phase: usize,
-        rising: bool,
         sample_at: u16,
-        (interval, emf): (u32, i32),
+        watch: Watch,
         sight: &mut Sight,
     ) {
         let off_time = samples.sample_mode == SampleMode::OffTime;
-        // A mean of 8 samples has a third of the noise.
-        let noise = if self.shift == 3 { c.noise / 2 } else { c.noise };
+        let (noise, threshold) = (self.noise, self.threshold(samples, watch));
         // The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet has half the torque: it must be
         // well on its way.
-        let beyond = if interval == 0 { FIRST_SIGN * noise } else { noise };
-        // Off-time: at 2 noises of the unsigned signal, from either side.
-        let threshold = match (off_time, rising) {
-            (false, _) => 0,
-            (true, true) => 2 * noise,
-            (true, false) => -2 * noise,
-        };
-        let signal = signal(&measured.phase_voltage, phase);
-        let signal = if rising { signal } else { -signal };
-        // One spike must not outvote the window; but what the flank gives within it (a twelfth of the step at most, and the signal
-        // spans 1.9 E in a step) must pass, or the crossing would move to the middle between two samples.
-        let widest = (16 * noise).max(emf / 4);
-        let mean = self.average(if self.shift == 0 { signal } else { signal.clamp(-widest, widest) });
-        let now = -i32::from(sample_at);
+        let beyond = if self.interval == 0 { FIRST_SIGN * noise } else { noise };
+        let sample = self.mean(c, samples, watch);
+        let mean = sample.value;
         if mean < threshold - noise {
-            self.healthy |= !self.found;
+            if self.passage == Passage::Unseen {
+                self.passage = Passage::Healthy;
+            }
             self.after_run = 0;
-            if !off_time || !rising {
+            if !off_time || !watch.rises() {
                 sight.level = Level::Before;
             }
-        } else if mean > threshold + beyond && (!off_time || rising) {
+        } else if mean > threshold + beyond && (!off_time || watch.rises()) {
             self.after_run = self.after_run.saturating_add(1);
             sight.level = Level::After;
         }
-        if mean < threshold {
-            self.crossed = None;
-        } else if self.healthy && !self.found && self.count > 1 {
-            let age = self.crossed.unwrap_or_else(|| {
-                let span = self.previous_age.saturating_sub(now);
+        match self.passage {
+            Passage::Crossing if mean < threshold => self.passage = Passage::Healthy,
+            Passage::Healthy if mean >= threshold => {
+                let now = -i32::from(sample_at);
+                let previous_age = TICK as i32 - i32::from(self.sampled_at);
                 let part = fraction(threshold - self.previous, mean - self.previous);
-                self.previous_age - ((i64::from(span) * i64::from(part)) >> 16) as i32 + self.mean_delay()
-            });
-            self.crossed = Some(age);
-            // As far beyond as it was before: a rotor that stops half way has not crossed.
-            if mean > threshold + beyond {
-                sight.crossing = self.crossed.take();
-                sight.threshold = threshold;
+                let span = i64::from(previous_age.saturating_sub(now));
+                let delay = self.mean_delay();
+                self.crossed = previous_age - ((span * i64::from(part)) >> 16) as i32 + delay;
+                self.passage = Passage::Crossing;
             }
+            _ => {}
         }
-        sight.late = !self.healthy && !self.found && self.after_run > 2 + (1 << self.shift) / 2;
-        (self.previous, self.previous_age) = (mean, now);
+        // As far beyond as it was before: a rotor that stops half way has not crossed.
+        if self.passage == Passage::Crossing && mean > threshold + beyond {
+            sight.crossing = Some(self.crossed);
+            sight.threshold = threshold;
+        }
+        sight.late = self.passage == Passage::Unseen && self.after_run > 2 + (1 << self.shift) / 2;
+        self.keep(sample, sample_at);
     }
 
     /// Its winding's current still holds the floating terminal at a rail: no evidence, for a rotor that nothing is known of however long it takes.
     /// One that turns may cross behind it, and from three eighths of the step on that is a late crossing.
+    #[inline]
     fn demagnetises(
         &self,
         c: &BackEmfCoefficients,
         samples: &Samples,
-        measured: &Measured,
-        phase: usize,
-        rising: bool,
-        interval: u32,
+        bus_voltage: i32,
+        age: i32,
+        watch: Watch,
     ) -> bool {
-        if self.healthy || self.found || (interval > 0 && self.age > interval / 8 * 3) {
+        if self.interval > 0 && i64::from(age) > i64::from(self.interval / 8 * 3) {
             return false;
         }
-        let terminal = measured.phase_voltage.get(phase).map_or(0, |voltage| voltage.to_bits());
+        let code = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);
+        let terminal = c.terminal.convert(code);
         // Current into the terminal before a rising crossing, out of it before a falling one: on the far side of the crossing.
-        if rising {
-            terminal > measured.bus_voltage.to_bits() - c.noise
+        if watch.rises() {
+            terminal > bus_voltage - c.noise
         } else {
             samples.sample_mode == SampleMode::OnTime && terminal < c.noise
         }
     }
 
-    /// Mean of the last samples of this step.
-    fn average(&mut self, signal: i32) -> i32 {
-        let place = usize::from(self.count) % WINDOW;
+    /// Mean of the last samples of this step and the present one, signed as it rises: `2 v_f - v_g - v_h`, three times the back-EMF
+    /// of a sinusoidal motor, twice that of a trapezoidal one, raw I16F16 V.
+    #[inline]
+    fn mean(&self, c: &BackEmfCoefficients, samples: &Samples, watch: Watch) -> Mean {
+        let [a, b, c_] = samples.phase_voltage.map(i32::from);
+        let floating = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);
+        let codes = 3 * i32::from(floating) - a - b - c_;
+        let signal = c.terminal.convert_difference(if watch.rises() { codes } else { -codes });
+        if self.shift == 0 { Mean { value: signal, signal, sum: 0 } } else { self.average(signal) }
+    }
+
+    /// Slow steps: of the last 2, 4 or 8 samples.
+    fn average(&self, signal: i32) -> Mean {
+        // One spike must not outvote the window; but what the flank gives within it (a twelfth of the step at most, and the signal
+        // spans 1.9 E in a step) must pass, or the crossing would move to the middle between two samples.
+        let widest = (16 * self.noise).max(self.flank);
+        let signal = signal.min(widest).max(-widest);
         let wide = 1_u8 << self.shift;
-        if self.count >= wide {
-            let oldest = usize::from(self.count.wrapping_sub(wide)) % WINDOW;
-            self.sum -= self.window.get(oldest).copied().unwrap_or(0);
+        let full = self.count >= wide;
+        let oldest = usize::from(self.count.wrapping_sub(wide)) % WINDOW;
+        let gone = if full { self.window.get(oldest).copied().unwrap_or(0) } else { 0 };
+        let sum = self.sum - gone + signal;
+        let count = self.count + 1;
+        let value = if count >= wide { sum >> self.shift } else { sum / i32::from(count.max(1)) };
+        Mean { value, signal, sum }
+    }
+
+    /// The sample counts.
+    #[inline]
+    fn keep(&mut self, mean: Mean, sample_at: u16) {
+        (self.previous, self.sampled_at) = (mean.value, sample_at);
+        if self.shift > 0 {
+            self.store(mean);
         }
-        if let Some(slot) = self.window.get_mut(place) {
-            *slot = signal;
+    }
+
+    fn store(&mut self, mean: Mean) {
+        if let Some(slot) = self.window.get_mut(usize::from(self.count) % WINDOW) {
+            *slot = mean.signal;
         }
-        self.sum += signal;
+        self.sum = mean.sum;
         // Wraps by whole windows, so that places stay.
-        self.count = if self.count == u8::MAX { u8::MAX - WINDOW as u8 + 1 } else { self.count + 1 };
-        if self.count >= wide { self.sum >> self.shift } else { self.sum / i32::from(self.count.max(1)) }
+        self.count = if self.count >= 4 * WINDOW as u8 { self.count - WINDOW as u8 } else { self.count } + 1;
     }
 
     /// A mean of n samples lies (n - 1) / 2 ticks back.
     fn mean_delay(&self) -> i32 {
-        let wide = i32::from(self.count.min(1 << self.shift));
+        let wide = i32::from((self.count + 1).min(1 << self.shift));
         (wide - 1) * (TICK as i32 / 2)
     }
 
@@ -300,8 +465,6 @@ impl BackEmf {
         c: &BackEmfCoefficients,
         samples: &Samples,
         applied: &PwmCommand,
-        torque: Direction,
-        interval: u32,
     ) -> Option<Sight> {
         if !c.comparator {
             return None;
@@ -309,69 +472,80 @@ impl BackEmf {
         let mut changes = applied.commutations.iter().filter(|change| change.step != self.step);
         let change =
             if applied.step == self.step { changes.next().map(|change| change.instant)? } else { c.earliest };
-        let (sector, phase) = floating(self.step, torque)?;
-        let rising = sector & 1 == 1;
-        let blank = blanking(c, interval);
-        let beyond = |code: u8| ((code >> phase) & 1 == 1) == rising;
+        let watch = self.watch?;
         let mut crossing = None;
         let edges = samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator);
         for edge in edges.filter(|edge| edge.instant < change) {
             let since = self.age.saturating_add(edge.instant.into());
-            let (was, is) = (beyond(self.code), beyond(edge.code));
-            self.healthy |= !was && since >= blank && !self.found;
-            self.code = edge.code;
-            if !was && is && self.healthy && !self.found {
-                let delay = if rising { c.delay_rising } else { c.delay_falling };
+            if self.edge(watch, edge.code, since >= self.blank, true) {
+                let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
                 crossing = Some((TICK - u32::from(edge.instant)) as i32 + delay);
-                self.found = true;
             }
         }
-        crossing.map(|_| Sight { sector: Some(sector), crossing, passed: true, ..Sight::default() })
+        let sector = Some(watch.sector);
+        crossing.map(|_| Sight { sector, crossing, passed: true, ..Sight::default() })
+    }
+
+    /// A comparator's edge: true if it is this step's crossing. The level stood until here: after blanking that makes the crossing healthy.
+    fn edge(&mut self, watch: Watch, code: u8, settled: bool, own: bool) -> bool {
+        let (was, is) = (watch.is_beyond(self.code), watch.is_beyond(code));
+        if !was && own && settled && self.passage == Passage::Unseen {
+            self.passage = Passage::Healthy;
+        }
+        self.code = code;
+        let crosses = !was && is && own && self.passage == Passage::Healthy;
+        if crosses {
+            self.passage = Passage::Found;
+        }
+        crosses
     }
 
     /// The comparators' edges of the period that has ended.
-    fn edges(&mut self, samples: &Samples, phase: usize, rising: bool, blank: u32, sight: &mut Sight) {
-        let beyond = |code: u8| ((code >> phase) & 1 == 1) == rising;
+    fn edges(&mut self, samples: &Samples, watch: Watch, sight: &mut Sight) {
         for edge in samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator) {
-            let age = TICK - u32::from(edge.instant);
+            let age = (TICK - u32::from(edge.instant)) as i32;
             let since = self.age.saturating_sub(age);
-            let (was, is) = (beyond(self.code), beyond(edge.code));
-            // The level stood until here: after blanking that makes the crossing healthy.
-            self.healthy |= !was && age <= self.age && since >= blank && !self.found;
-            self.code = edge.code;
-            if !was && is && self.healthy && !self.found && age <= self.age {
-                sight.crossing = Some(age as i32);
-                self.found = true;
+            if self.edge(watch, edge.code, since >= self.blank, age <= self.age) {
+                sight.crossing = Some(age);
             }
         }
-        if self.age < blank {
+        if self.age < self.blank {
             return;
         }
-        sight.level = if beyond(self.code) { Level::After } else { Level::Before };
-        self.healthy |= sight.level == Level::Before && !self.found;
-        let stands = sight.level == Level::After && !self.healthy && !self.found;
+        let beyond = watch.is_beyond(self.code);
+        sight.level = if beyond { Level::After } else { Level::Before };
+        if !beyond && self.passage == Passage::Unseen {
+            self.passage = Passage::Healthy;
+        }
+        let stands = beyond && self.passage == Passage::Unseen;
         self.after_run = if stands { self.after_run.saturating_add(1) } else { 0 };
         sight.late = stands && self.after_run >= 2;
     }
 }
 
+impl Watch {
+    /// Its crossing rises.
+    #[inline]
+    const fn rises(self) -> bool {
+        self.sector & 1 == 1
+    }
+
+    /// The comparators' `code` is that beyond the crossing.
+    const fn is_beyond(self, code: u8) -> bool {
+        ((code >> self.phase) & 1 == 1) == self.rises()
+    }
+}
+
 /// Blanking = max(time floor, an eighth of the step), but a sample before the crossing must be left: at most a quarter of
 /// the step.
-fn blanking(c: &BackEmfCoefficients, interval: u32) -> u32 {
-    if interval == 0 { c.discard } else { c.discard.max(interval / 8).min(interval / 4) }
+fn blanking(c: &BackEmfCoefficients, interval: u32) -> i32 {
+    let blank = if interval == 0 { c.discard } else { c.discard.max(interval / 8).min(interval / 4) };
+    blank.min(i32::MAX as u32) as i32
 }
 
 /// Rotor sector and floating phase of a step with torque in `torque`.
 pub fn floating(step: Step, torque: Direction) -> Option<(u8, usize)> {
-    let sector = step.sector()?;
-    let sector = if torque == Direction::Forward { sector } else { (sector + 3) % 6 };
+    let sector = step.rotor_sector(torque)?;
     let phase = step.legs().iter().position(|leg| *leg == Leg::Floating)?;
     Some((sector, phase))
-}
-
-/// `2 v_f - v_g - v_h`, raw I16F16 V: three times the back-EMF of a sinusoidal motor, twice that of a trapezoidal one.
-fn signal(voltage: &[Volts; 3], phase: usize) -> i32 {
-    let [a, b, c] = voltage.map(Volts::to_bits);
-    let floating = [a, b, c].get(phase).copied().unwrap_or(0);
-    3 * floating - a - b - c
 }

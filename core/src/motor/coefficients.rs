@@ -291,6 +291,7 @@ impl Builder<'_> {
         let delay = |raw: i128| saturate((raw << 16) / 100);
         let (emf, delays) = (number::BACK_EMF_CONSTANT, self.raw(number::ZC_DELAY));
         Ok(BackEmfCoefficients {
+            terminal: ChannelScale::new(self.board.front_end.phase_voltage, 0),
             // Four codes: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
             noise: saturate(((self.board.front_end.phase_voltage.micro_per_code as i128) << 18) / 1_000_000),
             discard: (self.raw(number::ZC_DISCARD) << 16) as u32,

@@ -124,6 +124,14 @@ impl Step {
         STEPS[(sector as usize + half_turn) % 6]
     }
 
+    /// The sector of a rotor that this step gives torque in `direction`.
+    pub const fn rotor_sector(self, direction: Direction) -> Option<u8> {
+        match (self.sector(), direction) {
+            (Some(sector), Direction::Reverse) => Some((sector + 3) % 6),
+            (sector, _) => sector,
+        }
+    }
+
     /// The sector that this step belongs to in forward direction.
     pub const fn sector(self) -> Option<u8> {
         match self {

@@ -55,13 +55,14 @@ impl Commutator {
         }
     }
 
-    /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick.
+    /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick. It may begin in this period.
     pub fn calm(&self, angle: u32, speed: i32) -> u32 {
-        let left = if speed < 0 { angle.wrapping_sub(self.until) } else { self.until.wrapping_sub(angle) };
+        let next = angle.wrapping_add(speed as u32);
+        let left = if speed < 0 { next.wrapping_sub(self.until) } else { self.until.wrapping_sub(next) };
         if left >= self.span || speed != self.speed {
             return 0;
         }
-        left.checked_div(speed.unsigned_abs()).unwrap_or(u32::MAX)
+        left.checked_div(speed.unsigned_abs()).map_or(u32::MAX, |ticks| ticks + 1)
     }
 
     /// The step that goes on.

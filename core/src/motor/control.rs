@@ -99,6 +99,9 @@ pub struct Control {
     catching: u16,
     /// The bridge was off in the midst of this episode.
     interrupted: bool,
+    /// The speed loop decides, by switches, and the current limiter waits at its voltage: as long as nothing comes near a limit, a tick is no
+    /// more than the division by the bus voltage.
+    settled: bool,
     output: Output,
 }
 
@@ -170,6 +173,7 @@ impl Control {
 
     /// Every controller continues from `voltage`.
     fn take_over(&mut self, voltage: i32) {
+        self.settled = false;
         self.speed.wait(voltage);
         self.current.wait(voltage);
         self.speed_voltage = voltage;
@@ -204,8 +208,38 @@ impl Control {
         } else if !mode.sparse || self.takes_turn(speed) {
             let ceiling = share(bus_voltage, mode.duty_max);
             self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
+            let before = self.speed_voltage;
             self.speed_voltage = self.speed.step(&mode.speed, self.speed_error, 0, ceiling);
+            // Further down the limiter waits there; further up it is asked.
+            self.settled &= self.speed_voltage <= before;
+            if self.settled {
+                self.current.wait(self.speed_voltage);
+            }
         }
+    }
+
+    /// One tick of a settled closed loop, in full: the next duty, if nothing comes near a limit. Else nothing is changed, and [`step`](Self::step) decides.
+    #[inline]
+    pub fn cruise(
+        &mut self,
+        c: &ControlCoefficients,
+        duty_max: u16,
+        measured: &Measured,
+        measurement: &Measurement,
+    ) -> Option<Duty> {
+        let (bus, filtered) = (measured.bus_voltage.to_bits(), measured.bus_current_filtered.to_bits());
+        let before = self.output.duty.to_bits();
+        let draws = (filtered >= RETURN && bus <= c.bus_guard) || filtered >= MOTORING;
+        if !self.settled || !draws || measured.bus_current.to_bits() > self.limit.bound(before).0 {
+            return None;
+        }
+        let duty = measurement.duty(self.speed_voltage).to_bits().saturating_add(c.dead_time);
+        let plain = duty >= c.duty_min && duty > c.dead_time && duty <= duty_max;
+        if !plain || duty.abs_diff(before) >= c.slew {
+            return None;
+        }
+        self.output.duty = Duty::from_bits(duty);
+        Some(self.output.duty)
     }
 
     /// One tick.
@@ -220,7 +254,7 @@ impl Control {
     ) -> Output {
         let (wanted, own) = match demand {
             Demand::Off => {
-                (self.output, self.interrupted) = (Output::default(), true);
+                (self.output, self.interrupted, self.settled) = (Output::default(), true, false);
                 return self.output;
             }
             Demand::Voltage { voltage } => (voltage, Limiter::Fixed),
@@ -229,6 +263,7 @@ impl Control {
                 let catches = self.catching > 0 || self.interrupted || self.coasting.is_some();
                 if (begins || catches) && self.coasts(c, measured, measurement, speed) {
                     self.output = Output { limiter: Limiter::Return, ..Output::default() };
+                    self.settled = false;
                     return self.output;
                 }
                 match fade {
@@ -243,7 +278,19 @@ impl Control {
         if limiter != own || own == Limiter::Fade {
             self.follow(c, mode, demand, measured);
         }
+        self.settled = self.is_settled(c);
         self.output
+    }
+
+    /// What [`cruise`](Self::cruise) builds on.
+    #[inline]
+    fn is_settled(&self, c: &ControlCoefficients) -> bool {
+        self.output.limiter == Limiter::Speed
+            && self.output.rectification == Rectification::Synchronous
+            && self.output.duty.to_bits() >= c.duty_min
+            && self.current.waits_at(self.speed_voltage)
+            && self.catching == 0
+            && self.speed_voltage > 0
     }
 
     /// Something else than the speed loop decides: it goes along.

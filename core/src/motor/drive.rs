@@ -1,10 +1,13 @@
 //! The control tick: samples in, PWM command out, one straight line.
 
+mod calm;
+mod reports;
+
 use super::coefficients::Coefficients;
 use super::commutation::Step;
 use super::commutator::Commutator;
 use super::control::{Control, Demand};
-use super::event::{Event, HallCalibration, Health, Limiter, SlowMeasurements, Status};
+use super::event::{Event, HallCalibration, Health, SlowMeasurements};
 use super::hall::HallEvents;
 use super::hall_calibration::HallCalibrator;
 use super::machine::{Change, Inputs, Machine};
@@ -17,14 +20,16 @@ use super::rotor::Rotor;
 use super::samples::{SampleMode, Samples};
 use super::sensorless::{Plan, Sensorless};
 use super::state::State;
-use crate::units::{Amps, Duty, ElectricalAngle, ElectricalSpeed, Volts, Watts};
+use crate::units::Duty;
+use calm::Calm;
+use reports::Reports;
 use serde::{Deserialize, Serialize};
 
 /// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
-pub const LAYOUT_VERSION: u16 = 3;
+pub const LAYOUT_VERSION: u16 = 4;
 
 /// What the drive does with its inputs: rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 3;
+pub const BEHAVIOUR_VERSION: u16 = 4;
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,40 +60,13 @@ pub struct Drive {
     reports: Reports,
 }
 
-/// What goes on by itself. Most ticks of a running motor lie between two edges, or crossings, and two commands: nothing but the loops has to
-/// be looked at, and the whole tick before them knows how long that lasts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Calm {
-    /// Ticks left of it, and those of it that have passed without the stations' knowledge.
-    left: u32,
-    slept: u32,
-    /// The hall code that lasts.
-    hall: u8,
-    step: Step,
-    /// Estimated speed in the direction of torque, raw I16F16 electrical rev/s, and what the voltage fades by.
-    speed: i32,
-    fade: u8,
-}
-
-/// When a status is due: every millisecond, and when state or fault word change.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Reports {
-    age: u16,
-    state: State,
-    faults: u32,
-    /// Something happened that may have changed one of them.
-    stirred: bool,
-    due: bool,
-    /// The tick that is to be reported, and its terminals.
-    tick: u64,
-    terminals: [u16; 3],
-}
-
 /// The places in a millisecond of what needs no tick of its own; a board with fewer ticks does more in its last.
 mod place {
     pub(super) const RATINGS: u16 = 0;
     pub(super) const SPEED_LOOP: u16 = 1;
     pub(super) const RAILS: u16 = 2;
+    pub(super) const REPORT: u16 = 3;
+    pub(super) const LAST: u16 = REPORT;
 }
 
 /// The pattern of one tick and what drives it.
@@ -106,6 +84,11 @@ impl Pattern {
 
     fn hold(demand: Demand, step: Step) -> Self {
         Self { demand, step, ..Self::OFF }
+    }
+
+    /// The step after the last commutation.
+    fn last(&self) -> Step {
+        self.commutations.last().map_or(self.step, |last| last.step)
     }
 }
 
@@ -146,6 +129,7 @@ impl Drive {
     /// What follows from state and coefficients, and is asked for in every tick. The back-EMF of a coasting motor is listened to before a
     /// start, too; a hall drive has no use for it.
     fn settle(&mut self) {
+        self.wake_halls();
         let c = &self.coefficients.machine;
         self.listens = if self.machine.state().is_driving() {
             self.machine.is_sensorless()
@@ -179,120 +163,68 @@ impl Drive {
         let place = self.control.tick(&self.coefficients.control);
         let idle = self.machine.state() == State::Initialization;
         let measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        let pattern = if self.calm.left > 0 && self.is_calm(samples, &measured) {
-            self.calm.left -= 1;
-            self.calm.slept += 1;
-            self.open_phase.count(measured.bus_current);
-            let Calm { step, speed, fade, .. } = self.calm;
-            Pattern::hold(Demand::Speed { measured: speed, fade }, step)
+        let pattern = if self.is_calm(samples, &measured) {
+            self.goes_on(&measured)
         } else {
             self.look(samples, &measured)
         };
-        if place <= place::RAILS {
-            self.rest_of_millisecond(place, pattern.demand, &measured);
+        if place <= place::LAST {
+            self.rest_of_millisecond(place, pattern.demand, samples, &measured);
         }
-        let output = self.control.step(
-            &self.coefficients.control,
-            if self.listens { &self.coefficients.sensorless_mode } else { &self.coefficients.hall_mode },
-            pattern.demand,
-            &measured,
-            &self.measurement,
-        );
-        self.applied = self.command(pattern, output.duty, output.rectification);
-        self.report(samples);
+        if !self.cruises(&pattern, &measured) {
+            self.finish(&pattern, &measured);
+        }
         self.applied
     }
 
-    /// Nothing that this tick measures asks for a look.
-    #[inline]
-    fn is_calm(&self, samples: &Samples, measured: &Measured) -> bool {
-        let seen = Seen {
-            bus_voltage: measured.bus_voltage.to_bits(),
-            bus_current: measured.bus_current.to_bits(),
-            speed: 0,
-            lines: samples.lines,
-        };
-        samples.edges.is_empty()
-            && samples.hall == self.calm.hall
-            && self.protection.stays_quiet(&self.coefficients.protection, &seen)
+    /// From what is wanted to what is applied.
+    #[inline(never)]
+    fn finish(&mut self, pattern: &Pattern, measured: &Measured) {
+        let mode =
+            if self.listens { &self.coefficients.sensorless_mode } else { &self.coefficients.hall_mode };
+        let output = self.control.step(
+            &self.coefficients.control,
+            mode,
+            pattern.demand,
+            measured,
+            &self.measurement,
+        );
+        self.applied = self.command(pattern, output.duty, output.rectification);
     }
 
     /// The whole tick: every station in turn, up to what is to be applied.
     #[inline(never)]
     fn look(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
+        let rests = self.calm.is_told_to_rest();
         self.wake();
-        let hall = self.rotor.step(&self.coefficients, samples);
+        let hall = self.sense_halls(samples);
         if self.listens {
             self.listen(samples, measured);
+        }
+        if rests && let Some(pattern) = self.glance(samples, measured, hall) {
+            return pattern;
         }
         let critical = self.protect(samples, measured, hall);
         self.advance_state(critical, samples);
         let pattern = self.pattern(samples);
-        self.open_phase.change(pattern.commutations.last().unwrap_or(pattern.step));
-        self.calm_down(samples, &pattern);
+        self.open_phase.change(pattern.last());
+        self.calm_down(samples, pattern.demand);
+        if self.reports.stirred {
+            self.find_change(samples);
+        }
         pattern
-    }
-
-    /// What the stations have not seen of a calm is told to them, and it is over.
-    fn wake(&mut self) {
-        let slept = core::mem::take(&mut self.calm.slept);
-        self.calm.left = 0;
-        if slept > 0 {
-            self.rotor.sleep(slept);
-            self.machine.sleep(slept);
-        }
-    }
-
-    /// How long nothing but the loops has to be looked at.
-    #[inline]
-    fn calm_down(&mut self, samples: &Samples, pattern: &Pattern) {
-        let c = &self.coefficients;
-        let Demand::Speed { measured: speed, fade } = pattern.demand else { return };
-        if self.machine.state() != State::HallClosedLoop
-            || !self.protection.is_quiet()
-            || self.rotor.hall_stopped(c)
-            || self.open_phase.is_found(&c.open_phase)
-        {
-            return;
-        }
-        let position = self.rotor.hall_position();
-        let left = self.commutator.calm(position.angle, position.speed);
-        let left = left.min(self.rotor.calm(c)).min(self.machine.calm(&c.machine));
-        let step = self.commutator.present();
-        self.calm = Calm { left, slept: 0, hall: samples.hall, step, speed, fade };
-    }
-
-    /// The report of the last step, if one is due: every millisecond, and when state or fault word change.
-    pub fn poll_status(&mut self) -> Option<Status> {
-        if !core::mem::take(&mut self.reports.due) {
-            return None;
-        }
-        let left = self.calm.left;
-        self.wake();
-        self.calm.left = left;
-        Some(self.status())
-    }
-
-    /// What bounds the duty in the last tick.
-    pub fn limiter(&self) -> Limiter {
-        match self.control.output().limiter {
-            Limiter::Return => Limiter::Return,
-            _ if self.applied.step == Step::Coast => Limiter::Off,
-            limiter => limiter,
-        }
-    }
-
-    /// Exact state.
-    pub const fn state(&self) -> State {
-        self.machine.state()
     }
 
     #[inline(never)]
     fn listen(&mut self, samples: &Samples, measured: &Measured) {
-        let mut measured = *measured;
         let torque = self.machine.direction();
-        measured.phase_voltage = self.coefficients.measurement.phase_voltage(&samples.phase_voltage);
-        self.sensorless.observe(&self.coefficients.sensorless, samples, &measured, &self.applied, torque);
+        let bus_voltage = measured.bus_voltage.to_bits();
+        self.sensorless.observe(&self.coefficients.sensorless, samples, bus_voltage, &self.applied, torque);
+        self.heed_speed();
+    }
+
+    /// The estimator's speed may have changed.
+    fn heed_speed(&mut self) {
         let turns = self.sensorless.speed(&self.coefficients.sensorless);
         if turns != self.sensorless_turns {
             self.sensorless_rate = self.coefficients.speed_of_turns.apply32(turns);
@@ -302,7 +234,7 @@ impl Drive {
 
     /// What is done once a millisecond, spread over its ticks.
     #[inline(never)]
-    fn rest_of_millisecond(&mut self, place: u16, demand: Demand, measured: &Measured) {
+    fn rest_of_millisecond(&mut self, place: u16, demand: Demand, samples: &Samples, measured: &Measured) {
         let c = &self.coefficients;
         let last = c.control.ticks_per_ms.max(1) - 1;
         let is = |task: u16| place == task.min(last);
@@ -321,10 +253,17 @@ impl Drive {
             self.control.turn(&c.control, mode, target, speed, measured.bus_voltage.to_bits());
         }
         if is(place::RAILS) && self.listens && self.machine.state().is_driving() {
-            let speed = self.sensorless_speed().saturating_mul(self.machine.direction().sign()).max(0);
+            let speed = self.sensorless_forward();
             let driven = self.applied.step != Step::Coast;
             let applied = self.control.applied(&c.control, measured.bus_voltage.to_bits());
             self.sensorless.check(&c.sensorless, driven, applied, self.control.phase_current(), speed);
+            if !self.sensorless.is_running() {
+                self.heed_speed();
+                self.calm.end();
+            }
+        }
+        if is(place::REPORT) {
+            self.make_due(samples);
         }
     }
 
@@ -338,8 +277,7 @@ impl Drive {
             self.open_phase.rest(self.applied.step, self.applied.duty, measured.bus_current, self.stands());
             self.open_phase.is_found(&self.coefficients.open_phase)
         };
-        let sensors = state == State::HallClosedLoop
-            && (hall != HallEvents::default() || self.rotor.hall_stopped(&self.coefficients));
+        let sensors = state == State::HallClosedLoop && self.minds(hall);
         let seen = Seen {
             bus_voltage: measured.bus_voltage.to_bits(),
             bus_current: measured.bus_current.to_bits(),
@@ -351,6 +289,16 @@ impl Drive {
             && self.sensorless.fault().is_none()
             && self.protection.stays_quiet(&self.coefficients.protection, &seen);
         !quiet && self.judge(samples, measured, hall, open_phase)
+    }
+
+    /// The hall sensors' events, or their silence, are for the fault logic: everything but an edge forward.
+    #[inline]
+    fn minds(&self, hall: HallEvents) -> bool {
+        let forward = i32::from(hall.sectors) == self.machine.direction().sign() && self.protection.goes_forward();
+        hall.invalid
+            || hall.jump
+            || (hall.sectors != 0 && !forward)
+            || self.rotor.hall_stopped(&self.coefficients)
     }
 
     #[inline(never)]
@@ -430,6 +378,7 @@ impl Drive {
             self.reports.stirred = true;
             self.enter(change, samples);
             self.settle();
+            self.heed_speed();
         }
     }
 
@@ -507,26 +456,29 @@ impl Drive {
 
     /// Signed, raw I16F16 electrical rev/s.
     #[inline]
-    fn sensorless_speed(&self) -> i32 {
-        let turns = self.sensorless.speed(&self.coefficients.sensorless);
-        if turns == self.sensorless_turns {
-            self.sensorless_rate
-        } else {
-            self.coefficients.speed_of_turns.apply32(turns)
-        }
+    const fn sensorless_speed(&self) -> i32 {
+        self.sensorless_rate
+    }
+
+    /// The same in the direction of torque.
+    #[inline]
+    fn sensorless_forward(&self) -> i32 {
+        self.sensorless_rate.saturating_mul(self.machine.direction().sign()).max(0)
     }
 
     /// What the sequence from standstill to closed loop wants now.
     fn sensorless(&mut self) -> Pattern {
         let direction = self.machine.direction();
         let state = self.machine.state();
-        let speed = self.sensorless_speed().saturating_mul(direction.sign()).max(0);
+        let speed = self.sensorless_forward();
         let c = &self.coefficients;
         // Nothing is brought up in a direction that is no longer wanted.
         if self.machine.reversing() && !self.sensorless.is_running() {
             return Pattern::OFF;
         }
         let plan = self.sensorless.step(&c.sensorless, state, direction);
+        self.heed_speed();
+        let c = &self.coefficients;
         match self.sensorless.take_begun() {
             Some(true) => self.control.start(&c.control, speed),
             // A light rotor may have leapt beyond what is ever asked of it: the set-point does not.
@@ -578,24 +530,27 @@ impl Drive {
         Pattern { demand: Demand::Voltage { voltage: field.voltage }, step, commutations, short: false }
     }
 
+    /// A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
+    /// where no current is measured. So is one whose sensors contradict themselves.
+    #[inline]
+    fn hall_demand(&self) -> Option<Demand> {
+        let least = -(self.coefficients.hall_mode.speed_min / 2);
+        let speed = self.rotor.hall_speed().to_bits().saturating_mul(self.machine.direction().sign());
+        let runs = speed >= least && !self.rotor.hall_doubtful();
+        runs.then_some(Demand::Speed { measured: speed.max(0), fade: 0 })
+    }
+
     fn hall_closed_loop(&mut self) -> Pattern {
         let direction = self.machine.direction();
-        let mode = &self.coefficients.hall_mode;
-        let speed = self.rotor.hall_speed().to_bits().saturating_mul(direction.sign());
-        // A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
-        // where no current is measured. So is one whose sensors contradict themselves.
-        if speed < -(mode.speed_min / 2) || self.rotor.hall_doubtful() {
-            return Pattern::OFF;
-        }
+        let Some(demand) = self.hall_demand() else { return Pattern::OFF };
         let position = self.rotor.hall_position();
         let (step, commutations) =
             self.commutator.step(&self.coefficients.commutator, position.angle, position.speed, direction);
-        let demand = Demand::Speed { measured: speed.max(0), fade: 0 };
         Pattern { demand, step, commutations, short: false }
     }
 
     /// A duty of 0 leaves the bridge off: with the low side on, a turning motor would brake itself.
-    fn command(&self, pattern: Pattern, duty: Duty, rectification: Rectification) -> PwmCommand {
+    fn command(&self, pattern: &Pattern, duty: Duty, rectification: Rectification) -> PwmCommand {
         let now = self.applied.duty.to_bits();
         let idle =
             matches!(pattern.demand, Demand::Off) || (duty.to_bits() == 0 && now == 0 && !pattern.short);
@@ -628,76 +583,6 @@ impl Drive {
         } else {
             // The pulse ends at D/2 of the period: duty (1/32 768) is that many 1/65 536.
             (duty.saturating_add(self.coefficients.sample_settle), SampleMode::OffTime)
-        }
-    }
-
-    #[inline]
-    fn report(&mut self, samples: &Samples) {
-        self.reports.age = self.reports.age.saturating_add(1);
-        if self.reports.stirred || self.reports.age >= self.coefficients.control.ticks_per_ms {
-            self.find_due(samples);
-        }
-    }
-
-    #[inline(never)]
-    fn find_due(&mut self, samples: &Samples) {
-        let (state, faults) = (self.machine.state(), self.protection.word().bits());
-        let changed = state != self.reports.state || faults != self.reports.faults;
-        self.reports.stirred = false;
-        if changed || self.reports.age >= self.coefficients.control.ticks_per_ms {
-            let (tick, terminals) = (samples.tick, samples.phase_voltage);
-            self.reports = Reports { age: 0, state, faults, stirred: false, due: true, tick, terminals };
-        }
-    }
-
-    fn status(&self) -> Status {
-        let c = &self.coefficients;
-        let direction = self.machine.direction();
-        let state = self.machine.state();
-        let hall = self.rotor.hall_diagnostics();
-        let (voltage, current) = (self.measurement.bus_voltage(), self.measurement.bus_current());
-        let power = (i64::from(voltage) * i64::from(current)) >> 16;
-        let closed = match state {
-            State::HallClosedLoop => true,
-            State::SensorlessClosedLoop | State::SensorlessAutoRestart => self.sensorless.is_running(),
-            _ => false,
-        };
-        let setpoint = if closed { self.control.setpoint() } else { 0 };
-        let sensorless = self.listens;
-        let angle =
-            if sensorless { self.sensorless.rotor().angle() } else { self.rotor.hall_position().angle };
-        let (crossing, crossing_margin, crossings) = self.sensorless.why();
-        Status {
-            tick: self.reports.tick,
-            state,
-            faults: self.protection.word(),
-            critical: self.protection.critical(),
-            extended_code: self.protection.code(),
-            command_expired: self.machine.command_expired(&c.machine),
-            refusal: self.machine.refusal(),
-            supply_low: voltage < c.protection.supply_low,
-            direction,
-            setpoint: ElectricalSpeed::from_bits(setpoint.saturating_mul(direction.sign())),
-            speed_hall: self.rotor.hall_speed(),
-            speed_sensorless: ElectricalSpeed::from_bits(if sensorless {
-                self.sensorless_speed()
-            } else {
-                0
-            }),
-            angle: ElectricalAngle((angle >> 16) as u16),
-            sectors: self.rotor.sectors(),
-            bus_voltage: Volts::from_bits(voltage),
-            bus_current: Amps::from_bits(current),
-            power: Watts::from_bits(crate::units::saturate64(power)),
-            phase_voltage: c.measurement.phase_voltage(&self.reports.terminals),
-            duty: self.applied.duty,
-            limiter: self.limiter(),
-            hall_invalid: hall.invalid,
-            hall_jumps: hall.jumps,
-            hall_calibration: self.calibration,
-            crossing,
-            crossing_margin,
-            crossings,
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::gain::Gain;
 use super::measurement::Measured;
 use super::ramp::Ramp;
-use crate::units::{Celsius, saturate64};
+use crate::units::Celsius;
 use serde::{Deserialize, Serialize};
 
 /// What bounds the duty in this tick.
@@ -53,7 +53,7 @@ pub struct LimitCoefficients {
 }
 
 /// Output power rating (Table 1): 150 W up to and including 48 V, 300 W above; W.
-const POWER: [i32; 2] = [150 << 16, 300 << 16];
+const POWER: [u32; 2] = [150, 300];
 /// A supply of 48 V that reads a little high is still 48 V: 0.5 V of measurement tolerance.
 const POWER_STEP: i32 = (48 << 16) + (1 << 15);
 
@@ -117,9 +117,10 @@ impl CurrentLimit {
     /// integrator of 20 ms moves the bound until the filtered power is the rating.
     fn rate_power(&mut self, c: &LimitCoefficients, measured: &Measured) -> i32 {
         let voltage = measured.bus_voltage.to_bits().max(1 << 16);
-        let rating = saturate64(((POWER[usize::from(voltage > POWER_STEP)] as i64) << 16) / voltage as i64);
-        let room = rating as i64 - measured.bus_current_filtered.to_bits() as i64;
-        self.power = (self.power + (room << 16) / 20).min((c.maximum as i64) << 16).max(0);
+        // Watts over volts in 32 bits: the divisor keeps 11 and more from 18 V on.
+        let rating = (POWER[usize::from(voltage > POWER_STEP)] << 23) / (voltage as u32 >> 9);
+        let room = rating as i32 - measured.bus_current_filtered.to_bits();
+        self.power = (self.power + i64::from(room) * (65_536 / 20)).min((c.maximum as i64) << 16).max(0);
         (self.power >> 16) as i32
     }
 
@@ -128,8 +129,9 @@ impl CurrentLimit {
         let current = i64::from(phase_current >> 8);
         self.heat = (self.heat + current * current - CONTINUOUS_SQUARE).clamp(0, HEAT_MAX);
         let above = i64::from(c.phase_current.saturating_sub(CONTINUOUS)).max(0);
-        // In 2^-20ths, so that the product fits.
-        c.phase_current - (above * (self.heat >> 20) / (HEAT_MAX >> 20)) as i32
+        // In 2^-20ths, and by a constant reciprocal.
+        const FULL: i64 = (1 << 32) / (HEAT_MAX >> 20);
+        c.phase_current - ((above * ((self.heat >> 20) * FULL >> 16)) >> 16) as i32
     }
 
     /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase current times the

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChannelScale {
     /// Raw I16F16 per code, with 16 extra bits.
-    gain: i32,
-    /// Value of code 0, the same.
+    gain: u32,
+    /// Value of code 0, raw I16F16 with 32 extra bits.
     bias: i64,
 }
 
@@ -25,7 +25,8 @@ impl ChannelScale {
         } else {
             channel.micro_per_code
         };
-        let gain = ((micro as i64) << 32) / 1_000_000;
+        let micro = if micro > 0 { micro as i64 } else { 0 };
+        let gain = (micro << 32) / 1_000_000;
         let offset = if offset > OFFSET_MAX {
             OFFSET_MAX
         } else if offset < -OFFSET_MAX {
@@ -33,13 +34,19 @@ impl ChannelScale {
         } else {
             offset
         };
-        Self { gain: gain as i32, bias: ((offset as i64) << 16) - gain * channel.zero as i64 }
+        Self { gain: gain as u32, bias: ((offset as i64) << 32) - ((gain * channel.zero as i64) << 16) }
     }
 
-    /// Raw I16F16 of `code`.
+    /// Raw I16F16 of `code`: the upper word of one product and one sum.
     #[inline]
     pub const fn convert(&self, code: u16) -> i32 {
-        ((code as i64 * self.gain as i64 + self.bias) >> 16) as i32
+        let product = ((code as u32) << 16) as u64 * self.gain as u64;
+        ((product as i64 + self.bias) >> 32) as i32
+    }
+
+    /// Voltages of the three terminals. Only listening and reports ask for them.
+    pub fn convert_all(&self, codes: &[u16; 3]) -> [Volts; 3] {
+        codes.map(|code| Volts::from_bits(self.convert(code)))
     }
 
     /// Raw I16F16 of a difference of `codes`, within 2^18: zero and offset cancel.
@@ -69,8 +76,6 @@ pub struct Measured {
     pub bus_current: Amps,
     /// The same after a first-order filter of 64 ticks: longer than what a commutation returns to the bus.
     pub bus_current_filtered: Amps,
-    /// Terminal voltages A, B, C, where somebody looks at them; else 0.
-    pub phase_voltage: [Volts; 3],
 }
 
 /// State of the measurement station.
@@ -108,29 +113,20 @@ impl ZeroCurrent {
     }
 }
 
-impl MeasurementScales {
-    /// Terminal voltages A, B, C. Only listening and reports ask for them.
-    #[inline]
-    pub fn phase_voltage(&self, codes: &[u16; 3]) -> [Volts; 3] {
-        codes.map(|code| Volts::from_bits(self.phase_voltage.convert(code)))
-    }
-}
-
 /// The filter's room: 256 A, raw I16F16.
 const FILTER_MAX: i32 = 1 << 24;
 
 impl Measurement {
-    /// Converts one tick's codes, phase voltages apart. `idle`: no current can flow, so what the current channel reads is its zero.
+    /// Converts one tick's codes. `idle`: no current can flow, so what the current channel reads is its zero.
     #[inline]
     pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Measured {
         self.bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
         let bus_current = self.zero.step(scales.bus_current.convert(samples.bus_current), idle);
-        self.filtered += bus_current.clamp(-FILTER_MAX, FILTER_MAX) - (self.filtered >> 6);
+        self.filtered += bus_current.clamp(-FILTER_MAX, FILTER_MAX - 1) - (self.filtered >> 6);
         Measured {
             bus_voltage: Volts::from_bits(self.bus_voltage),
             bus_current: Amps::from_bits(bus_current),
             bus_current_filtered: Amps::from_bits(self.filtered >> 6),
-            phase_voltage: [Volts::ZERO; 3],
         }
     }
 

@@ -54,6 +54,12 @@ impl Pi {
         self.integrator >= i64::from(output) << 16
     }
 
+    /// The integrator alone gives exactly `output`: it waits there.
+    #[inline]
+    pub fn waits_at(&self, output: i32) -> bool {
+        self.integrator == i64::from(output) << 16
+    }
+
     /// Waits beside `applied`: a limiter that is not needed keeps its integrator there, and its proportional part alone is
     /// the distance to intervening.
     #[inline]

@@ -216,6 +216,12 @@ impl Protection {
             && !seen.lines.intersects(looked_at)
     }
 
+    /// No edge backward is remembered, which one forward would make up for.
+    #[inline]
+    pub const fn goes_forward(&self) -> bool {
+        self.hall.backwards == 0
+    }
+
     /// Everything is at rest.
     pub const fn is_quiet(&self) -> bool {
         self.quiet

@@ -48,10 +48,17 @@ impl Commutations {
             _ => {}
         }
     }
-    /// The pattern after the last of them.
-    pub const fn last(&self) -> Option<Step> {
+
+    /// None at all.
+    #[inline]
+    pub const fn is_empty(&self) -> bool {
+        self.0[0].is_none()
+    }
+
+    /// The last of them.
+    pub const fn last(&self) -> Option<Commutation> {
         match self.0 {
-            [_, Some(last)] | [Some(last), None] => Some(last.step),
+            [_, Some(last)] | [Some(last), None] => Some(last),
             [None, None] => None,
         }
     }

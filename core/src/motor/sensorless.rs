@@ -13,7 +13,6 @@ use super::back_emf::{BackEmf, BackEmfCoefficients};
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
 use super::listening::Listening;
-use super::measurement::Measured;
 use super::pwm::PwmCommand;
 use super::rails::{Rail, RailCoefficients, Rails};
 use super::ramp::Ramp;
@@ -118,18 +117,19 @@ impl Sensorless {
         &mut self,
         c: &SensorlessCoefficients,
         samples: &Samples,
-        measured: &Measured,
+        bus_voltage: i32,
         applied: &PwmCommand,
         torque: Direction,
     ) {
         self.rotor.advance();
-        if applied.step == Step::Coast && applied.commutations.iter().next().is_none() {
+        if applied.step == Step::Coast && applied.commutations.is_empty() {
             self.back_emf = BackEmf::default();
             self.rotor.begin_coasting();
             if self.phase == Phase::Kick {
                 return;
             }
-            let heard = self.listening.step(&measured.phase_voltage, c.back_emf.noise, applied.sample_at);
+            let voltage = c.back_emf.terminal.convert_all(&samples.phase_voltage);
+            let heard = self.listening.step(&voltage, c.back_emf.noise, applied.sample_at);
             if let Some(heard) = heard
                 && (heard.direction == self.rotor.direction() || self.listening.agrees())
             {
@@ -139,12 +139,8 @@ impl Sensorless {
         }
         self.listening.reset();
         let expected = self.rotor.expected();
-        if self.rotor.speed() != self.emf_at {
-            self.emf_at = self.rotor.speed();
-            self.emf = c.emf_of_turns.apply32(self.emf_at.saturating_abs());
-        }
-        let emf = self.emf;
-        let sight = self.back_emf.step(&c.back_emf, samples, measured, applied, torque, expected, emf);
+        let emf = self.emf(c);
+        let sight = self.back_emf.step(&c.back_emf, samples, bus_voltage, applied, torque, expected, emf);
         if !matches!(self.phase, Phase::Kick | Phase::Run) || (self.phase == Phase::Kick && self.age < c.rest)
         {
             return;
@@ -156,6 +152,54 @@ impl Sensorless {
         if sight.crossing.is_some() || sight.late {
             self.idle = 0;
         }
+    }
+
+    /// The ordinary tick of a running motor: true if its terminals show nothing that [`observe`](Self::observe) and [`step`](Self::step) would act
+    /// on; then they need not be called.
+    #[inline]
+    pub fn passes(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> bool {
+        if self.back_emf.is_changed_by(applied) {
+            self.turns_over(c, applied, torque)
+        } else {
+            self.back_emf.passes(&c.back_emf, samples, bus_voltage, applied)
+        }
+    }
+
+    #[inline(never)]
+    fn turns_over(&mut self, c: &SensorlessCoefficients, applied: &PwmCommand, torque: Direction) -> bool {
+        let emf = self.emf(c);
+        self.back_emf.turns_over(&c.back_emf, applied, torque, self.rotor.expected(), emf)
+    }
+
+    /// Line-to-line back-EMF at the expected speed, raw I16F16 V.
+    fn emf(&mut self, c: &SensorlessCoefficients) -> i32 {
+        if self.rotor.speed() != self.emf_at {
+            self.emf_at = self.rotor.speed();
+            self.emf = c.emf_of_turns.apply32(self.emf_at.saturating_abs());
+        }
+        self.emf
+    }
+
+    /// For how many ticks from now only time would pass, as long as every one [`passes`](Self::passes), with the step `present` applied.
+    pub fn calm(&self, c: &SensorlessCoefficients, present: Step, torque: Direction) -> u32 {
+        if !self.is_running() {
+            return 0;
+        }
+        self.rotor.calm(c.timeout, self.back_emf.expects(present, torque))
+    }
+
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.rotor.sleep(ticks);
+        self.age = self.age.saturating_add(ticks);
+        self.idle = self.idle.saturating_add(ticks);
     }
 
     /// The master starts the motor (`State::RotorLock`), or T47 wants it caught or restarted.
@@ -255,6 +299,18 @@ impl Sensorless {
             self.idle = 0;
         }
         Plan::Level(level)
+    }
+
+    /// One tick of a running motor that goes on: what the voltage fades by, in 1/16. `None` if [`step`](Self::step) is to look.
+    #[inline]
+    pub fn run_on(&mut self, c: &SensorlessCoefficients) -> Option<u8> {
+        let ends = self.rotor.is_lost() || self.rotor.since() >= c.timeout || self.rotor.is_irregular();
+        if !self.is_running() || ends {
+            return None;
+        }
+        self.age = self.age.saturating_add(1);
+        self.idle = self.idle.saturating_add(1);
+        Some(self.rotor.fade())
     }
 
     fn run(&mut self, c: &SensorlessCoefficients) -> Plan {

@@ -80,6 +80,30 @@ impl ZeroCrossing {
         self.angle = self.angle.wrapping_add(self.speed as u32);
     }
 
+    /// So many ticks have passed in which there was nothing to [`observe`](Self::observe).
+    pub const fn sleep(&mut self, ticks: u32) {
+        let time = ticks.saturating_mul(TICK);
+        self.since = self.since.saturating_add(time);
+        self.fresh = self.fresh.saturating_add(time);
+        self.angle = self.angle.wrapping_add((self.speed as u32).wrapping_mul(ticks));
+    }
+
+    /// For how many ticks from now only time would pass, if nothing new is seen: until no crossing for `timeout` (1/65 536 tick) is a rotor at rest, until
+    /// the one that has not come bounds the speed, and until the rotor stands where it cannot be before the crossing of `expected` is seen.
+    pub fn calm(&self, timeout: u32, expected: Option<u8>) -> u32 {
+        let until = |age: u32, end: u32| end.saturating_sub(age) / TICK;
+        let bounded = if self.valid == 0 { u32::MAX } else { until(self.fresh, self.patience()) };
+        let held = match expected {
+            Some(sector) => {
+                let here = TWELFTH.wrapping_mul(u32::from(2 * ((sector + 1) % 6)));
+                let left = (here.wrapping_sub(self.angle) as i32).wrapping_mul(self.direction.sign());
+                (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
+            }
+            None => u32::MAX,
+        };
+        until(self.since, timeout.saturating_sub(1)).min(bounded).min(held)
+    }
+
     /// Nothing is known but, perhaps, where the rotor rests.
     pub fn start(&mut self, angle: u32, direction: Direction) {
         let accepted = self.accepted;
@@ -313,14 +337,21 @@ impl ZeroCrossing {
 
     /// Speed over up to a revolution, but never more than the crossing that has not come allows.
     pub fn speed_bounded(&self) -> i32 {
-        // A coasting motor shows three places a revolution, a driven one six; one that has just been caught has its first crossing before it.
-        let sixths = if self.coasting || matches!(self.why, Why::Listened) { 3 } else { 1 };
-        let patience = self.interval.saturating_mul(sixths);
-        if self.valid == 0 || self.fresh <= patience.saturating_add(self.interval / 4) {
+        if self.valid == 0 || self.fresh <= self.patience() {
             return self.speed_mean;
         }
-        let bound = speed_of(sixths as u8, self.fresh);
+        let bound = speed_of(self.sixths(), self.fresh);
         self.speed_mean.min(bound).max(-bound)
+    }
+
+    /// Until the last evidence is this old no bound has to be looked for, 1/65 536 tick.
+    fn patience(&self) -> u32 {
+        self.interval.saturating_mul(self.sixths().into()).saturating_add(self.interval / 4)
+    }
+
+    /// A coasting motor shows three places a revolution, a driven one six; one that has just been caught has its first crossing before it.
+    const fn sixths(&self) -> u8 {
+        if self.coasting || matches!(self.why, Why::Listened) { 3 } else { 1 }
     }
 
     /// Expected time of a sector, 1/65 536 tick; 0 unknown.

@@ -1,0 +1,116 @@
+//! What the tick reports, and when.
+
+use super::Drive;
+use crate::motor::commutation::Step;
+use crate::motor::event::{Limiter, Status};
+use crate::motor::samples::Samples;
+use crate::motor::state::State;
+use crate::units::{Amps, ElectricalAngle, ElectricalSpeed, Volts, Watts};
+use serde::{Deserialize, Serialize};
+
+/// When a status is due: every millisecond, and when state or fault word change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Reports {
+    state: State,
+    faults: u32,
+    /// Something happened that may have changed one of them.
+    pub(super) stirred: bool,
+    due: bool,
+    /// The tick that is to be reported, and its terminals.
+    tick: u64,
+    terminals: [u16; 3],
+}
+
+impl Drive {
+    /// The report of the last step, if one is due: every millisecond, and when state or fault word change.
+    pub fn poll_status(&mut self) -> Option<Status> {
+        if !core::mem::take(&mut self.reports.due) {
+            return None;
+        }
+        self.tell();
+        Some(self.status())
+    }
+
+    /// What bounds the duty in the last tick.
+    pub fn limiter(&self) -> Limiter {
+        match self.control.output().limiter {
+            Limiter::Return => Limiter::Return,
+            _ if self.applied.step == Step::Coast => Limiter::Off,
+            limiter => limiter,
+        }
+    }
+
+    /// Exact state.
+    pub const fn state(&self) -> State {
+        self.machine.state()
+    }
+
+    /// Something may have changed.
+    #[inline(never)]
+    pub(super) fn find_change(&mut self, samples: &Samples) {
+        let (state, faults) = (self.machine.state(), self.protection.word().bits());
+        self.reports.stirred = false;
+        if state != self.reports.state || faults != self.reports.faults {
+            self.make_due(samples);
+        }
+    }
+
+    /// This tick is reported.
+    pub(super) fn make_due(&mut self, samples: &Samples) {
+        let (state, faults) = (self.machine.state(), self.protection.word().bits());
+        let (tick, terminals) = (samples.tick, samples.phase_voltage);
+        let stirred = self.reports.stirred;
+        self.reports = Reports { state, faults, stirred, due: true, tick, terminals };
+    }
+
+    fn status(&self) -> Status {
+        let c = &self.coefficients;
+        let direction = self.machine.direction();
+        let state = self.machine.state();
+        let hall = self.rotor.hall_diagnostics();
+        let (voltage, current) = (self.measurement.bus_voltage(), self.measurement.bus_current());
+        let power = (i64::from(voltage) * i64::from(current)) >> 16;
+        let closed = match state {
+            State::HallClosedLoop => true,
+            State::SensorlessClosedLoop | State::SensorlessAutoRestart => self.sensorless.is_running(),
+            _ => false,
+        };
+        let setpoint = if closed { self.control.setpoint() } else { 0 };
+        let sensorless = self.listens;
+        let angle =
+            if sensorless { self.sensorless.rotor().angle() } else { self.rotor.hall_position().angle };
+        let (crossing, crossing_margin, crossings) = self.sensorless.why();
+        Status {
+            tick: self.reports.tick,
+            state,
+            faults: self.protection.word(),
+            critical: self.protection.critical(),
+            extended_code: self.protection.code(),
+            command_expired: self.machine.command_expired(&c.machine),
+            refusal: self.machine.refusal(),
+            supply_low: voltage < c.protection.supply_low,
+            direction,
+            setpoint: ElectricalSpeed::from_bits(setpoint.saturating_mul(direction.sign())),
+            speed_hall: self.rotor.hall_speed(),
+            speed_sensorless: ElectricalSpeed::from_bits(if sensorless {
+                self.sensorless_speed()
+            } else {
+                0
+            }),
+            angle: ElectricalAngle((angle >> 16) as u16),
+            sectors: self.rotor.sectors(),
+            bus_voltage: Volts::from_bits(voltage),
+            bus_current: Amps::from_bits(current),
+            power: Watts::from_bits(crate::units::saturate64(power)),
+            phase_voltage: c.measurement.phase_voltage.convert_all(&self.reports.terminals),
+            duty: self.applied.duty,
+            limiter: self.limiter(),
+            hall_invalid: hall.invalid,
+            hall_jumps: hall.jumps,
+            hall_calibration: self.calibration,
+            crossing,
+            crossing_margin,
+            crossings,
+        }
+    }
+}
