@@ -51,8 +51,65 @@ impl Commutator {
         if left < self.span && speed == self.speed && torque == self.torque {
             (self.step, Commutations::NONE)
         } else {
-            self.change(c, angle, speed, torque)
+            self.approach(c, angle, speed, torque)
         }
+    }
+
+    /// Another speed, or the boundary ahead in view: what a rotor does that goes on.
+    #[inline(never)]
+    fn approach(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> (Step, Commutations) {
+        let Some(sector) = self.sector else { return self.change(c, angle, speed, torque) };
+        let backward = speed < 0;
+        let next = neighbour(sector, backward);
+        let boundary = entry(next, speed);
+        let ahead = if backward { angle.wrapping_sub(boundary) } else { boundary.wrapping_sub(angle) };
+        let ahead = ahead.wrapping_sub(c.advance);
+        let per_tick = speed.unsigned_abs();
+        let blind = part_of(per_tick as i32, c.earliest.into());
+        let seen = per_tick.saturating_add(blind / 2);
+        // Within the sector that it was, before the boundary at the first instant that counts, and no second one in view.
+        let plain = torque == self.torque && per_tick > 0 && seen < SIXTH && ahead > blind && ahead < INSIDE;
+        if !plain {
+            return self.change(c, angle, speed, torque);
+        }
+        let first = self.step;
+        if ahead >= seen {
+            self.go_on(c, sector, (boundary, seen), speed, torque);
+            return (first, Commutations::NONE);
+        }
+        let instant = if ahead >= per_tick { u16::MAX } else { part(ahead, per_tick).max(c.earliest) };
+        self.go_on(c, next, (entry(neighbour(next, backward), speed), seen), speed, torque);
+        let mut commutations = Commutations::NONE;
+        commutations.push(Commutation { instant, step: self.step });
+        (first, commutations)
+    }
+
+    /// Until when `sector`, which ends at a boundary and sees so far ahead, goes on: as long as the rotor is no further back than its entry, and the
+    /// boundary is further ahead than this period sees.
+    #[inline]
+    fn go_on(
+        &mut self,
+        c: &CommutatorCoefficients,
+        sector: u8,
+        (boundary, seen): (u32, u32),
+        speed: i32,
+        torque: Direction,
+    ) {
+        let before = seen.wrapping_add(c.advance);
+        *self = Self {
+            sector: Some(sector),
+            step: Step::for_sector(sector, torque),
+            speed,
+            torque,
+            until: if speed < 0 { boundary.wrapping_add(before) } else { boundary.wrapping_sub(before) },
+            span: SIXTH - seen,
+        };
     }
 
     /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick. It may begin in this period.
@@ -88,32 +145,13 @@ impl Commutator {
         let mut last = c.earliest;
         for _ in 0..2 {
             let Some(instant) = instant_of_next(c, advanced, speed, sector) else { break };
-            sector = if speed > 0 { (sector + 1) % 6 } else { (sector + 5) % 6 };
+            sector = neighbour(sector, speed < 0);
             last = last.max(instant);
             commutations.push(Commutation { instant: last, step: Step::for_sector(sector, torque) });
         }
-        self.rest(c, sector, speed, torque);
+        let seen = window(c, speed).min(SIXTH);
+        self.go_on(c, sector, (entry(neighbour(sector, speed < 0), speed), seen), speed, torque);
         (first, commutations)
-    }
-
-    /// Until when `sector` goes on: as long as the rotor is no further back than its entry, and the next boundary is further ahead than this
-    /// period sees.
-    fn rest(&mut self, c: &CommutatorCoefficients, sector: u8, speed: i32, torque: Direction) {
-        let seen = window(c, speed).min(SIXTH.into()) as u32;
-        let (boundary, sign) = if speed < 0 {
-            (entry((sector + 5) % 6, speed), -1)
-        } else {
-            (entry((sector + 1) % 6, speed), 1)
-        };
-        let before = seen.wrapping_add(c.advance);
-        *self = Self {
-            sector: Some(sector),
-            step: Step::for_sector(sector, torque),
-            speed,
-            torque,
-            until: if sign < 0 { boundary.wrapping_add(before) } else { boundary.wrapping_sub(before) },
-            span: SIXTH - seen,
-        };
     }
 
     /// The sector of `angle`, or the sector before it was left if the rotor seems to have moved back a little.
@@ -137,10 +175,23 @@ fn entry(sector: u8, speed: i32) -> u32 {
     if speed < 0 { start.wrapping_add(SIXTH) } else { start }
 }
 
+/// The sector after this one, in the direction of motion.
+const fn neighbour(sector: u8, backward: bool) -> u8 {
+    match (sector, backward) {
+        (0, true) => 5,
+        (_, true) => sector - 1,
+        (5.., false) => 0,
+        (_, false) => sector + 1,
+    }
+}
+
+/// A sector, less what the sector of an angle is rounded by.
+const INSIDE: u32 = SIXTH - (1 << 17);
+
 /// How far ahead a boundary is taken in this period, u32 turn: to the middle of the next one's blind start.
-fn window(c: &CommutatorCoefficients, speed: i32) -> u64 {
-    let per_tick = u64::from(speed.unsigned_abs());
-    per_tick + ((per_tick * u64::from(c.earliest)) >> 17)
+fn window(c: &CommutatorCoefficients, speed: i32) -> u32 {
+    let per_tick = speed.saturating_abs();
+    (per_tick as u32).saturating_add(part_of(per_tick, c.earliest.into()) / 2)
 }
 
 /// When within this period the rotor leaves `sector`. A boundary that falls between the period's end and the middle of the
@@ -149,20 +200,20 @@ fn instant_of_next(c: &CommutatorCoefficients, angle: u32, speed: i32, sector: u
     if speed == 0 {
         return None;
     }
-    let next = if speed > 0 { (sector + 1) % 6 } else { (sector + 5) % 6 };
-    let boundary = entry(next, speed);
+    let boundary = entry(neighbour(sector, speed < 0), speed);
     let ahead = if speed > 0 { boundary.wrapping_sub(angle) } else { angle.wrapping_sub(boundary) };
     // More than half a turn ahead is behind: due at once.
     let ahead = if ahead > u32::MAX / 2 { 0 } else { ahead };
     let per_tick = speed.unsigned_abs();
-    if ahead as u64 >= window(c, speed) {
+    if ahead >= window(c, speed) {
         return None;
     }
-    if ahead >= per_tick {
-        return Some(u16::MAX);
-    }
-    // ahead / per_tick in 1/65 536, in 32 bits: both scaled until the divisor has 16.
+    if ahead >= per_tick { Some(u16::MAX) } else { Some(part(ahead, per_tick).max(c.earliest)) }
+}
+
+/// `ahead / per_tick` of a period in 1/65 536, in 32 bits: both scaled until the divisor has 16. `ahead` is less than `per_tick`.
+fn part(ahead: u32, per_tick: u32) -> u16 {
     let scale = 16_u32.saturating_sub(per_tick.leading_zeros());
     let instant = ((ahead >> scale) << 16) / (per_tick >> scale).max(1);
-    Some((instant.min(u16::MAX as u32) as u16).max(c.earliest))
+    instant.min(u16::MAX as u32) as u16
 }

@@ -181,9 +181,16 @@ impl Control {
 
     /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand.
     #[inline(never)]
-    pub fn rate(&mut self, c: &ControlCoefficients, measured: &Measured, temperature: Celsius, turns: bool) {
-        self.phase_current = per_duty(measured.bus_current_filtered.to_bits(), self.output.duty.to_bits());
-        self.limit.update(&c.limits, measured, self.phase_current, temperature, turns);
+    pub fn rate(
+        &mut self,
+        c: &ControlCoefficients,
+        measurement: &Measurement,
+        temperature: Celsius,
+        turns: bool,
+    ) {
+        let (voltage, current) = (measurement.bus_voltage(), measurement.bus_current());
+        self.phase_current = per_duty(current, self.output.duty.to_bits());
+        self.limit.update(&c.limits, (voltage, current), self.phase_current, temperature, turns);
     }
 
     /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical

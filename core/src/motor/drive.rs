@@ -51,6 +51,8 @@ pub struct Drive {
     calibration: HallCalibration,
     /// Somebody listens to the terminals.
     listens: bool,
+    /// Duty from which the on-time is sampled, and below which the off-time is, raw U1F15.
+    on_time: (u16, u16),
     /// Speed by back-EMF, 2^-32 turn a tick, and the same as raw I16F16 electrical rev/s: converted when it changes.
     sensorless_turns: i32,
     sensorless_rate: i32,
@@ -60,7 +62,7 @@ pub struct Drive {
     reports: Reports,
 }
 
-/// The places in a millisecond of what needs no tick of its own; a board with fewer ticks does more in its last.
+/// The places in a millisecond of what needs no tick of its own.
 mod place {
     pub(super) const RATINGS: u16 = 0;
     pub(super) const SPEED_LOOP: u16 = 1;
@@ -112,6 +114,7 @@ impl Drive {
             calibrator: HallCalibrator::default(),
             calibration: HallCalibration::None,
             listens: false,
+            on_time: (0, 0),
             sensorless_turns: 0,
             sensorless_rate: 0,
             calm: Calm::default(),
@@ -136,6 +139,9 @@ impl Drive {
         } else {
             c.sensorless_enable && !c.hall_enable
         };
+        // Without an eye on back-EMF there is no need to go that far.
+        let shortest = self.coefficients.control.duty_min.max(ON_TIME_LEAST);
+        self.on_time = if self.listens { (shortest, shortest - shortest / 8) } else { (ON_ABOVE, OFF_BELOW) };
     }
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
@@ -163,15 +169,17 @@ impl Drive {
         let place = self.control.tick(&self.coefficients.control);
         let idle = self.machine.state() == State::Initialization;
         let measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        let pattern = if self.is_calm(samples, &measured) {
-            self.goes_on(&measured)
-        } else {
+        let pattern = if !self.is_calm(samples, &measured) {
             self.look(samples, &measured)
+        } else if self.calm.commutates() {
+            self.commutate(&measured)
+        } else {
+            return self.goes_on(place, samples, &measured);
         };
         if place <= place::LAST {
-            self.rest_of_millisecond(place, pattern.demand, samples, &measured);
+            self.rest_of_millisecond(place, pattern.demand, samples);
         }
-        if !self.cruises(&pattern, &measured) {
+        if !self.cruises(pattern.demand, pattern.step, pattern.commutations, &measured) {
             self.finish(&pattern, &measured);
         }
         self.applied
@@ -234,36 +242,54 @@ impl Drive {
 
     /// What is done once a millisecond, spread over its ticks.
     #[inline(never)]
-    fn rest_of_millisecond(&mut self, place: u16, demand: Demand, samples: &Samples, measured: &Measured) {
-        let c = &self.coefficients;
-        let last = c.control.ticks_per_ms.max(1) - 1;
-        let is = |task: u16| place == task.min(last);
-        if is(place::RATINGS) {
-            let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
-            self.control.rate(&c.control, measured, self.slow.temperature, turns);
+    fn rest_of_millisecond(&mut self, place: u16, demand: Demand, samples: &Samples) {
+        if self.coefficients.control.ticks_per_ms > place::LAST {
+            return self.do_task(place, demand, samples);
         }
-        if is(place::SPEED_LOOP)
-            && let Demand::Speed { measured: speed, .. } = demand
-        {
+        // A board with fewer ticks does more in its last.
+        let last = self.coefficients.control.ticks_per_ms.max(1) - 1;
+        for task in place..=if place == last { place::LAST } else { place } {
+            self.do_task(task, demand, samples);
+        }
+    }
+
+    #[inline]
+    fn do_task(&mut self, task: u16, demand: Demand, samples: &Samples) {
+        match task {
+            place::RATINGS => {
+                let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
+                let temperature = self.slow.temperature;
+                self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns);
+            }
+            place::SPEED_LOOP => self.run_speed_loop(demand),
+            place::RAILS => self.check_rails(),
+            _ => self.make_due(samples),
+        }
+    }
+
+    fn run_speed_loop(&mut self, demand: Demand) {
+        let c = &self.coefficients;
+        if let Demand::Speed { measured: speed, .. } = demand {
             let mode = if self.listens { &c.sensorless_mode } else { &c.hall_mode };
             let brought_up = self.machine.state() != State::OpenLoop || self.sensorless.is_caught();
             let wanted = if brought_up { self.machine.command().speed.to_bits() } else { c.open_loop.speed };
             let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
             let target = if self.machine.reversing() { 0 } else { wanted };
-            self.control.turn(&c.control, mode, target, speed, measured.bus_voltage.to_bits());
+            self.control.turn(&c.control, mode, target, speed, self.measurement.bus_voltage());
         }
-        if is(place::RAILS) && self.listens && self.machine.state().is_driving() {
+    }
+
+    fn check_rails(&mut self) {
+        let c = &self.coefficients;
+        if self.listens && self.machine.state().is_driving() {
             let speed = self.sensorless_forward();
             let driven = self.applied.step != Step::Coast;
-            let applied = self.control.applied(&c.control, measured.bus_voltage.to_bits());
+            let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
             self.sensorless.check(&c.sensorless, driven, applied, self.control.phase_current(), speed);
             if !self.sensorless.is_running() {
                 self.heed_speed();
                 self.calm.end();
             }
-        }
-        if is(place::REPORT) {
-            self.make_due(samples);
         }
     }
 
@@ -569,14 +595,11 @@ impl Drive {
 
     /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle, a shorter one after it has ended; down to an eighth below the
     /// limit the mode stays.
+    #[inline]
     fn sampling(&self, duty: u16) -> (u16, SampleMode) {
-        let shortest = self.coefficients.control.duty_min.max(ON_TIME_LEAST);
-        // Without an eye on back-EMF there is no need to go that far.
-        let (above, below) =
-            if self.listens { (shortest, shortest - shortest / 8) } else { (ON_ABOVE, OFF_BELOW) };
         let on = match self.applied.sample_mode {
-            SampleMode::OnTime => duty >= below,
-            SampleMode::OffTime => duty >= above,
+            SampleMode::OnTime => duty >= self.on_time.1,
+            SampleMode::OffTime => duty >= self.on_time.0,
         };
         if on {
             (0, SampleMode::OnTime)

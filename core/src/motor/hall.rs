@@ -23,6 +23,8 @@ pub struct HallWiring {
 
 /// An edge that only the sampled level shows came half a tick ago, on average.
 const SAMPLED_AGE: u32 = TICK / 2;
+/// Up to here six intervals fit 32 bits: 0.4 s at 10 kHz. A longer one stands alone.
+const LONGEST: u32 = 1 << 28;
 /// No sector.
 const INVALID: u8 = 0xFF;
 /// Sector by code of correctly wired sensors; bit 0 = A. A is high from 330 to 150 degrees, B and C 120 later each.
@@ -87,10 +89,9 @@ pub struct Hall {
     candidate: Option<(u8, u32)>,
     /// Since the last accepted edge, in 1/65 536 tick, saturating.
     since_edge: u32,
-    /// The last six intervals, and how many of them are of the present run in one direction.
+    /// The intervals of the present run in one direction, newest first, 0 where there is none; and how many there are.
     intervals: [u32; 6],
     valid: u8,
-    next: u8,
     /// Direction of the last edge.
     direction: Direction,
     /// Angle at the present boundary, u32 turn.
@@ -120,7 +121,6 @@ impl Default for Hall {
             since_edge: 0,
             intervals: [0; 6],
             valid: 0,
-            next: 0,
             direction: Direction::default(),
             angle: 0,
             from: 0,
@@ -161,6 +161,7 @@ impl Hall {
         }
         if self.since_edge >= c.timeout && (self.valid > 0 || self.speed != 0 || self.doubt) {
             (self.valid, self.speed, self.bounded, self.doubt) = (0, 0, 0, false);
+            self.intervals = [0; 6];
             self.rest(c);
         }
         events
@@ -298,11 +299,15 @@ impl Hall {
         let moving = self.speed.unsigned_abs() >= c.interpolation_min.max(1);
         self.doubt |= turned.abs() > 1 || (moving && direction != self.direction);
         if turned.abs() > 1 || direction != self.direction || interval >= c.timeout {
-            self.valid = 0;
+            (self.intervals, self.valid) = ([0; 6], 0);
         } else {
-            self.intervals[(self.next % 6) as usize] = interval.max(1);
-            self.next = (self.next + 1) % 6;
-            self.valid = (self.valid + 1).min(6);
+            let [a, b, c, d, e, _] = self.intervals;
+            if interval.max(a) > LONGEST {
+                (self.intervals, self.valid) = ([interval, 0, 0, 0, 0, 0], 1);
+            } else {
+                self.intervals = [interval.max(1), a, b, c, d, e];
+                self.valid = (self.valid + 1).min(6);
+            }
             self.doubt &= self.valid < CONVINCING;
         }
         self.direction = direction;
@@ -334,21 +339,14 @@ impl Hall {
     /// `valid / 6` turns over the sum of the intervals: a whole revolution when it has one, so that misplaced
     /// sensors cancel.
     fn measure(&self) -> i32 {
-        let sum = (0..self.valid).fold(0, |sum, back| sum + u64::from(self.interval(back)));
-        let speed = match u32::try_from(sum) {
-            Ok(0) => 0,
-            Ok(sum) => speed_of(self.valid, sum),
-            Err(_) => speed_of(self.valid, (sum >> 3) as u32) >> 3,
-        };
-        speed * self.direction.sign()
+        let [a, b, c, d, e, f] = self.intervals;
+        let sum = a + b + c + d + e + f;
+        if sum == 0 { 0 } else { speed_of(self.valid, sum) * self.direction.sign() }
     }
 
-    fn interval(&self, back: u8) -> u32 {
-        self.intervals[((self.next + 11 - back) % 6) as usize]
-    }
-
-    fn newest(&self) -> u32 {
-        self.interval(0)
+    const fn newest(&self) -> u32 {
+        let [newest, ..] = self.intervals;
+        newest
     }
 
     /// To the nearer end of the span.

@@ -1,7 +1,6 @@
 //! The bus current that may flow: the least of every rating, and the name of the one that binds.
 
 use super::gain::Gain;
-use super::measurement::Measured;
 use super::ramp::Ramp;
 use crate::units::Celsius;
 use serde::{Deserialize, Serialize};
@@ -89,18 +88,18 @@ impl CurrentLimit {
     }
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
-    /// `phase_current` is the estimated mean phase current, raw I16F16 A.
+    /// Bus voltage and filtered bus current, raw I16F16; `phase_current` is the estimated mean phase current, raw I16F16 A.
     pub fn update(
         &mut self,
         c: &LimitCoefficients,
-        measured: &Measured,
+        (voltage, current): (i32, i32),
         phase_current: i32,
         temperature: Celsius,
         turns: bool,
     ) {
         let target = if turns { c.maximum } else { c.soft_start.min(c.maximum) };
         let table = self.ramp.step(target, c.rate);
-        let power = self.rate_power(c, measured);
+        let power = self.rate_power(c, voltage, current);
         (self.bound, self.limiter) =
             if power < table { (power, Limiter::Power) } else { (table, Limiter::Current) };
         self.phase = self.rate_heat(c, phase_current);
@@ -115,11 +114,11 @@ impl CurrentLimit {
 
     /// The power rating is one of heat, not of an instant, and the current swings with every commutation. So an
     /// integrator of 20 ms moves the bound until the filtered power is the rating.
-    fn rate_power(&mut self, c: &LimitCoefficients, measured: &Measured) -> i32 {
-        let voltage = measured.bus_voltage.to_bits().max(1 << 16);
+    fn rate_power(&mut self, c: &LimitCoefficients, voltage: i32, current: i32) -> i32 {
+        let voltage = voltage.max(1 << 16);
         // Watts over volts in 32 bits: the divisor keeps 11 and more from 18 V on.
         let rating = (POWER[usize::from(voltage > POWER_STEP)] << 23) / (voltage as u32 >> 9);
-        let room = rating as i32 - measured.bus_current_filtered.to_bits();
+        let room = rating as i32 - current;
         self.power = (self.power + i64::from(room) * (65_536 / 20)).min((c.maximum as i64) << 16).max(0);
         (self.power >> 16) as i32
     }

@@ -40,9 +40,10 @@ impl OpenPhase {
     /// One tick of a step: is there current? The mean of the first one is still in part that of the step before.
     #[inline]
     pub const fn count(&mut self, current: Amps) {
-        self.ticks = self.ticks.saturating_add(1);
+        // Wraps after days in one step.
+        self.ticks = self.ticks.wrapping_add(1);
         if current.to_bits() > NONE && self.ticks > 1 {
-            self.carrying += 1;
+            self.carrying = self.carrying.wrapping_add(1);
         }
     }
 

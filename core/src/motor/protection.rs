@@ -207,13 +207,19 @@ impl Protection {
     /// With everything at rest, would what a tick measures move anything? Most ticks need no more than this.
     #[inline]
     pub fn stays_quiet(&self, c: &ProtectionCoefficients, seen: &Seen) -> bool {
+        self.stays_calm(c, seen.bus_voltage, seen.bus_current, seen.lines) && seen.speed <= self.overspeed_trip
+    }
+
+    /// The same while the speed stays as it was.
+    #[inline]
+    pub fn stays_calm(&self, c: &ProtectionCoefficients, bus_voltage: i32, bus_current: i32, lines: Lines) -> bool {
         let looked_at = Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(c.shutdown_lines);
         self.quiet
-            && seen.bus_voltage <= c.over_voltage.trip
-            && seen.bus_voltage >= c.under_voltage.trip
-            && seen.bus_current.saturating_abs() <= c.over_current.trip
-            && seen.speed <= self.overspeed_trip
-            && !seen.lines.intersects(looked_at)
+            && bus_voltage <= c.over_voltage.trip
+            && bus_voltage >= c.under_voltage.trip
+            && bus_current <= c.over_current.trip
+            && bus_current >= -c.over_current.trip
+            && !lines.intersects(looked_at)
     }
 
     /// No edge backward is remembered, which one forward would make up for.

@@ -36,6 +36,9 @@ pub enum Why {
     Listened = 5,
 }
 
+/// Six of them fit 32 bits: 0.4 s at 10 kHz, longer than any crossing time-out.
+const LONGEST: u32 = 1 << 28;
+
 /// State of the estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ZeroCrossing {
@@ -53,9 +56,9 @@ pub struct ZeroCrossing {
     place: u8,
     /// Expected time of a sector, 1/65 536 tick; 0 unknown.
     interval: u32,
+    /// Newest first, 1/65 536 tick; 0 where there is none.
     intervals: [u32; 6],
     valid: u8,
-    next: u8,
     direction: Direction,
     /// Accepted crossings in a row without a blind or late one between, and their polarities (bit 0 falling, 1 rising).
     consistent: u8,
@@ -95,7 +98,7 @@ impl ZeroCrossing {
         let bounded = if self.valid == 0 { u32::MAX } else { until(self.fresh, self.patience()) };
         let held = match expected {
             Some(sector) => {
-                let here = TWELFTH.wrapping_mul(u32::from(2 * ((sector + 1) % 6)));
+                let here = crossing_of(sector);
                 let left = (here.wrapping_sub(self.angle) as i32).wrapping_mul(self.direction.sign());
                 (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
             }
@@ -211,7 +214,7 @@ impl ZeroCrossing {
                 self.deviation = self.deviation - (self.deviation >> 3) + off.min(self.interval);
             }
             for _ in 0..(twelfths / 2).clamp(1, 2) {
-                self.push(each.max(1));
+                self.push(each.clamp(1, LONGEST));
             }
         }
         let smooth = self.consistent >= PREPARED && (error.saturating_abs() as u32) < SIXTH / 4;
@@ -226,40 +229,28 @@ impl ZeroCrossing {
     }
 
     fn push(&mut self, interval: u32) {
-        if let Some(slot) = self.intervals.get_mut(usize::from(self.next % 6)) {
-            *slot = interval;
-        }
-        self.next = (self.next + 1) % 6;
+        let [a, b, c, d, e, _] = self.intervals;
+        self.intervals = [interval, a, b, c, d, e];
         self.valid = (self.valid + 1).min(6);
-    }
-
-    /// Interval `back` places before the newest.
-    fn interval(&self, back: u8) -> u32 {
-        self.intervals.get(usize::from((self.next + 11 - back) % 6)).copied().unwrap_or(0)
     }
 
     /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend from the pair before: the
     /// newest pair's middle lies one interval back, the one before three, the middle of the next interval half of one ahead.
     fn predict(&mut self) {
-        let sum: u32 = (0..self.valid).fold(0, |sum, back| sum.saturating_add(self.interval(back)));
+        let [a, b, c, d, e, f] = self.intervals;
         if self.valid == 0 {
             return;
         }
-        let mean = speed_of(self.valid, sum);
+        let (new, old) = (a + b, c + d);
+        let mean = speed_of(self.valid, new + old + e + f);
+        let fast = speed_of(2, new);
         // A revolution back is too far while the speed changes by more than an eighth within it.
-        let last = speed_of(2, self.interval(0).saturating_add(self.interval(1)));
-        let mean = if self.valid > 2 && mean.abs_diff(last) > mean.unsigned_abs() / 8 { last } else { mean };
+        let changes = self.valid > 2 && mean.abs_diff(fast) > mean.unsigned_abs() / 8;
         let (speed, interval) = match self.valid {
-            1 => (mean, self.interval(0)),
-            2 | 3 => {
-                let pair = self.interval(0).saturating_add(self.interval(1));
-                (speed_of(2, pair), pair / 2)
-            }
+            1 => (mean, a),
+            2 | 3 => (fast, new / 2),
             _ => {
-                let new = self.interval(0).saturating_add(self.interval(1));
-                let old = self.interval(2).saturating_add(self.interval(3));
-                let (fast, slow) = (speed_of(2, new), speed_of(2, old));
-                let trend = (fast - slow) / 4 * 3;
+                let trend = (fast - speed_of(2, old)) / 4 * 3;
                 let bound = fast / 4;
                 let speed = fast + trend.min(bound).max(-bound);
                 let shrink = (new as i32).wrapping_sub(old as i32) / 8 * 3;
@@ -267,6 +258,7 @@ impl ZeroCrossing {
                 (speed, (new / 2).saturating_add_signed(shrink.min(bound).max(-bound)))
             }
         };
+        let mean = if changes { fast } else { mean };
         let sign = self.direction.sign();
         (self.speed, self.speed_mean, self.interval) = (speed * sign, mean * sign, interval.max(1));
     }
@@ -285,6 +277,7 @@ impl ZeroCrossing {
                 self.speed = speed_of(1, self.interval) * sign;
             }
             (self.since, self.place, self.valid) = (0, place, 0);
+            self.intervals = [0; 6];
         } else if self.valid > 0 {
             // Behind the rotor: half way to the commutation, and a little faster, until the crossing shows again.
             self.bring_to(place, TWELFTH / 2);
@@ -394,6 +387,11 @@ impl ZeroCrossing {
     pub const fn why(&self) -> (Why, i16, u32) {
         (self.why, self.margin, self.accepted)
     }
+}
+
+/// Angle of the crossing in `sector`, u32 turn: its middle.
+fn crossing_of(sector: u8) -> u32 {
+    TWELFTH.wrapping_mul(2 * u32::from(sector) + 2)
 }
 
 /// `since - age`, 1/65 536 tick.

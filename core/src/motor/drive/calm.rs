@@ -4,13 +4,13 @@
 //! lasts; until then a tick compares what it measures with what would end the calm, and the stations sleep. What they have not seen is
 //! told to them when it is over. A calm tick answers what a whole one would, bit for bit.
 
-use super::{Drive, Pattern};
+use super::{Drive, Pattern, place};
 use crate::motor::commutation::Step;
 use crate::motor::control::Demand;
 use crate::motor::hall::HallEvents;
 use crate::motor::measurement::Measured;
 use crate::motor::protection::Seen;
-use crate::motor::pwm::{PwmCommand, Rectification};
+use crate::motor::pwm::{Commutations, PwmCommand, Rectification};
 use crate::motor::samples::Samples;
 use crate::motor::state::State;
 use serde::{Deserialize, Serialize};
@@ -58,6 +58,12 @@ impl Calm {
         self.others = 0;
     }
 
+    /// Nothing but a commutation is due.
+    #[inline]
+    pub(super) const fn commutates(&self) -> bool {
+        self.all.left == 0
+    }
+
     /// In this tick, too, time alone changes no state.
     pub(super) const fn is_told_to_rest(&self) -> bool {
         self.others > self.all.granted - self.all.left
@@ -68,7 +74,9 @@ impl Drive {
     /// Nothing that this tick measures asks for a look, and but for a commutation nothing is due.
     #[inline]
     pub(super) fn is_calm(&mut self, samples: &Samples, measured: &Measured) -> bool {
-        if !self.calm.is_told_to_rest() || !self.is_quiet(samples, measured, 0) {
+        let rests = self.calm.all.left > 0 || self.calm.is_told_to_rest();
+        let (c, current) = (&self.coefficients.protection, measured.bus_current.to_bits());
+        if !rests || !self.protection.stays_calm(c, measured.bus_voltage.to_bits(), current, samples.lines) {
             return false;
         }
         if !self.listens {
@@ -95,21 +103,26 @@ impl Drive {
         self.protection.stays_quiet(&self.coefficients.protection, &seen)
     }
 
-    /// The pattern of a calm tick.
+    /// A calm tick.
     #[inline]
-    pub(super) fn goes_on(&mut self, measured: &Measured) -> Pattern {
-        self.open_phase.count(measured.bus_current);
-        if self.calm.all.left == 0 {
-            return self.commutate();
-        }
+    pub(super) fn goes_on(&mut self, place: u16, samples: &Samples, measured: &Measured) -> PwmCommand {
         self.calm.all.left -= 1;
+        self.open_phase.count(measured.bus_current);
         let Calm { step, speed, fade, .. } = self.calm;
-        Pattern::hold(Demand::Speed { measured: speed, fade }, step)
+        let demand = Demand::Speed { measured: speed, fade };
+        if place <= place::LAST {
+            self.rest_of_millisecond(place, demand, samples);
+        }
+        if !self.cruises(demand, step, Commutations::NONE, measured) {
+            self.finish(&Pattern::hold(demand, step), measured);
+        }
+        self.applied
     }
 
     /// A commutation is due, and nothing else.
     #[inline(never)]
-    fn commutate(&mut self) -> Pattern {
+    pub(super) fn commutate(&mut self, measured: &Measured) -> Pattern {
+        self.open_phase.count(measured.bus_current);
         self.calm.all.granted += 1;
         self.tell();
         let Calm { speed, fade, .. } = self.calm;
@@ -196,8 +209,14 @@ impl Drive {
 
     /// The tick of a settled loop, in full: true if nothing came near a limit.
     #[inline]
-    pub(super) fn cruises(&mut self, pattern: &Pattern, measured: &Measured) -> bool {
-        if !matches!(pattern.demand, Demand::Speed { fade: 0, .. }) {
+    pub(super) fn cruises(
+        &mut self,
+        demand: Demand,
+        step: Step,
+        commutations: Commutations,
+        measured: &Measured,
+    ) -> bool {
+        if !matches!(demand, Demand::Speed { fade: 0, .. }) {
             return false;
         }
         let mode =
@@ -212,8 +231,8 @@ impl Drive {
             rectification: Rectification::Synchronous,
             sample_at,
             sample_mode,
-            step: pattern.step,
-            commutations: pattern.commutations,
+            step,
+            commutations,
         };
         true
     }
