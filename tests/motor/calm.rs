@@ -3,7 +3,7 @@
 
 use crate::bench::{Closed, MOTOR, Outcome};
 use narx_core::motor::{Request, State};
-use narx_sim::plant::{Injection, LoadConfig, PlantConfig};
+use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, PlantConfig};
 
 fn watched(supply: f64) -> Closed {
     let mut config = PlantConfig::new(MOTOR, supply);
@@ -42,7 +42,14 @@ fn a_calm_tick_without_sensors_is_a_whole_tick() {
     for supply in [18.0, 24.0, 60.0] {
         let mut config = PlantConfig::new(MOTOR, supply);
         config.angle_deg = 40.0;
+        if supply == 60.0 {
+            config.comparator = Some(ComparatorConfig { delay: 2e-6, hysteresis: 0.1 });
+            config.board.comparator_capture = true;
+        }
         let mut closed = Closed::sensorless(&config, &[]);
+        if supply == 18.0 {
+            closed.plant.inject(Injection::HallSupplyLost);
+        }
         closed.watch();
         closed.boot();
         for (set_point, load, ticks) in

@@ -3,8 +3,7 @@
 use narx_core::motor::event::Limiter;
 use narx_core::motor::gain::Gain;
 use narx_core::motor::limits::{CurrentLimit, LimitCoefficients};
-use narx_core::motor::measurement::Measured;
-use narx_core::units::{Amps, Celsius, Volts};
+use narx_core::units::{Celsius, Volts};
 
 const AMPERE: i32 = 1 << 16;
 
@@ -19,12 +18,9 @@ fn coefficients() -> LimitCoefficients {
     }
 }
 
-fn measured(volts_milli: i32, current: i32) -> Measured {
-    Measured {
-        bus_voltage: Volts::from_milli(volts_milli),
-        bus_current_filtered: Amps::from_bits(current),
-        ..Measured::default()
-    }
+/// Bus voltage and current as the limit takes them.
+fn bus(volts_milli: i32, current: i32) -> (i32, i32) {
+    (Volts::from_milli(volts_milli).to_bits(), current)
 }
 
 /// A motor that takes whatever the limit gives, for half a second.
@@ -34,7 +30,7 @@ fn settled(volts: i32, celsius_milli: i32) -> CurrentLimit {
     limit.start(&c);
     for _ in 0..500 {
         let drawn = limit.bound(u16::MAX >> 1).0;
-        limit.update(&c, &measured(volts, drawn), 0, Celsius::from_milli(celsius_milli), true);
+        limit.update(&c, bus(volts, drawn), 0, Celsius::from_milli(celsius_milli), true);
     }
     limit
 }
@@ -74,7 +70,7 @@ fn power_rating_forgives_a_pulse() {
     let mut limit = settled(24_000, 25_000);
     let mut after = |milliseconds: u32| {
         for _ in 0..milliseconds {
-            limit.update(&c, &measured(30_000, 6 * AMPERE), 0, Celsius::from_milli(25_000), true);
+            limit.update(&c, bus(30_000, 6 * AMPERE), 0, Celsius::from_milli(25_000), true);
         }
         bound(&limit, 1.0)
     };
@@ -119,7 +115,7 @@ fn soft_start_and_its_rate() {
     let mut limit = CurrentLimit::default();
     limit.start(&c);
     let update = |limit: &mut CurrentLimit, turns| {
-        limit.update(&c, &measured(24_000, 0), 0, Celsius::from_milli(25_000), turns);
+        limit.update(&c, bus(24_000, 0), 0, Celsius::from_milli(25_000), turns);
         bound(limit, 1.0).0
     };
     for _ in 0..100 {
@@ -142,7 +138,7 @@ fn phase_current_is_rated_by_heat() {
             let phase = amperes.unwrap_or(f64::from(limit.bound(1 << 13).0) * 4.0 / f64::from(AMPERE));
             limit.update(
                 &c,
-                &measured(60_000, 0),
+                bus(60_000, 0),
                 (phase * f64::from(AMPERE)) as i32,
                 Celsius::from_milli(25_000),
                 true,

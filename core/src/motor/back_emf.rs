@@ -146,7 +146,7 @@ struct Mean {
 }
 
 impl BackEmf {
-    /// The ordinary tick of a step that goes on, without edges: takes its sample and answers true, if that says nothing new to the estimator. Else
+    /// The ordinary tick of a step that goes on: takes its sample and answers true, if that says nothing new to the estimator. Else
     /// nothing is taken, and [`step`](Self::step) is to look.
     #[inline]
     pub fn passes(
@@ -162,6 +162,9 @@ impl BackEmf {
         }
         let age = self.age.saturating_add(TICK as i32);
         if c.comparator {
+            if !samples.edges.is_empty() {
+                return false;
+            }
             let after = age >= self.blank && ((self.code >> watch.phase) & 1) == (watch.sector & 1);
             match self.passage {
                 _ if age < self.blank => {}
@@ -231,7 +234,7 @@ impl BackEmf {
         interval: u32,
         emf: i32,
     ) -> Sight {
-        let earlier = self.edges_before_change(c, samples, applied);
+        let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
         let missed = self.follow(c, applied, torque, interval, emf);
         let mut sight = Sight { missed, ..Sight::default() };
         let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
@@ -247,13 +250,15 @@ impl BackEmf {
                 self.sample(c, samples, applied.sample_at, watch, &mut sight);
             }
         }
-        let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
-        sight.crossing = sight.crossing.map(|age| age.saturating_add(delay));
+        if let Some(age) = sight.crossing {
+            let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
+            sight.crossing = Some(age.saturating_add(delay));
+        }
         if sight.crossing.is_some() || sight.late {
             self.passage = Passage::Found;
         }
         sight.passed = self.passage == Passage::Found;
-        earlier.unwrap_or(sight)
+        if c.comparator { earlier.unwrap_or(sight) } else { sight }
     }
 
     /// The crossing was too early to be one: it is looked for again.
@@ -278,6 +283,9 @@ impl BackEmf {
     ) -> bool {
         self.age = self.age.saturating_add(TICK as i32);
         self.crossed = self.crossed.saturating_add(TICK as i32);
+        if !self.is_changed_by(applied) {
+            return false;
+        }
         let first = (applied.step, c.earliest);
         let later = applied.commutations.iter().map(|change| (change.step, change.instant));
         let mut missed = false;
@@ -466,9 +474,6 @@ impl BackEmf {
         samples: &Samples,
         applied: &PwmCommand,
     ) -> Option<Sight> {
-        if !c.comparator {
-            return None;
-        }
         let mut changes = applied.commutations.iter().filter(|change| change.step != self.step);
         let change =
             if applied.step == self.step { changes.next().map(|change| change.instant)? } else { c.earliest };

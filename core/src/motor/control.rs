@@ -202,7 +202,7 @@ impl Control {
         mode: &ModeCoefficients,
         target: i32,
         speed: i32,
-        bus_voltage: i32,
+        (bus_voltage, bus_current): (i32, i32),
     ) {
         if self.interrupted {
             return;
@@ -217,12 +217,18 @@ impl Control {
             self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
             let before = self.speed_voltage;
             self.speed_voltage = self.speed.step(&mode.speed, self.speed_error, 0, ceiling);
-            // Further down the limiter waits there; further up it is asked.
-            self.settled &= self.speed_voltage <= before;
+            self.settled = self.settled && self.may_follow(c, self.speed_voltage - before, bus_current);
             if self.settled {
                 self.current.wait(self.speed_voltage);
             }
         }
+    }
+
+    /// Further down the current limiter waits there. Further up it does so if its proportional part would let that `rise` pass, which is at least what
+    /// it would be at a duty of 1.
+    fn may_follow(&self, c: &ControlCoefficients, rise: i32, bus_current: i32) -> bool {
+        let room = self.limit.bound(self.output.duty.to_bits()).0.saturating_sub(bus_current);
+        rise <= 0 || (room > 0 && c.current.proportional.apply(room) >= i64::from(rise))
     }
 
     /// One tick of a settled closed loop, in full: the next duty, if nothing comes near a limit. Else nothing is changed, and [`step`](Self::step) decides.

@@ -20,7 +20,7 @@ use super::rotor::Rotor;
 use super::samples::{SampleMode, Samples};
 use super::sensorless::{Plan, Sensorless};
 use super::state::State;
-use crate::units::Duty;
+use crate::units::{Amps, Duty};
 use calm::Calm;
 use reports::Reports;
 use serde::{Deserialize, Serialize};
@@ -177,7 +177,7 @@ impl Drive {
             return self.goes_on(place, samples, &measured);
         };
         if place <= place::LAST {
-            self.rest_of_millisecond(place, pattern.demand, samples);
+            self.rest_of_millisecond(place, pattern.demand, samples, measured.bus_current);
         }
         if !self.cruises(pattern.demand, pattern.step, pattern.commutations, &measured) {
             self.finish(&pattern, &measured);
@@ -242,32 +242,32 @@ impl Drive {
 
     /// What is done once a millisecond, spread over its ticks.
     #[inline(never)]
-    fn rest_of_millisecond(&mut self, place: u16, demand: Demand, samples: &Samples) {
+    fn rest_of_millisecond(&mut self, place: u16, demand: Demand, samples: &Samples, current: Amps) {
         if self.coefficients.control.ticks_per_ms > place::LAST {
-            return self.do_task(place, demand, samples);
+            return self.do_task(place, demand, samples, current);
         }
         // A board with fewer ticks does more in its last.
         let last = self.coefficients.control.ticks_per_ms.max(1) - 1;
         for task in place..=if place == last { place::LAST } else { place } {
-            self.do_task(task, demand, samples);
+            self.do_task(task, demand, samples, current);
         }
     }
 
     #[inline]
-    fn do_task(&mut self, task: u16, demand: Demand, samples: &Samples) {
+    fn do_task(&mut self, task: u16, demand: Demand, samples: &Samples, current: Amps) {
         match task {
             place::RATINGS => {
                 let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
                 let temperature = self.slow.temperature;
                 self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns);
             }
-            place::SPEED_LOOP => self.run_speed_loop(demand),
+            place::SPEED_LOOP => self.run_speed_loop(demand, current),
             place::RAILS => self.check_rails(),
             _ => self.make_due(samples),
         }
     }
 
-    fn run_speed_loop(&mut self, demand: Demand) {
+    fn run_speed_loop(&mut self, demand: Demand, current: Amps) {
         let c = &self.coefficients;
         if let Demand::Speed { measured: speed, .. } = demand {
             let mode = if self.listens { &c.sensorless_mode } else { &c.hall_mode };
@@ -275,7 +275,8 @@ impl Drive {
             let wanted = if brought_up { self.machine.command().speed.to_bits() } else { c.open_loop.speed };
             let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
             let target = if self.machine.reversing() { 0 } else { wanted };
-            self.control.turn(&c.control, mode, target, speed, self.measurement.bus_voltage());
+            let bus = (self.measurement.bus_voltage(), current.to_bits());
+            self.control.turn(&c.control, mode, target, speed, bus);
         }
     }
 

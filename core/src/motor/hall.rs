@@ -85,6 +85,8 @@ pub struct Hall {
     sector: u8,
     /// Nothing waits for its confirmation, and the last level was this sector's.
     settled: bool,
+    /// Nothing waits, and the last level was 000 or 111: no sensors, or none with a supply.
+    mute: bool,
     /// A change that waits for its confirmation: sector and its age at the last boundary.
     candidate: Option<(u8, u32)>,
     /// Since the last accepted edge, in 1/65 536 tick, saturating.
@@ -117,6 +119,7 @@ impl Default for Hall {
         Self {
             sector: INVALID,
             settled: false,
+            mute: false,
             candidate: None,
             since_edge: 0,
             intervals: [0; 6],
@@ -167,9 +170,10 @@ impl Hall {
         events
     }
 
-    /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass.
+    /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass; an invalid code
+    /// goes on being counted.
     pub fn calm(&self, c: &HallCoefficients) -> u32 {
-        if !self.settled {
+        if !self.settled && !self.mute {
             return 0;
         }
         let to = |age: u32| age.saturating_sub(self.since_edge) / TICK;
@@ -190,6 +194,11 @@ impl Hall {
     pub const fn sleep(&mut self, ticks: u32) {
         self.since_edge = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
         self.angle = self.angle.wrapping_add((self.interpolated as u32).wrapping_mul(ticks));
+        if self.mute {
+            let count = if ticks > u16::MAX as u32 { u16::MAX } else { ticks as u16 };
+            self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(count);
+            self.invalid_run = self.invalid_run.saturating_add(if count > 255 { 255 } else { count as u8 });
+        }
     }
 
     /// Something has changed, or waits.
@@ -217,6 +226,7 @@ impl Hall {
             }
         }
         self.settled = self.candidate.is_none() && self.sector == level && level != INVALID;
+        self.mute = self.candidate.is_none() && level == INVALID;
         events
     }
 
@@ -390,6 +400,11 @@ impl Hall {
     /// The position is not to be believed: torque by it could be torque in any direction.
     pub const fn doubtful(&self) -> bool {
         self.doubt || self.invalid_run >= INVALID_RUN_MAX
+    }
+
+    /// The code is 000 or 111.
+    pub const fn is_mute(&self) -> bool {
+        self.mute
     }
 
     /// Present sector, 0..=5; `None` until the first valid code.

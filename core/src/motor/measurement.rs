@@ -52,7 +52,7 @@ impl ChannelScale {
     /// Raw I16F16 of a difference of `codes`, within 2^18: zero and offset cancel.
     #[inline]
     pub const fn convert_difference(&self, codes: i32) -> i32 {
-        ((codes as i64 * self.gain as i64) >> 16) as i32
+        ((codes as i64 * self.gain as i32 as i64) >> 16) as i32
     }
 }
 

@@ -93,14 +93,21 @@ impl Rails {
         if c.back_emf == Gain::ZERO || c.resistance == Gain::ZERO {
             return false;
         }
-        let claimed = i64::from(c.back_emf.apply32(speed));
-        let fall = c.resistance.apply(current.max(0));
-        let turning = c.commutation.apply(saturate64((i64::from(current.max(0)) * i64::from(speed)) >> 16));
-        let voltage = i64::from(voltage);
+        let current = current.max(0);
+        let claimed = c.back_emf.apply32(speed);
+        let fall = c.resistance.apply32(current);
         // 1/8 V for what dead time and switches take.
-        let low = voltage - fall * 7 / 8 + (1 << 14) < claimed * 18 / 25;
-        let high = voltage - fall * 19 / 10 - turning * 2 - (1 << 15) > claimed * 13 / 10;
+        let low = voltage.saturating_sub(fall - fall / 8) < parts(claimed, 18, 25).saturating_sub(1 << 14);
+        let turns = || c.commutation.apply32(saturate64((i64::from(current) * i64::from(speed)) >> 16));
+        let left = voltage.saturating_sub(parts(fall, 19, 10)).saturating_sub(1 << 15);
+        let most = parts(claimed, 13, 10);
+        let high = left > most && left.saturating_sub(turns().saturating_mul(2)) > most;
         self.wrong = if low || high { self.wrong.saturating_add(1) } else { self.wrong.saturating_sub(2) };
         self.wrong >= WRONG
     }
+}
+
+/// `value x numerator / denominator`, by multiplication.
+const fn parts(value: i32, numerator: i64, denominator: i64) -> i32 {
+    saturate64((value as i64 * ((numerator << 16) / denominator)) >> 16)
 }

@@ -96,6 +96,11 @@ impl Rotor {
         self.hall.doubtful()
     }
 
+    /// The hall sensors show no valid code.
+    pub const fn hall_mute(&self) -> bool {
+        self.hall.is_mute()
+    }
+
     /// Speed by the hall sensors, signed.
     pub const fn hall_speed(&self) -> ElectricalSpeed {
         self.hall_speed

@@ -111,7 +111,7 @@ impl Drive {
         let Calm { step, speed, fade, .. } = self.calm;
         let demand = Demand::Speed { measured: speed, fade };
         if place <= place::LAST {
-            self.rest_of_millisecond(place, demand, samples);
+            self.rest_of_millisecond(place, demand, samples, measured.bus_current);
         }
         if !self.cruises(demand, step, Commutations::NONE, measured) {
             self.finish(&Pattern::hold(demand, step), measured);
@@ -268,7 +268,9 @@ impl Drive {
             return;
         }
         let own = match self.machine.state() {
-            State::HallClosedLoop if !self.rotor.hall_stopped(c) => self.rotor.calm(c),
+            State::HallClosedLoop if !self.rotor.hall_stopped(c) && !self.rotor.hall_mute() => {
+                self.rotor.calm(c)
+            }
             State::OpenLoop | State::SensorlessClosedLoop | State::SensorlessAutoRestart
                 if self.sensorless.fault().is_none() =>
             {
