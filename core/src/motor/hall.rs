@@ -153,6 +153,8 @@ impl Hall {
         let level = c.sectors[(samples.hall & 7) as usize];
         let events = if self.settled && level == self.sector && samples.edges.is_empty() {
             HallEvents::default()
+        } else if let Some(age) = self.moves_on(c, samples, level) {
+            self.advance(c, level, age)
         } else {
             self.attend(c, samples, level)
         };
@@ -199,6 +201,27 @@ impl Hall {
             self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(count);
             self.invalid_run = self.invalid_run.saturating_add(if count > 255 { 255 } else { count as u8 });
         }
+    }
+
+    /// The edge that a turning rotor shows: one, to the next sector in the direction of motion, after a plausible interval, and the level agrees. Its age.
+    #[inline]
+    fn moves_on(&self, c: &HallCoefficients, samples: &Samples, level: u8) -> Option<u32> {
+        let [edge] = samples.edges.as_slice() else { return None };
+        let age = TICK - edge.instant as u32;
+        let forward = edge.source == EdgeSource::Hall
+            && level == after(self.sector, self.direction)
+            && c.sectors[(edge.code & 7) as usize] == level;
+        let settled = self.settled && !self.doubt && self.valid > 0;
+        let interval = self.since_edge.saturating_sub(age);
+        (forward && settled && interval >= self.newest() / 2 && interval < c.timeout.min(LONGEST)).then_some(age)
+    }
+
+    /// The rotor has entered the next sector, `age` before this tick's boundary.
+    #[inline(never)]
+    fn advance(&mut self, c: &HallCoefficients, sector: u8, age: u32) -> HallEvents {
+        self.count(self.since_edge.saturating_sub(age));
+        self.enter(c, sector, age);
+        HallEvents { sectors: self.direction.sign() as i8, ..HallEvents::default() }
     }
 
     /// Something has changed, or waits.
@@ -311,19 +334,32 @@ impl Hall {
         if turned.abs() > 1 || direction != self.direction || interval >= c.timeout {
             (self.intervals, self.valid) = ([0; 6], 0);
         } else {
-            let [a, b, c, d, e, _] = self.intervals;
-            if interval.max(a) > LONGEST {
-                (self.intervals, self.valid) = ([interval, 0, 0, 0, 0, 0], 1);
-            } else {
-                self.intervals = [interval.max(1), a, b, c, d, e];
-                self.valid = (self.valid + 1).min(6);
-            }
+            self.count(interval);
             self.doubt &= self.valid < CONVINCING;
         }
         self.direction = direction;
+        events.sectors = events.sectors.saturating_add(turned);
+        self.enter(c, sector, age);
+    }
+
+    /// One more interval of the present run.
+    #[inline]
+    fn count(&mut self, interval: u32) {
+        let [a, b, c, d, e, _] = self.intervals;
+        if interval.max(a) > LONGEST {
+            (self.intervals, self.valid) = ([interval, 0, 0, 0, 0, 0], 1);
+        } else {
+            self.intervals = [interval.max(1), a, b, c, d, e];
+            self.valid = (self.valid + 1).min(6);
+        }
+    }
+
+    /// Angle and speed at the beginning of `sector`, which was `age` ago.
+    #[inline]
+    fn enter(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
+        let direction = self.direction;
         self.since_edge = age;
         self.sector = sector;
-        events.sectors = events.sectors.saturating_add(turned);
         self.speed = self.measure();
         self.angle = entry(c, sector, direction).wrapping_add(part_of(self.speed, age as i32));
         self.bounded = self.speed;
@@ -415,6 +451,17 @@ impl Hall {
     /// The counts.
     pub const fn diagnostics(&self) -> HallDiagnostics {
         self.diagnostics
+    }
+}
+
+/// The sector after this one.
+#[inline]
+const fn after(sector: u8, direction: Direction) -> u8 {
+    match (direction, sector) {
+        (Direction::Forward, 5) => 0,
+        (Direction::Forward, _) => sector.wrapping_add(1),
+        (Direction::Reverse, 0) => 5,
+        (Direction::Reverse, _) => sector.wrapping_sub(1),
     }
 }
 
