@@ -45,7 +45,7 @@ impl Sleep {
 
     /// How many have passed since it was granted, or asked for last. It goes on.
     const fn take(&mut self) -> u32 {
-        let slept = self.granted - self.left;
+        let slept = self.granted.wrapping_sub(self.left);
         self.granted = self.left;
         slept
     }
@@ -54,7 +54,7 @@ impl Sleep {
 impl Calm {
     /// The next tick is a whole one.
     pub(super) const fn end(&mut self) {
-        self.all = Sleep { granted: self.all.granted - self.all.left, left: 0 };
+        self.all = Sleep { granted: self.all.granted.wrapping_sub(self.all.left), left: 0 };
         self.others = 0;
     }
 
@@ -66,12 +66,12 @@ impl Calm {
 
     /// In this tick, too, time alone changes no state.
     pub(super) const fn is_told_to_rest(&self) -> bool {
-        self.others > self.all.granted - self.all.left
+        self.others > self.all.granted.wrapping_sub(self.all.left)
     }
 }
 
 impl Drive {
-    /// Nothing that this tick measures asks for a look, and but for a commutation nothing is due.
+    /// Nothing that this tick measures asks for a look, and but for a commutation nothing is due. Then the floating terminal's sample has been taken.
     #[inline]
     pub(super) fn is_calm(&mut self, samples: &Samples, measured: &Measured) -> bool {
         let rests = self.calm.all.left > 0 || self.calm.is_told_to_rest();
@@ -123,7 +123,7 @@ impl Drive {
     #[inline(never)]
     pub(super) fn commutate(&mut self, measured: &Measured) -> Pattern {
         self.open_phase.count(measured.bus_current);
-        self.calm.all.granted += 1;
+        self.calm.all.granted = self.calm.all.granted.wrapping_add(1);
         self.tell();
         let Calm { speed, fade, .. } = self.calm;
         let pattern = self.turn_on(Demand::Speed { measured: speed, fade });
