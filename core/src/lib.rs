@@ -27,6 +27,7 @@
 pub mod bus;
 pub mod device;
 pub mod dictionary;
+pub mod master;
 pub mod motor;
 pub mod node;
 pub mod recording;
