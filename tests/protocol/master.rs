@@ -113,29 +113,29 @@ fn parameters_are_read_at_the_beginning_and_kept() {
         (0, 0),
         "nobody was heard yet"
     );
-    pair.run(300);
+    pair.run(400);
     assert_eq!((pair.master.parameters().known(), pair.master.parameters_to_read()), (PARAMETER_COUNT, 0));
     for (row, heard) in pair.master.parameters().iter() {
         let heard = heard.unwrap();
         let live = row.access == Access::ReadOnly;
         assert!(live || Some(heard.value) == pair.bench.node.parameters().value(row.number), "{}", row.name);
-        assert!(heard.at <= pair.now && heard.age(pair.now) <= 300 * MS);
+        assert!(heard.at <= pair.now && heard.age(pair.now) <= 400 * MS);
     }
     assert_eq!(pair.master.parameters().find("CAN TimeOut period").map(|heard| heard.value), Some(250));
     assert_eq!(pair.master.parameters().get(122), None);
 
     let mut quiet = Pair::quiet();
-    quiet.run(300);
+    quiet.run(400);
     assert_eq!(quiet.take_sent(asked), [], "not asked to read");
     quiet.master.read_parameters();
-    quiet.run(300);
+    quiet.run(400);
     assert_eq!(quiet.master.parameters().known(), PARAMETER_COUNT);
 }
 
 #[test]
 fn a_drive_that_comes_back_is_read_again() {
     let mut pair = Pair::new(Config::default());
-    pair.run(300);
+    pair.run(400);
     // It falls silent: nothing arrives at the master.
     let silence = |pair: &mut Pair, milliseconds: u64| {
         for _ in 0..milliseconds * 10 {
@@ -149,7 +149,7 @@ fn a_drive_that_comes_back_is_read_again() {
     assert!(!pair.master.is_connected(pair.now));
     assert_eq!(pair.master.parameters().known(), PARAMETER_COUNT, "old values with their age");
     pair.bench.node.write_parameter(number::SPEED_RATE, 1234);
-    pair.run(300);
+    pair.run(400);
     assert!(pair.master.is_connected(pair.now));
     assert_eq!(pair.master.parameters().get(number::SPEED_RATE).map(|heard| heard.value), Some(1234));
 }
@@ -321,13 +321,13 @@ fn messages_without_an_answer_are_checked_by_the_refused_frames() {
 #[test]
 fn factory_values_are_restored_and_read_again() {
     let mut pair = Pair::new(Config::default());
-    pair.run(300);
+    pair.run(400);
     pair.ask(Request::Write { number: number::SPEED_RATE, raw: 777 }).result.unwrap();
     assert_eq!(pair.ask(Request::RestoreFactory { serial: 2 }).result, Err(RequestError::NotObeyed));
     assert_eq!(pair.master.parameters().get(number::SPEED_RATE).map(|heard| heard.value), Some(777));
     assert_eq!(pair.ask(Request::RestoreFactory { serial: 1 }).result, Ok(0));
     assert!(pair.master.parameters_to_read() > 0, "every value may be another one");
-    pair.run(300);
+    pair.run(400);
     let factory = Parameters::new().raw(number::SPEED_RATE);
     assert_eq!(pair.master.parameters().get(number::SPEED_RATE).map(|heard| heard.value), Some(factory));
 }
@@ -335,7 +335,7 @@ fn factory_values_are_restored_and_read_again() {
 #[test]
 fn reboot_is_acknowledged_and_never_repeated() {
     let mut pair = Pair::new(Config::default());
-    pair.run(300);
+    pair.run(400);
     pair.master.request(Request::Reboot).unwrap();
     for _ in 0..5 {
         pair.step();

@@ -17,18 +17,21 @@
 
 mod commands;
 mod download;
+mod error;
 mod exchange;
 mod measurements;
 mod missing;
 mod parameters;
 mod report;
 mod requests;
+mod stream;
 
-pub use download::{Chunk, Download, DownloadError, Progress};
+pub use download::{Chunk, Download, Progress};
+pub use error::{DownloadError, NotTaken, Refusal, RequestError};
 pub use measurements::Measurements;
 pub use parameters::ParameterMirror;
 pub use report::{BuildInfo, CriticalFault, DeviceInfo, Heard, Report};
-pub use requests::{Answer, NotTaken, Refusal, Request, RequestError, Service};
+pub use requests::{Answer, Request, Service};
 
 use crate::bus::Frame;
 use crate::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, ToDrive};
@@ -286,10 +289,11 @@ impl Master {
         if self.config.silent {
             return u64::MAX;
         }
-        let wanted = self.requests.is_waiting() || self.transfer.is_sending() || self.may_read(now);
+        let wanted = self.requests.is_waiting() || self.transfer.is_sending();
         let next = match self.exchange.deadline(self.config.timeout) {
             Some(deadline) => deadline,
             None if wanted => now,
+            None if self.is_connected(now) => self.reader.due(),
             None => u64::MAX,
         };
         next.min(self.transfer.deadline()).min(self.commands.due()).max(now)
@@ -321,16 +325,12 @@ impl Master {
         if let Some(todo) = self.transfer.next(now) {
             return Some((Owner::Download, todo));
         }
-        if !self.may_read(now) {
+        // In the background only a drive that is there is read.
+        if !self.is_connected(now) {
             return None;
         }
-        let number = self.reader.next()?;
+        let number = self.reader.next(now)?;
         Some((Owner::Reader, Todo::Ask(ToDrive::RequestParameter { number })))
-    }
-
-    /// In the background only a drive that is there is read.
-    fn may_read(&self, now: u64) -> bool {
-        self.reader.is_waiting() && self.is_connected(now)
     }
 
     /// What was asked for has its answer, or none came.

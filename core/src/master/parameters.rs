@@ -62,6 +62,10 @@ impl ParameterMirror {
     }
 }
 
+/// At least this long from one row to the next, microseconds: a question and its answer take 640 of them (PROTOCOL.md, section 1.4), and
+/// what reads without haste leaves the bus to others.
+const PACE: u64 = 2000;
+
 /// What is read in the background: the exact state, and row by row everything.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reader {
@@ -70,12 +74,14 @@ pub(super) struct Reader {
     state: bool,
     /// The row that was asked for.
     asked: Option<usize>,
+    /// When the next row may be asked for, microseconds.
+    due: u64,
 }
 
 impl Default for Reader {
     /// Nothing is to be read.
     fn default() -> Self {
-        Self { row: PARAMETER_COUNT, state: false, asked: None }
+        Self { row: PARAMETER_COUNT, state: false, asked: None, due: 0 }
     }
 }
 
@@ -93,17 +99,26 @@ impl Reader {
         PARAMETER_COUNT.saturating_sub(self.row)
     }
 
-    pub(super) const fn is_waiting(&self) -> bool {
-        self.state || self.left() > 0
+    /// When there is something to ask for; never is the end of time.
+    pub(super) const fn due(&self) -> u64 {
+        match (self.state, self.left()) {
+            (true, _) => 0,
+            (false, 0) => u64::MAX,
+            (false, _) => self.due,
+        }
     }
 
     /// Number of the next parameter.
-    pub(super) fn next(&mut self) -> Option<u16> {
+    pub(super) fn next(&mut self, now: u64) -> Option<u16> {
+        if now < self.due() {
+            return None;
+        }
         if core::mem::take(&mut self.state) {
             self.asked = None;
             return Some(number::DRIVE_STATE);
         }
         self.asked = Some(self.row);
+        self.due = now.saturating_add(PACE);
         Dictionary::rows().nth(self.row).map(|row| row.number)
     }
 

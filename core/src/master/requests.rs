@@ -1,8 +1,8 @@
 //! What the caller asks of the drive, message by message, and what comes of it.
 
+use super::error::{NotTaken, Refusal, RequestError};
 use crate::bus::narmotion::{DigitalOutputs, FromDrive, ParameterStatus, ToDrive};
-use crate::dictionary::{Dictionary, Parameter, ParameterError, number};
-use core::fmt;
+use crate::dictionary::{Dictionary, number};
 use heapless::Deque;
 
 /// Requests that may wait, be under way, or be answered and not taken.
@@ -72,41 +72,6 @@ pub struct Answer {
     /// The raw value that the parameter has now; 0 where there is no parameter. Messages to which the protocol has no answer (RESTORE_FACTORY,
     /// DSIO_DATA_CMD, Disable_Hall_PS, the scope's trigger) are done when the drive has counted no refused frame since.
     pub result: Result<i32, RequestError>,
-}
-
-/// Why a request was not done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RequestError {
-    /// No answer, however often it was sent. A drive that refuses a reboot does not answer either.
-    NoAnswer,
-    /// The drive refuses to read or write a parameter.
-    Refused(Refusal),
-    /// The drive has refused a message that has no answer (parameter 274).
-    NotObeyed,
-}
-
-/// A parameter that the drive did not read or write; nothing has changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Refusal {
-    /// Number of the parameter.
-    pub number: u16,
-    /// Its row, if it has one here.
-    pub parameter: Option<&'static Parameter>,
-    /// Why.
-    pub status: ParameterStatus,
-    /// The raw value that was to be written.
-    pub offered: Option<i32>,
-    /// The raw value that the drive has.
-    pub stored: i32,
-}
-
-/// Why the master does not even ask.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NotTaken {
-    /// It is silent.
-    Silent,
-    /// Too many answers were not taken yet.
-    Full,
 }
 
 impl Request {
@@ -261,41 +226,3 @@ impl Current {
         Refusal { number, parameter: Dictionary::row(number), status, offered, stored }
     }
 }
-
-impl fmt::Display for RequestError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoAnswer => f.write_str("the drive does not answer"),
-            Self::Refused(refusal) => refusal.fmt(f),
-            Self::NotObeyed => f.write_str("the drive has refused the request"),
-        }
-    }
-}
-
-impl fmt::Display for Refusal {
-    /// Number, name, value and range.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { number, parameter, status, offered, .. } = *self;
-        match (status, parameter, offered) {
-            // What a command computes may be out of range, too.
-            (ParameterStatus::OutOfRange, Some(parameter), Some(raw)) if !parameter.accepts(raw) => {
-                ParameterError::OutOfRange { parameter, raw }.fmt(f)
-            }
-            (_, Some(row), _) => write!(f, "parameter {number} \"{}\": {status}", row.name),
-            (_, None, _) => write!(f, "parameter {number}: {status}"),
-        }
-    }
-}
-
-impl fmt::Display for NotTaken {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Silent => "the master is silent",
-            Self::Full => "earlier answers were not taken yet",
-        })
-    }
-}
-
-impl core::error::Error for RequestError {}
-impl core::error::Error for Refusal {}
-impl core::error::Error for NotTaken {}
