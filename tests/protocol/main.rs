@@ -11,6 +11,8 @@ mod master;
 mod master_bench;
 mod master_downloads;
 mod master_link;
+mod master_report;
+mod master_requests;
 mod node;
 mod pair;
 mod parameters;

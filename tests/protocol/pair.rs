@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, FromDrive, ToDrive};
-use narx_core::dictionary::Parameters;
+use narx_core::dictionary::{Parameters, number};
 use narx_core::master::{Answer, Config, Master, Request};
 use std::collections::VecDeque;
 
@@ -21,6 +21,8 @@ pub(crate) struct Pair {
     pub(crate) now: u64,
     /// Fates of the next frames of either direction; afterwards frames arrive at the next tick.
     pub(crate) fates: VecDeque<Fate>,
+    /// Frames may overtake each other.
+    pub(crate) disorderly: bool,
     /// What the master has sent, and when.
     pub(crate) sent: Vec<(u64, ToDrive)>,
     to_drive: Vec<(u64, Frame)>,
@@ -38,6 +40,7 @@ impl Pair {
             bench: Bench::with_parameters(parameters),
             now: 0,
             fates: VecDeque::new(),
+            disorderly: false,
             sent: Vec::new(),
             to_drive: Vec::new(),
             from_drive: Vec::new(),
@@ -61,12 +64,14 @@ impl Pair {
         }
         self.bench.node.poll(now / TICK);
         while let Some(frame) = self.bench.node.poll_frame() {
-            send(&mut self.from_drive, &mut self.fates, now, frame);
+            let fate = self.fates.pop_front();
+            send(&mut self.from_drive, fate, now, frame, self.disorderly);
         }
         let mut frames = 0;
         while let Some(frame) = self.master.poll_frame(now) {
             self.sent.push((now, ToDrive::decode(&frame).expect("the master's own frame").1));
-            send(&mut self.to_drive, &mut self.fates, now, frame);
+            let fate = self.fates.pop_front();
+            send(&mut self.to_drive, fate, now, frame, self.disorderly);
             frames += 1;
             assert!(
                 frames <= 4,
@@ -103,9 +108,11 @@ impl Pair {
 }
 
 /// Gives a frame its fate.
-fn send(line: &mut Vec<(u64, Frame)>, fates: &mut VecDeque<Fate>, now: u64, frame: Frame) {
-    let fate = fates.pop_front().unwrap_or_else(|| vec![0]);
-    line.extend(fate.into_iter().map(|delay| (now + delay, frame)));
+fn send(line: &mut Vec<(u64, Frame)>, fate: Option<Fate>, now: u64, frame: Frame, disorderly: bool) {
+    for delay in fate.unwrap_or_else(|| vec![0]) {
+        let last = line.iter().map(|(at, _)| *at).max().filter(|_| !disorderly);
+        line.push(((now + delay).max(last.unwrap_or(0)), frame));
+    }
 }
 
 /// What has arrived by `now`, in the order of arrival.
@@ -118,4 +125,14 @@ fn arrived(line: &mut Vec<(u64, Frame)>, now: u64) -> Vec<Frame> {
 /// A frame of the drive.
 pub(crate) fn said(message: FromDrive) -> Frame {
     message.encode(Addresses::FACTORY)
+}
+
+/// A set-point or a request word.
+pub(crate) fn is_command(message: &ToDrive) -> bool {
+    matches!(message, ToDrive::MotorCommand { .. } | ToDrive::RequestWord(_))
+}
+
+/// Neither a command nor the question for the exact state.
+pub(crate) fn is_request(message: &ToDrive) -> bool {
+    !is_command(message) && *message != ToDrive::RequestParameter { number: number::DRIVE_STATE }
 }

@@ -13,7 +13,8 @@
 //!
 //! Of what there is to send the first of these goes first: set-point and request word, requests of the caller in their order,
 //! the download, and reading parameters in the background. One message is under way at a time, so that an answer
-//! belongs to what was asked: an answer that comes later than the time-out may be taken for that of a repetition.
+//! belongs to what was asked. An answer that comes later than the time-out, or twice, may be taken for that of the next
+//! message on the same parameter.
 
 mod commands;
 mod download;
