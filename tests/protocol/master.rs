@@ -103,6 +103,7 @@ fn polling_when_it_says_is_enough() {
         master.request(Request::Read { number: 9 }).unwrap();
         master.request(Request::Run(Service::Store)).unwrap();
         master.request(Request::TriggerScope).unwrap();
+        master.download(Download::Scope { words: 30 }).unwrap();
         master.start(2000);
         // For half a second it is worth reading, though it never answers.
         master.handle_frame(&said(FromDrive::Status(StatusWord::default())), 0);
@@ -110,21 +111,29 @@ fn polling_when_it_says_is_enough() {
     let frames = |master: &mut Master, now: u64| -> Vec<(u64, u32)> {
         std::iter::from_fn(|| master.poll_frame(now)).map(|frame| (now, frame.id().raw())).collect()
     };
-    let mut eager = Master::new(Config::default());
+    // Nothing else has this period.
+    let config = Config { setpoint_period: 77 * MS, ..Config::default() };
+    let mut eager = Master::new(config);
     script(&mut eager);
-    let every_tick: Vec<_> = (0..2000 * MS).step_by(100).flat_map(|now| frames(&mut eager, now)).collect();
-    let mut lazy = Master::new(Config::default());
+    let every_tick: Vec<_> = (0..4000 * MS).step_by(100).flat_map(|now| frames(&mut eager, now)).collect();
+    let mut lazy = Master::new(config);
     script(&mut lazy);
     let mut sparse = Vec::new();
     let mut polls = 0;
     let mut now = 0;
-    while now < 2000 * MS {
+    while now < 4000 * MS {
         sparse.extend(frames(&mut lazy, now));
         polls += 1;
         now = lazy.next_poll(now);
     }
     assert_eq!(sparse, every_tick);
     assert!(polls < 120, "{polls}");
+}
+
+/// A few KiB are what a small board can spare.
+#[test]
+fn a_master_is_small() {
+    assert!(size_of::<Master>() <= 4096, "{} bytes", size_of::<Master>());
 }
 
 #[test]

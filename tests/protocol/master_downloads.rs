@@ -267,6 +267,80 @@ fn of_the_log_only_the_gap_is_asked_for() {
     assert_eq!(bench.device.asked[5..], again);
 }
 
+/// A master alone; what it sends at `now`.
+fn sent(master: &mut Master, now: u64) -> Vec<ToDrive> {
+    let frames = std::iter::from_fn(|| master.poll_frame(now));
+    let messages = frames.map(|frame| ToDrive::decode(&frame).unwrap().1);
+    messages.filter(|message| !matches!(message, ToDrive::MotorCommand { .. })).collect()
+}
+
+/// CAN may double a frame, and the master asks again as soon as the last one has come.
+#[test]
+fn the_double_of_a_last_frame_does_not_end_the_next_stream() {
+    let mut master = Master::new(Config { read_parameters: false, ..Config::default() });
+    let data =
+        |address: u16| said(FromDrive::ScopeData { address, data: [address, address + 1, address + 2] });
+    master.download(Download::Scope { words: 9 }).unwrap();
+    assert_eq!(sent(&mut master, 0), [ToDrive::DownloadScope]);
+    master.handle_frame(&data(0), 1);
+    master.handle_frame(&data(6), 2);
+    assert_eq!(sent(&mut master, 3), [ToDrive::DownloadScope], "3 to 5 are missing");
+    master.handle_frame(&data(6), 4);
+    assert_eq!(sent(&mut master, 5), []);
+    master.handle_frame(&data(0), 6);
+    master.handle_frame(&data(3), 7);
+    let offsets: Vec<u32> = std::iter::from_fn(|| master.poll_chunk()).map(|chunk| chunk.offset).collect();
+    assert_eq!((offsets, master.poll_download()), (vec![0, 6, 3], Some(Ok(9))));
+}
+
+/// A log download whose stream has been asked for; the command's answer is still to come.
+fn raised(records: u32) -> Master {
+    let mut master = Master::new(Config { read_parameters: false, ..Config::default() });
+    master.download(Download::Log { first: 0, records }).unwrap();
+    loop {
+        let (number, value) = match sent(&mut master, 0)[..] {
+            [ToDrive::RequestParameter { number }] => (number, 6),
+            [ToDrive::SetParameter { number: number::LOG_READ_REQUEST, value: 1 }] => return master,
+            [ToDrive::SetParameter { number, value }] => (number, value),
+            ref other => panic!("{other:?}"),
+        };
+        master.handle_frame(&said(FromDrive::Parameter { number, value, status: ParameterStatus::Done }), 0);
+    }
+}
+
+const RAISED: FromDrive =
+    FromDrive::Parameter { number: number::LOG_READ_REQUEST, value: 1, status: ParameterStatus::Done };
+
+#[test]
+fn log_words_find_their_place_in_any_order() {
+    let mut master = raised(5);
+    let data = |counter: u16| said(FromDrive::LogData { counter, data: [counter, counter + 1, counter + 2] });
+    // The first words overtake the answer.
+    master.handle_frame(&data(3), 1);
+    master.handle_frame(&said(RAISED), 2);
+    for counter in [0, 9, 6, 6, 12] {
+        master.handle_frame(&data(counter), 3);
+    }
+    let chunks: Vec<(u32, u16)> =
+        std::iter::from_fn(|| master.poll_chunk()).map(|chunk| (chunk.offset, chunk.words()[0])).collect();
+    assert_eq!(chunks, [(3, 3), (0, 0), (9, 9), (6, 6), (12, 12)]);
+    assert_eq!(master.poll_download(), Some(Ok(15)));
+}
+
+#[test]
+fn a_stream_that_begins_after_its_abort_is_stopped() {
+    let mut master = raised(5);
+    master.abort_download();
+    assert_eq!(sent(&mut master, 1), [], "one message at a time");
+    master.handle_frame(&said(RAISED), 2);
+    assert_eq!(sent(&mut master, 3), [ToDrive::SetParameter { number: number::LOG_READ_REQUEST, value: 0 }]);
+    assert_eq!(master.poll_download(), None);
+    let lowered =
+        FromDrive::Parameter { number: number::LOG_READ_REQUEST, value: 0, status: ParameterStatus::Done };
+    master.handle_frame(&said(lowered), 4);
+    assert_eq!(master.poll_download(), Some(Err(DownloadError::Aborted)));
+}
+
 #[test]
 fn a_slow_caller_gets_everything() {
     let mut bench = Bench::new(Device::new(500, 0));

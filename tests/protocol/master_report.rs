@@ -41,6 +41,24 @@ fn parameters_are_read_at_the_beginning_and_kept() {
 }
 
 #[test]
+fn reading_that_begins_anew_leaves_nothing_out() {
+    let mut pair = Pair::new(Config::default());
+    pair.run(100);
+    // Between a question and its answer.
+    loop {
+        pair.step();
+        let asked = !pair.take_sent(is_request).is_empty();
+        if asked && pair.master.parameters_to_read() < 50 {
+            break;
+        }
+    }
+    let begin = pair.now;
+    pair.master.read_parameters();
+    pair.run(400);
+    assert!(pair.master.parameters().iter().all(|(_, heard)| heard.unwrap().at > begin));
+}
+
+#[test]
 fn a_drive_that_comes_back_is_read_again() {
     let mut pair = Pair::new(Config::default());
     pair.run(400);
