@@ -138,14 +138,17 @@ fn a_master_is_small() {
 
 #[test]
 fn a_period_of_nothing_does_not_flood_the_bus() {
-    let mut master = Master::new(Config { setpoint_period: 0, ..Config::default() });
-    let mut frames = 0;
+    let config = Config { setpoint_period: 0, timeout: 0, attempts: 255, lost_after: 0, ..Config::default() };
+    let mut master = Master::new(config);
+    assert_eq!((master.config().timeout, master.config().lost_after), (MS, MS));
+    master.request(Request::BuildInfo).unwrap();
+    let mut frames = [0, 0];
     for now in (0..100 * MS).step_by(100) {
-        while master.poll_frame(now).is_some() {
-            frames += 1;
+        while let Some(frame) = master.poll_frame(now) {
+            frames[usize::from(is_command(&ToDrive::decode(&frame).unwrap().1))] += 1;
         }
     }
-    assert_eq!(frames, 100, "one a millisecond");
+    assert_eq!(frames, [100, 100], "one of each a millisecond");
 }
 
 proptest! {

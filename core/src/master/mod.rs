@@ -44,12 +44,15 @@ use exchange::{Exchange, Owner, Step};
 use parameters::Reader;
 use requests::{Requests, Todo};
 
+/// Shortest period and time-out, microseconds: three frames of the longest kind.
+const SHORTEST: u64 = 1000;
+
 /// How a master talks. Times are in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// Whom it talks to, and as whom.
     pub addresses: Addresses,
-    /// Between two set-points, at least 1000; 50 000 (Figure 9).
+    /// Between two set-points, at least 1000 like the time-out; 50 000 (Figure 9).
     pub setpoint_period: u64,
     /// Transmits nothing and hears everything (Figure 9): commands have no effect, requests are not taken.
     pub silent: bool,
@@ -59,7 +62,7 @@ pub struct Config {
     pub timeout: u64,
     /// How often a message is sent before it counts as not answered, at least 1; 3.
     pub attempts: u8,
-    /// A drive that has said nothing for so long is lost; 500 000. At least three of its broadcast periods, where parameter 111 is known.
+    /// A drive that has said nothing for so long is lost; 500 000. At least the time-out, and at least three of its broadcast periods, where parameter 111 is known.
     pub lost_after: u64,
 }
 
@@ -96,8 +99,11 @@ impl Master {
     /// A master that has asked for nothing yet: it sends set-points of 0, which keep measurements coming, and neither stops a motor nor
     /// acknowledges a fault.
     pub fn new(config: Config) -> Self {
+        let timeout = config.timeout.max(SHORTEST);
+        let setpoint_period = config.setpoint_period.max(SHORTEST);
+        let lost_after = config.lost_after.max(timeout);
         Self {
-            config: Config { setpoint_period: config.setpoint_period.max(1000), ..config },
+            config: Config { setpoint_period, timeout, lost_after, ..config },
             commands: Commands::default(),
             requests: Requests::default(),
             transfer: Transfer::default(),
@@ -109,7 +115,7 @@ impl Master {
         }
     }
 
-    /// How it talks.
+    /// How it talks: as it was made, within the bounds of [`Config`].
     pub const fn config(&self) -> &Config {
         &self.config
     }
