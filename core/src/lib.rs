@@ -14,10 +14,12 @@
 //!   CAN frames <---- bus ---->         node::Node             the background
 //!
 //!   device      both of them, joined by their queues: what a shell links
+//!   master      the other end of the bus, for whatever commands a drive
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
-//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `device`, `recording`.
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `device`, `master`,
+//! `recording`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
@@ -27,6 +29,7 @@
 pub mod bus;
 pub mod device;
 pub mod dictionary;
+pub mod master;
 pub mod motor;
 pub mod node;
 pub mod recording;

@@ -4,10 +4,10 @@
 //!
 //! Start and acceleration come first; only `measured` counts (`valgrind --tool=callgrind --toggle-collect=driven::measured`).
 
+use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::{Mode, Nameplate};
-use narx_sim::operator::Operator;
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::preset;
 use std::f64::consts::TAU;
@@ -19,14 +19,14 @@ const RPM: i32 = 3000;
 
 /// The part that counts.
 #[inline(never)]
-fn measured(bench: &mut Bench, operator: &mut Operator, ticks: u64) {
-    run(bench, operator, ticks);
+fn measured(bench: &mut Bench, master: &mut Master, ticks: u64) {
+    run(bench, master, ticks);
 }
 
 /// The drive, its plant, its CAN node and a master that keeps it running. Nothing is recorded or traced.
-fn run(bench: &mut Bench, operator: &mut Operator, ticks: u64) {
+fn run(bench: &mut Bench, master: &mut Master, ticks: u64) {
     for _ in 0..ticks {
-        while let Some(frame) = operator.poll(bench.now_ns()) {
+        while let Some(frame) = master.poll_frame(bench.now_ns() / 1000) {
             // Two frames every 50 ms do not fill a queue of 64.
             let _ = bench.send(frame);
         }
@@ -64,13 +64,14 @@ fn main() -> ExitCode {
     let label = String::new();
     let config = BenchConfig { plant, parameters: commissioning.parameters, label, trace: false };
     let mut bench = Bench::new(&config).without_recording();
-    let mut operator = Operator::new(bench.node().addresses());
-    run(&mut bench, &mut operator, 6_000);
-    operator.start(RPM);
-    run(&mut bench, &mut operator, 20_000);
+    let mut master = Master::new(Config { addresses: bench.node().addresses(), ..Config::default() });
+    master.stop();
+    run(&mut bench, &mut master, 6_000);
+    master.start(RPM);
+    run(&mut bench, &mut master, 20_000);
     let before = bench.plant().observe();
     let begun = Instant::now();
-    measured(&mut bench, &mut operator, ticks);
+    measured(&mut bench, &mut master, ticks);
     let elapsed = begun.elapsed().as_secs_f64();
     let after = bench.plant().observe();
     let simulated = after.time - before.time;

@@ -12,7 +12,6 @@ pub mod bench;
 pub mod can;
 pub mod commissioning;
 pub mod engineering;
-pub mod operator;
 pub mod plant;
 pub mod presets;
 pub mod random;

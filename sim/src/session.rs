@@ -1,13 +1,13 @@
-//! A commissioned drive on a bench with an operator at its master's place: what a notebook or a page plays with.
+//! A commissioned drive on a bench with its master: what a notebook or a page plays with.
 
 use crate::bench::{Bench, BenchConfig};
 use crate::commissioning::{Commissioning, CommissioningError, Mode, Nameplate};
 use crate::engineering::{self, ValueError};
-use crate::operator::Operator;
 use crate::plant::{LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
+use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 
 /// What is on the bench, and how the drive is set up.
@@ -110,20 +110,20 @@ impl fmt::Display for SessionError {
 
 impl core::error::Error for SessionError {}
 
-/// A bench and its operator. Frames that the host receives are left for whoever looks at the bench.
+/// A bench and, at its host's place, the master. What else wants to see frames overhears them.
 #[derive(Debug)]
 pub struct Session {
     bench: Bench,
-    operator: Operator,
+    master: Master,
     commissioning: Commissioning,
     /// The speed of a start that the drive is not ready for, rpm.
     start: Option<i32>,
-    /// When the drive will have seen two of the operator's requests for Standby, ns.
+    /// When the drive will have seen two of the master's requests for Standby, ns.
     ready: u64,
 }
 
 impl Session {
-    /// Powers up a commissioned drive. The operator asks for Standby.
+    /// Powers up a commissioned drive. The master asks for Standby; it reads no parameters unless it is told to.
     ///
     /// # Errors
     /// As [`SessionConfig::commission`].
@@ -143,12 +143,14 @@ impl Session {
             label: config.label.clone(),
             trace: config.trace,
         });
-        let operator = Operator::new(bench.node().addresses());
-        Ok(Self { bench, operator, commissioning, start: None, ready: 0 })
+        let addresses = bench.node().addresses();
+        let mut master = Master::new(Config { addresses, read_parameters: false, ..Config::default() });
+        master.stop();
+        Ok(Self { bench, master, commissioning, start: None, ready: 0 })
     }
 
     /// Asks for a speed, rpm, negative in reverse. A drive that boots would spend the request (it takes no start from before
-    /// Standby), so it is then asked once it has been in Standby for two of the operator's periods.
+    /// Standby), so it is then asked once it has been in Standby for two of the master's periods.
     pub const fn start(&mut self, rpm: i32) {
         self.start = Some(rpm);
     }
@@ -157,14 +159,14 @@ impl Session {
     pub fn set_speed(&mut self, rpm: u16) {
         match &mut self.start {
             Some(start) => *start = start.signum() * i32::from(rpm),
-            None => self.operator.set_speed(rpm),
+            None => self.master.set_speed(rpm),
         }
     }
 
     /// Asks for Standby.
     pub fn stop(&mut self) {
         self.start = None;
-        self.operator.stop();
+        self.master.stop();
     }
 
     /// A start was asked for that the drive does not yet know of.
@@ -172,22 +174,25 @@ impl Session {
         self.start.is_some()
     }
 
-    /// One control tick; the operator's frames go out when they are due.
+    /// One control tick; the master's frames go out when they are due.
     pub fn step(&mut self) {
         let now = self.bench.now_ns();
         if self.bench.status().state == State::Initialization {
-            self.ready = now + 2 * self.operator.period_ns;
+            self.ready = now + 2 * 1000 * self.master.config().setpoint_period;
         }
         if now >= self.ready
             && let Some(rpm) = self.start.take()
         {
-            self.operator.start(rpm);
+            self.master.start(rpm);
         }
-        while let Some(frame) = self.operator.poll(now) {
-            // Two frames every 50 ms do not fill a queue of 64.
+        while let Some(frame) = self.master.poll_frame(now / 1000) {
+            // Two frames every 50 ms and a request at a time do not fill a queue of 64.
             let _ = self.bench.send(frame);
         }
         self.bench.step();
+        while let Some(received) = self.bench.receive() {
+            self.master.handle_frame(&received.frame, received.time_ns / 1000);
+        }
     }
 
     /// As many ticks as `seconds` have, to the nearest; none for a negative number.
@@ -201,14 +206,14 @@ impl Session {
         &self.bench
     }
 
-    /// The bench, to receive its frames, inject faults and change the load.
+    /// The bench, to overhear its frames, inject faults and change the load.
     pub const fn bench_mut(&mut self) -> &mut Bench {
         &mut self.bench
     }
 
-    /// The operator: what the drive is asked for.
-    pub const fn operator(&mut self) -> &mut Operator {
-        &mut self.operator
+    /// The master: what the drive is asked for, and what it says.
+    pub const fn master(&mut self) -> &mut Master {
+        &mut self.master
     }
 
     /// The parameter set that the drive powered up with, and what limits it.

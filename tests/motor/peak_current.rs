@@ -1,9 +1,9 @@
 //! Phase current while a heavy rotor accelerates as fast as the limits let it.
 
+use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::{Mode, Nameplate};
-use narx_sim::operator::Operator;
 use narx_sim::plant::{MotorConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 use xtask::bench::map;
@@ -35,14 +35,15 @@ fn peak(preset: &Preset, supply: f64, mode: Mode) -> f64 {
         trace: false,
     })
     .without_recording();
-    let mut operator = Operator::new(bench.node().addresses());
+    let mut master = Master::new(Config { addresses: bench.node().addresses(), ..Config::default() });
+    master.stop();
     let rpm = 0.95 * commissioning.speed_max;
     let mut peak = 0.0_f64;
     for tick in 0..LONGEST {
         if tick == 6_000 {
-            operator.start(rpm as i32);
+            master.start(rpm as i32);
         }
-        while let Some(frame) = operator.poll(bench.now_ns()) {
+        while let Some(frame) = master.poll_frame(bench.now_ns() / 1000) {
             bench.send(frame).unwrap();
         }
         bench.step();

@@ -1,10 +1,10 @@
 //! Every motor that comes with narx runs as commissioned, at any supply, with and without load.
 
 use narx_core::bus::narmotion::MotorMode;
+use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::{Mode, Nameplate};
-use narx_sim::operator::Operator;
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 
@@ -44,13 +44,14 @@ fn spin(preset: &Preset, supply: f64, share_of_range: f64, share_of_torque: f64)
         label: preset.name.into(),
         trace: false,
     });
-    let mut operator = Operator::new(bench.node().addresses());
+    let mut master = Master::new(Config { addresses: bench.node().addresses(), ..Config::default() });
+    master.stop();
     let (mut peak_current, mut bus_highest, mut from) = (0.0_f64, 0.0_f64, 0.0);
     for tick in 0..26_000 {
         if tick == 6_000 {
-            operator.start(rpm);
+            master.start(rpm);
         }
-        while let Some(frame) = operator.poll(bench.now_ns()) {
+        while let Some(frame) = master.poll_frame(bench.now_ns() / 1000) {
             bench.send(frame).unwrap();
         }
         bench.step();
@@ -62,7 +63,7 @@ fn spin(preset: &Preset, supply: f64, share_of_range: f64, share_of_torque: f64)
             from = seen.angle;
         }
     }
-    assert_eq!(operator.mode, MotorMode::Drive);
+    assert_eq!(master.requested(), Some(MotorMode::Drive));
     let mean = (bench.plant().observe().angle - from) / 0.5 * RPM;
     Reached { state: bench.status().state, speed: mean / f64::from(rpm), peak_current, bus_highest }
 }

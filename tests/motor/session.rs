@@ -1,4 +1,4 @@
-//! A commissioned drive with its operator, and parameters in their units.
+//! A commissioned drive with its master, and parameters in their units.
 
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::State;
@@ -18,13 +18,13 @@ fn starts_changes_speed_and_stops_when_asked() {
     session.run(0.6);
     assert_eq!(session.bench().status().state, State::Standby);
     let speed = |session: &Session| session.bench().plant().observe().speed * 60.0 / core::f64::consts::TAU;
-    session.operator().start(-1500);
+    session.master().start(-1500);
     session.run(1.5);
     assert!((speed(&session) + 1500.0).abs() < 15.0, "{} rpm", speed(&session));
-    session.operator().set_speed(2500);
+    session.master().set_speed(2500);
     session.run(1.5);
     assert!((speed(&session) + 2500.0).abs() < 25.0, "{} rpm", speed(&session));
-    session.operator().stop();
+    session.master().stop();
     session.run(2.0);
     assert_eq!(session.bench().status().state, State::Standby);
     assert!(speed(&session).abs() < 1.0, "{} rpm", speed(&session));

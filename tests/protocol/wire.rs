@@ -46,11 +46,12 @@ const PRINTED: [(u32, u8, u8, u8, u8, u16); 32] = [
 ];
 
 /// One frame of every row that a master sends: message, identifier, bytes.
-const TO_DRIVE: [(ToDrive, u32, u64); 15] = [
+const TO_DRIVE: [(ToDrive, u32, u64); 17] = [
     (ToDrive::RequestBuildInfo, 0x0AAD_5400, 0),
     (ToDrive::RequestDeviceInfo, 0x0AAD_5401, 0),
     (ToDrive::RequestWord(RequestWord { mode: MotorMode::Drive }), 0x0AAD_5202, 0x0000_0001_0000_0000),
     (ToDrive::RequestWord(RequestWord { mode: MotorMode::Fault }), 0x0AAD_5202, 0x0000_0003_0000_0000),
+    (ToDrive::RequestWord(RequestWord { mode: MotorMode::Reverse }), 0x0AAD_5202, 0x0000_0002_0000_0000),
     // Figure 14 prints only the answer; the request is type 1 of the same opcode.
     (ToDrive::Reboot, 0x0AAD_5265, 0),
     (ToDrive::MotorCommand { speed: 4000 }, 0x0AAD_5266, 0x0FA0_0000_0000_0000),
@@ -71,6 +72,7 @@ const TO_DRIVE: [(ToDrive, u32, u64); 15] = [
     (ToDrive::TriggerScope, 0x0AAD_5270, 0),
     (ToDrive::DownloadScope, 0x0AAD_5470, 0),
     (ToDrive::RestoreFactory { serial: 0x1234 }, 0x0AAD_5271, 0x1234_0000_0000_0000),
+    (ToDrive::DownloadXml(XmlCommand::Length), 0x0AAD_5482, 0),
     (ToDrive::DownloadXml(XmlCommand::Start), 0x0AAD_5482, 0x0001_0000_0000_0000),
 ];
 

@@ -90,7 +90,7 @@ impl Bench {
     /// The operator asks for a speed, mechanical rpm, negative in reverse, and repeats it while time runs.
     pub fn start(&mut self, rpm: f64) -> Result<(), JsValue> {
         let rpm = magnitude("start", rpm, -f64::from(u16::MAX))?;
-        self.0.operator().start(rpm as i32);
+        self.0.master().start(rpm as i32);
         Ok(())
     }
 
@@ -98,13 +98,13 @@ impl Bench {
     #[wasm_bindgen(js_name = setSpeed)]
     pub fn set_speed(&mut self, rpm: f64) -> Result<(), JsValue> {
         let rpm = magnitude("setSpeed", rpm, 0.0)?;
-        self.0.operator().set_speed(rpm as u16);
+        self.0.master().set_speed(rpm as u16);
         Ok(())
     }
 
     /// The operator asks for Standby.
     pub fn stop(&mut self) {
-        self.0.operator().stop();
+        self.0.master().stop();
     }
 
     /// Lets time run, to the nearest control tick, and returns the rows of this run.

@@ -18,17 +18,17 @@ fn main() -> ! {
 mod image {
     use cortex_m_semihosting::hprintln;
     use narx_core::device::Queues;
+    use narx_core::master::{Config, Master};
     use narx_core::node::Identity;
     use narx_firmware::boards::qemu::{MOTOR, instructions};
     use narx_sim::commissioning::{Mode, Nameplate};
-    use narx_sim::operator::Operator;
     use narx_sim::plant::{Plant, PlantConfig};
     use narx_sim::presets::preset;
 
     /// Boot takes the first half second, ticks.
     const START: u64 = 6_000;
     const END: u64 = 12_000;
-    const TICK_NS: u64 = 100_000;
+    const TICK_US: u64 = 100;
 
     /// `None` if the drive cannot be made.
     pub(crate) fn run(queues: &mut Queues) -> Option<()> {
@@ -41,14 +41,16 @@ mod image {
         let parameters = plate.commission(Mode::Hall).ok()?.parameters;
         let config = PlantConfig::new(preset.motor, supply);
         let (mut tick, mut background) = queues.power_up(Identity::default(), config.board, parameters);
-        let mut operator = Operator::new(background.node().addresses());
+        let addresses = background.node().addresses();
+        let mut master = Master::new(Config { addresses, ..Config::default() });
+        master.stop();
         let mut plant = Plant::new(&config);
         let (mut coasting, mut driving) = (instructions::Sum::default(), instructions::Sum::default());
         for now in 0..END {
             if now == START {
-                operator.start(2000);
+                master.start(2000);
             }
-            while let Some(frame) = operator.poll(now * TICK_NS) {
+            while let Some(frame) = master.poll_frame(now * TICK_US) {
                 background.node().handle_frame(&frame);
             }
             let (samples, first) = instructions::count(|| plant.sample());

@@ -1,14 +1,14 @@
 //! A commissioned drive on the bench, run tick by tick, with what the eye of a test engineer keeps of it.
 
 use crate::commutations::Commutations;
+use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::commissioning::Commissioning;
-use narx_sim::operator::Operator;
 use narx_sim::plant::{Observation, PlantConfig};
 use std::f64::consts::TAU;
 
-/// Ticks from power-up until the drive takes requests: boot (0.5 s) and two of the operator's periods.
+/// Ticks from power-up until the drive takes requests: boot (0.5 s) and two of the master's periods.
 const BOOT: u32 = 6_000;
 /// One tick, s.
 pub(super) const TICK: f64 = 1e-4;
@@ -16,7 +16,7 @@ pub(super) const TICK: f64 = 1e-4;
 /// A run.
 pub(super) struct Trial {
     pub(super) bench: Bench,
-    operator: Operator,
+    master: Master,
     seen: Observation,
     /// Largest magnitude of a phase current so far, A.
     pub(super) peak: f64,
@@ -35,27 +35,29 @@ impl Trial {
             trace: keep,
         });
         let bench = if keep { bench } else { bench.without_recording() };
-        let operator = Operator::new(bench.node().addresses());
+        let addresses = bench.node().addresses();
+        let mut master = Master::new(Config { addresses, ..Config::default() });
+        master.stop();
         let seen = bench.plant().observe();
         let commutations = Commutations::default();
-        let mut trial = Self { bench, operator, seen, peak: 0.0, bus_highest: 0.0, commutations };
+        let mut trial = Self { bench, master, seen, peak: 0.0, bus_highest: 0.0, commutations };
         (0..BOOT).for_each(|_| trial.tick());
         trial
     }
 
     /// Asks for a speed, rpm, negative in reverse.
     pub(super) fn start(&mut self, rpm: i32) {
-        self.operator.start(rpm);
+        self.master.start(rpm);
     }
 
     /// Asks for motor mode 3.
     pub(super) fn shut_down(&mut self) {
-        self.operator.shut_down();
+        self.master.shut_down();
     }
 
     /// One control tick.
     pub(super) fn tick(&mut self) {
-        while let Some(frame) = self.operator.poll(self.bench.now_ns()) {
+        while let Some(frame) = self.master.poll_frame(self.bench.now_ns() / 1000) {
             // Two frames every 50 ms do not fill a queue of 64.
             let _ = self.bench.send(frame);
         }

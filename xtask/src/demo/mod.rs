@@ -92,11 +92,10 @@ impl<'a> Run<'a> {
     }
 
     fn step(&mut self) {
-        if self.session.bench().time() >= START && self.session.operator().speed == 0 {
-            self.session.operator().start(self.request.rpm);
+        if self.session.bench().time() >= START && self.session.master().setpoint() == 0 {
+            self.session.master().start(self.request.rpm);
         }
         self.session.step();
-        while self.session.bench_mut().receive().is_some() {}
         while let Some(heard) = self.session.bench_mut().overhear() {
             let _ = writeln!(self.log, "{}", candump::line(heard.time_ns, "can0", &heard.frame));
         }

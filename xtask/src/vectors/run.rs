@@ -4,8 +4,8 @@ use super::action::Action;
 use super::expect::{Seen, WINDOW};
 use super::scenario::Scenario;
 use narx_core::bus::narmotion::ToDrive;
+use narx_core::master;
 use narx_sim::bench::{Bench, BenchConfig};
-use narx_sim::operator::Operator;
 use narx_sim::plant::{LoadConfig, SupplyConfig};
 use std::f64::consts::TAU;
 
@@ -32,7 +32,7 @@ pub fn run(scenario: &Scenario) -> Run {
         label: scenario.name.clone(),
         trace: false,
     });
-    let mut master = Master { operator: Operator::new(bench.node().addresses()), silent: false };
+    let mut master = Master::new(&bench);
     let mut seen = Seen::default();
     let mut steps = scenario.steps.iter().peekable();
     let tick_rate = f64::from(scenario.plant.board.tick_rate);
@@ -61,15 +61,23 @@ pub fn run(scenario: &Scenario) -> Run {
 
 /// The master's place on the bus.
 struct Master {
-    operator: Operator,
+    master: master::Master,
     silent: bool,
 }
 
 impl Master {
+    /// It asks for Standby.
+    fn new(bench: &Bench) -> Self {
+        let addresses = bench.node().addresses();
+        let mut master = master::Master::new(master::Config { addresses, ..master::Config::default() });
+        master.stop();
+        Self { master, silent: false }
+    }
+
     fn send(&mut self, bench: &mut Bench) {
-        let now = bench.now_ns();
+        let now = bench.now_ns() / 1000;
         while !self.silent
-            && let Some(frame) = self.operator.poll(now)
+            && let Some(frame) = self.master.poll_frame(now)
         {
             // A few frames every 50 ms do not fill a queue of 64.
             let _ = bench.send(frame);
@@ -78,12 +86,12 @@ impl Master {
 
     fn act(&mut self, bench: &mut Bench, action: Action) {
         match action {
-            Action::Start(rpm) => self.operator.start(rpm),
-            Action::Stop => self.operator.stop(),
-            Action::Shutdown => self.operator.shut_down(),
+            Action::Start(rpm) => self.master.start(rpm),
+            Action::Stop => self.master.stop(),
+            Action::Shutdown => self.master.shut_down(),
             Action::Silence(silent) => self.silent = silent,
             Action::Set(number, value) => {
-                let frame = ToDrive::SetParameter { number, value }.encode(self.operator.addresses);
+                let frame = ToDrive::SetParameter { number, value }.encode(bench.node().addresses());
                 // As above.
                 let _ = bench.send(frame);
             }

@@ -7,6 +7,7 @@ use super::word::StatusWord;
 use super::words::{DecodeError, Words, long};
 use crate::bus::Frame;
 use crate::motor::fault::FaultWord;
+use core::fmt;
 
 /// A message of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -204,6 +205,19 @@ impl ParameterStatus {
             4 => Self::WrongState,
             5 => Self::Storage,
             _ => return Err(DecodeError::Value),
+        })
+    }
+}
+
+impl fmt::Display for ParameterStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Done => "done",
+            Self::UnknownNumber => "there is no such parameter",
+            Self::ReadOnly => "the drive alone writes it",
+            Self::OutOfRange => "out of range",
+            Self::WrongState => "not in this state of the drive",
+            Self::Storage => "the parameter store or log memory is missing, busy or failed",
         })
     }
 }

@@ -1,6 +1,8 @@
 //! Scales of the broadcast measurements: the one table that documents and data base files are made from.
 
 use super::id::Opcode;
+use super::words::{Words, long};
+use crate::dictionary::Decimal;
 
 /// One value in a measurement frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +21,25 @@ pub struct Signal {
     pub unit: &'static str,
     /// Value = raw * 10^exponent.
     pub exponent: i8,
+}
+
+impl Signal {
+    /// The signal's value, in its unit, in the words of its frame.
+    pub const fn value(&self, Words([word0, word1, word2, word3]): Words) -> Decimal {
+        let (first, second) = match self.word {
+            0 => (word0, word1),
+            1 => (word1, word2),
+            2 => (word2, word3),
+            _ => (word3, 0),
+        };
+        let digits = match (self.words, self.signed) {
+            (1, true) => first as i16 as i64,
+            (1, false) => first as i64,
+            (_, true) => long(first, second) as i32 as i64,
+            (_, false) => long(first, second) as i64,
+        };
+        Decimal { digits, exponent: self.exponent }
+    }
 }
 
 /// Every measurement of Figure 14 in the order of the frames. Speeds are mechanical and signed: reverse is negative.

@@ -1,0 +1,56 @@
+//! What the motor is asked to do, and repeating it: a drive whose master falls silent stops (parameter 114).
+
+use crate::bus::narmotion::{MotorMode, RequestWord, ToDrive};
+
+/// The last request and set-point, and when they are due again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Commands {
+    /// `None` before the first command: then set-points go out alone.
+    mode: Option<MotorMode>,
+    /// Magnitude, rpm.
+    speed: u16,
+    /// When the next set-point is due, microseconds.
+    due: u64,
+    /// The request that follows its set-point.
+    pending: Option<MotorMode>,
+}
+
+impl Commands {
+    /// Asks for a mode, from the next poll on.
+    pub(super) const fn request(&mut self, mode: MotorMode) {
+        self.mode = Some(mode);
+        self.due = 0;
+    }
+
+    /// Asks for a speed, from the next poll on.
+    pub(super) const fn set_speed(&mut self, speed: u16) {
+        self.speed = speed;
+        self.due = 0;
+    }
+
+    pub(super) const fn mode(&self) -> Option<MotorMode> {
+        self.mode
+    }
+
+    pub(super) const fn speed(&self) -> u16 {
+        self.speed
+    }
+
+    /// When the next frame is due.
+    pub(super) const fn due(&self) -> u64 {
+        if self.pending.is_some() { 0 } else { self.due }
+    }
+
+    /// What is due at `now`: the set-point, then the request.
+    pub(super) fn poll(&mut self, now: u64, period: u64) -> Option<ToDrive> {
+        if let Some(mode) = self.pending.take() {
+            return Some(ToDrive::RequestWord(RequestWord { mode }));
+        }
+        if now < self.due {
+            return None;
+        }
+        self.due = now.saturating_add(period);
+        self.pending = self.mode;
+        Some(ToDrive::MotorCommand { speed: self.speed })
+    }
+}

@@ -1,0 +1,99 @@
+//! One message that wants an answer: sent again when none comes, given up after some attempts.
+
+use crate::bus::narmotion::{FromDrive, ParameterStatus, ToDrive, XmlCommand};
+
+/// Who has asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Owner {
+    /// The caller.
+    Request,
+    /// The download.
+    Download,
+    /// Reading in the background.
+    Reader,
+}
+
+/// What is to be done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// Nothing is under way.
+    Idle,
+    /// The answer may still come.
+    Wait,
+    /// Send this, again.
+    Send(ToDrive),
+    /// No answer came.
+    Expired(Owner),
+}
+
+/// The message under way, if there is one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Exchange(Option<UnderWay>);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct UnderWay {
+    message: ToDrive,
+    owner: Owner,
+    /// When it was last sent, microseconds.
+    sent: u64,
+    /// How often it may be sent again.
+    left: u8,
+}
+
+impl Exchange {
+    /// Sends `message`, for the first time at `now`.
+    pub(super) const fn begin(&mut self, message: ToDrive, owner: Owner, attempts: u8, now: u64) {
+        // A second reboot would restart the drive once more.
+        let left = if matches!(message, ToDrive::Reboot) { 0 } else { attempts.saturating_sub(1) };
+        self.0 = Some(UnderWay { message, owner, sent: now, left });
+    }
+
+    /// What time brings.
+    pub(super) fn poll(&mut self, now: u64, timeout: u64) -> Step {
+        let Some(under_way) = &mut self.0 else { return Step::Idle };
+        if now < under_way.sent.saturating_add(timeout) {
+            return Step::Wait;
+        }
+        let UnderWay { message, owner, .. } = *under_way;
+        if let Some(left) = under_way.left.checked_sub(1) {
+            (under_way.left, under_way.sent) = (left, now);
+            return Step::Send(message);
+        }
+        self.0 = None;
+        Step::Expired(owner)
+    }
+
+    /// When time brings something.
+    pub(super) fn deadline(&self, timeout: u64) -> Option<u64> {
+        self.0.map(|under_way| under_way.sent.saturating_add(timeout))
+    }
+
+    /// Whose message the drive answers with this, if it does.
+    pub(super) fn answer(&mut self, answer: &FromDrive) -> Option<Owner> {
+        let UnderWay { message, owner, .. } = self.0?;
+        if !answers(answer, &message) {
+            return None;
+        }
+        self.0 = None;
+        Some(owner)
+    }
+}
+
+fn answers(answer: &FromDrive, message: &ToDrive) -> bool {
+    use ParameterStatus::{Done, UnknownNumber};
+    match (*answer, *message) {
+        (FromDrive::BuildInfo { .. }, ToDrive::RequestBuildInfo)
+        | (FromDrive::DeviceInfo { .. }, ToDrive::RequestDeviceInfo)
+        | (FromDrive::Reboot, ToDrive::Reboot)
+        | (FromDrive::XmlLength { .. }, ToDrive::DownloadXml(XmlCommand::Length)) => true,
+        (FromDrive::Parameter { number, status, .. }, ToDrive::RequestParameter { number: asked }) => {
+            number == asked && matches!(status, Done | UnknownNumber)
+        }
+        // A write that was done reads back as written: another value is the late answer to something else.
+        (
+            FromDrive::Parameter { number, value, status },
+            ToDrive::SetParameter { number: asked, value: written },
+        ) => number == asked && (status != Done || value == written),
+        _ => false,
+    }
+}

@@ -1,0 +1,59 @@
+//! The broadcast measurements in their units, and when they were heard.
+
+use super::Heard;
+use crate::bus::narmotion::{ControlMode, FromDrive, Measurement, Opcode, SIGNALS, Signal};
+use crate::dictionary::Decimal;
+
+/// MEASUREMENT_0 to MEASUREMENT_8; 6 does not exist.
+const FRAMES: usize = 9;
+
+/// The last frame of each measurement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Measurements([Option<Heard<Measurement>>; FRAMES]);
+
+impl Measurements {
+    /// Every signal of Figure 14 with its value, where it was heard.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Signal, Option<Heard<Decimal>>)> + '_ {
+        SIGNALS.iter().map(|signal| (signal, self.get(signal)))
+    }
+
+    /// The value of a signal, in its unit.
+    pub fn get(&self, signal: &Signal) -> Option<Heard<Decimal>> {
+        let Heard { value, at } = self.frame(signal.opcode)?;
+        Some(Heard { value: signal.value(value.encode()), at })
+    }
+
+    /// The value of the signal of that name, in its unit; case does not matter.
+    pub fn find(&self, name: &str) -> Option<Heard<Decimal>> {
+        self.get(SIGNALS.iter().find(|signal| signal.name.eq_ignore_ascii_case(name))?)
+    }
+
+    /// The last frame of one kind, raw: for the reserved ones, too, which have no signals.
+    pub fn frame(&self, opcode: Opcode) -> Option<Heard<Measurement>> {
+        *self.0.get(place(opcode)?)?
+    }
+
+    pub(super) fn note(&mut self, message: &FromDrive, at: u64) {
+        if let FromDrive::Measurement(value) = *message
+            && let Some(frame) = place(value.opcode()).and_then(|place| self.0.get_mut(place))
+        {
+            *frame = Some(Heard { value, at });
+        }
+    }
+
+    /// Estimated mechanical speed, rpm, from what the control mode uses.
+    pub(super) fn speed(&self, control: Option<ControlMode>) -> Option<Heard<i16>> {
+        let [_, sensorless, .., hall, _, _, _] = &self.0;
+        let frame = (*if control == Some(ControlMode::Hall) { hall } else { sensorless })?;
+        let value = match frame.value {
+            Measurement::M1 { speed_sensorless, .. } => speed_sensorless,
+            Measurement::M5 { speed_hall, .. } => speed_hall,
+            _ => return None,
+        };
+        Some(Heard { value, at: frame.at })
+    }
+}
+
+fn place(opcode: Opcode) -> Option<usize> {
+    opcode.raw().checked_sub(Opcode::MEASUREMENT_0.raw()).map(usize::from)
+}

@@ -1,0 +1,67 @@
+//! Which words of a download are still missing, in bounded memory.
+
+use heapless::Vec;
+
+/// Gaps that can be told apart.
+const GAPS: usize = 32;
+
+/// Ranges of missing words, in order: begin and, exclusive, end. Where there are more gaps than it can hold, it forgets that
+/// something was received, so that this comes once more.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Missing(Vec<(u32, u32), GAPS>);
+
+impl Missing {
+    /// All of `total` words.
+    pub(super) fn all(total: u32) -> Self {
+        let mut ranges = Vec::new();
+        if total > 0 {
+            // The first of 32.
+            let _ = ranges.push((0, total));
+        }
+        Self(ranges)
+    }
+
+    /// The first range.
+    pub(super) fn first(&self) -> Option<(u32, u32)> {
+        self.0.first().copied()
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// How many words.
+    pub(super) fn count(&self) -> u32 {
+        self.0.iter().fold(0, |sum: u32, (begin, end)| sum.saturating_add(end - begin))
+    }
+
+    /// The words from `begin` to `end` have come. Whether any of them was missing.
+    pub(super) fn take(&mut self, begin: u32, end: u32) -> bool {
+        let overlaps = |range: &(u32, u32)| range.0 < end && begin < range.1;
+        let mut wanted = false;
+        // What is cut gets out of the way: each turn settles one range.
+        while let Some(place) = self.0.iter().position(overlaps) {
+            wanted = true;
+            let Some(range) = self.0.get_mut(place) else { break };
+            let (left, right) = ((range.0, begin), (end, range.1));
+            match (left.0 < left.1, right.0 < right.1) {
+                (false, false) => {
+                    self.0.remove(place);
+                }
+                (true, false) => *range = left,
+                (false, true) => *range = right,
+                (true, true) => {
+                    if !self.0.is_full()
+                        && let Some(range) = self.0.get_mut(place)
+                    {
+                        *range = left;
+                        // Room was just seen.
+                        let _ = self.0.insert(place + 1, right);
+                    }
+                    break;
+                }
+            }
+        }
+        wanted
+    }
+}

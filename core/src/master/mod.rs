@@ -1,0 +1,363 @@
+//! The other end of the bus: it commands one drive, asks it, and keeps what it says. A pure state machine without a clock or a
+//! bus of its own, for another electronic board as for a notebook or a page.
+//!
+//! ```text
+//!                                      +--------+ <-- start, stop, set_speed, shut_down
+//!  frames, time ---- handle_frame ---> | Master | <-- request, download
+//!  frames <--- poll_frame <-- time --- |        | --> poll_answer, poll_chunk, poll_download
+//!                                      +--------+ --> report, measurements, parameters: what was heard, and when
+//! ```
+//!
+//! Time is given in microseconds from any beginning and never runs back. Call `handle_frame` for every frame that arrives and
+//! `poll_frame` until it has nothing left, at [`Master::next_poll`] at the latest. One call answers one frame at most.
+//!
+//! Of what there is to send the first of these goes first: set-point and request word, requests of the caller in their order,
+//! the download, and reading parameters in the background. One message is under way at a time, so that an answer
+//! belongs to what was asked. An answer that comes later than the time-out, or twice, may be taken for that of the next
+//! message on the same parameter.
+
+mod commands;
+mod download;
+mod error;
+mod exchange;
+mod measurements;
+mod missing;
+mod parameters;
+mod report;
+mod requests;
+mod stream;
+
+pub use download::{Chunk, Download, Progress};
+pub use error::{DownloadError, NotTaken, Refusal, RequestError};
+pub use measurements::Measurements;
+pub use parameters::ParameterMirror;
+pub use report::{BuildInfo, CriticalFault, DeviceInfo, Heard, Report};
+pub use requests::{Answer, Request, Service};
+
+use crate::bus::Frame;
+use crate::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, ToDrive};
+use crate::dictionary::number;
+use crate::motor::state::State;
+use commands::Commands;
+use download::Transfer;
+use exchange::{Exchange, Owner, Step};
+use parameters::Reader;
+use requests::{Requests, Todo};
+
+/// Shortest period and time-out, microseconds: three frames of the longest kind.
+const SHORTEST: u64 = 1000;
+
+/// How a master talks. Times are in microseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    /// Whom it talks to, and as whom.
+    pub addresses: Addresses,
+    /// Between two set-points, at least 1000 like the time-out; 50 000 (Figure 9).
+    pub setpoint_period: u64,
+    /// Transmits nothing and hears everything (Figure 9): commands have no effect, requests are not taken.
+    pub silent: bool,
+    /// Reads every parameter when the drive is first heard, after it was lost, and after what changes many of them.
+    pub read_parameters: bool,
+    /// How long an answer may take; 100 000.
+    pub timeout: u64,
+    /// How often a message is sent before it counts as not answered, at least 1; 3.
+    pub attempts: u8,
+    /// A drive that has said nothing for so long is lost; 500 000. At least the time-out, and at least three of its broadcast periods, where parameter 111 is known.
+    pub lost_after: u64,
+}
+
+impl Default for Config {
+    /// As Figure 9 shows it, at the factory addresses.
+    fn default() -> Self {
+        Self {
+            addresses: Addresses::FACTORY,
+            setpoint_period: 50_000,
+            silent: false,
+            read_parameters: true,
+            timeout: 100_000,
+            attempts: 3,
+            lost_after: 500_000,
+        }
+    }
+}
+
+/// The master of one drive.
+#[derive(Clone, Debug)]
+pub struct Master {
+    config: Config,
+    commands: Commands,
+    requests: Requests,
+    transfer: Transfer,
+    reader: Reader,
+    exchange: Exchange,
+    parameters: ParameterMirror,
+    report: Report,
+    measurements: Measurements,
+}
+
+impl Master {
+    /// A master that has asked for nothing yet: it sends set-points of 0, which keep measurements coming, and neither stops a motor nor
+    /// acknowledges a fault.
+    pub fn new(config: Config) -> Self {
+        let timeout = config.timeout.max(SHORTEST);
+        let setpoint_period = config.setpoint_period.max(SHORTEST);
+        let lost_after = config.lost_after.max(timeout);
+        Self {
+            config: Config { setpoint_period, timeout, lost_after, ..config },
+            commands: Commands::default(),
+            requests: Requests::default(),
+            transfer: Transfer::default(),
+            reader: Reader::default(),
+            exchange: Exchange::default(),
+            parameters: ParameterMirror::default(),
+            report: Report::default(),
+            measurements: Measurements::default(),
+        }
+    }
+
+    /// How it talks: as it was made, within the bounds of [`Config`].
+    pub const fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// What the drive has said of itself.
+    pub const fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// The drive's measurements.
+    pub const fn measurements(&self) -> &Measurements {
+        &self.measurements
+    }
+
+    /// The drive's parameters, as far as they were heard.
+    pub const fn parameters(&self) -> &ParameterMirror {
+        &self.parameters
+    }
+
+    /// The exact state, or `None` while it is not known. The status word cannot tell some states from each other
+    /// (Table 8), so parameter 261 is read whenever that word is heard.
+    pub fn state(&self) -> Option<State> {
+        let exact = self.parameters.get(number::DRIVE_STATE).map(|heard| heard.value);
+        self.report.state(exact)
+    }
+
+    /// Mechanical speed that the control mode works with, rpm, negative in reverse; that from back-EMF without sensors.
+    pub fn speed(&self) -> Option<Heard<i16>> {
+        self.measurements.speed(self.report.status.map(|status| status.value.control))
+    }
+
+    /// Whether the drive was heard lately.
+    pub fn is_connected(&self, now: u64) -> bool {
+        let period = self.parameters.get(number::AUTOSEND_PERIOD).map_or(0, |heard| heard.value);
+        let lost_after = self.config.lost_after.max(u64::from(period.unsigned_abs()) * 3000);
+        self.report.last.is_some_and(|last| now.saturating_sub(last) < lost_after)
+    }
+}
+
+/// Commands: what the motor is to do, repeated every period.
+impl Master {
+    /// Asks for a speed, mechanical rpm, negative in reverse (Drive or Reverse of the request word). A drive takes a start once it
+    /// has seen Standby since it last stopped: [`Master::stop`] first.
+    pub fn start(&mut self, rpm: i32) {
+        let mode = if rpm < 0 { MotorMode::Reverse } else { MotorMode::Drive };
+        self.commands.set_speed(rpm.unsigned_abs().min(u32::from(u16::MAX)) as u16);
+        self.commands.request(mode);
+    }
+
+    /// Asks for another speed in the direction that was asked for, rpm. The drive answers what it accepts: [`Report::accepted_speed`].
+    pub fn set_speed(&mut self, rpm: u16) {
+        self.commands.set_speed(rpm);
+    }
+
+    /// Asks for Standby, which also acknowledges a fault.
+    pub fn stop(&mut self) {
+        self.commands.request(MotorMode::Standby);
+    }
+
+    /// Asks for a shutdown (motor mode 3): fault bit 28.
+    pub fn shut_down(&mut self) {
+        self.commands.request(MotorMode::Fault);
+    }
+
+    /// What the motor was asked to do; `None` before the first command.
+    pub const fn requested(&self) -> Option<MotorMode> {
+        self.commands.mode()
+    }
+
+    /// Magnitude of the set-point, rpm.
+    pub const fn setpoint(&self) -> u16 {
+        self.commands.speed()
+    }
+}
+
+/// Requests, each answered once, and one download at a time.
+impl Master {
+    /// Asks the drive for something. Answers come in the order of the requests.
+    ///
+    /// # Errors
+    /// A silent master, or eight requests whose answers were not taken yet.
+    pub fn request(&mut self, request: Request) -> Result<(), NotTaken> {
+        if self.config.silent {
+            return Err(NotTaken::Silent);
+        }
+        self.requests.push(request)
+    }
+
+    /// The next answer.
+    pub fn poll_answer(&mut self) -> Option<Answer> {
+        self.requests.pop()
+    }
+
+    /// Begins a download.
+    ///
+    /// # Errors
+    /// A silent master, or a download whose end was not taken yet.
+    pub fn download(&mut self, what: Download) -> Result<(), NotTaken> {
+        if self.config.silent {
+            return Err(NotTaken::Silent);
+        }
+        self.transfer.begin(what, self.config.attempts)
+    }
+
+    /// The next words of the download. Words may come more than once, each time the same.
+    pub fn poll_chunk(&mut self) -> Option<Chunk> {
+        self.transfer.pop()
+    }
+
+    /// How far the download is; `None` before its length is known, and without one.
+    pub fn download_progress(&self) -> Option<Progress> {
+        self.transfer.progress()
+    }
+
+    /// The end of the download, when all its chunks were taken: its length in words, or what went wrong.
+    pub fn poll_download(&mut self) -> Option<Result<u32, DownloadError>> {
+        self.transfer.poll_end()
+    }
+
+    /// Ends the download; its end is [`DownloadError::Aborted`].
+    pub fn abort_download(&mut self) {
+        self.transfer.abort();
+    }
+
+    /// Reads every parameter anew in the background.
+    pub fn read_parameters(&mut self) {
+        self.reader.read_all();
+    }
+
+    /// Parameters that are still to be read in the background.
+    pub const fn parameters_to_read(&self) -> usize {
+        self.reader.left()
+    }
+}
+
+/// The bus.
+impl Master {
+    /// Takes a frame that arrived at `now`. Only messages of this drive to this master are heard.
+    pub fn handle_frame(&mut self, frame: &Frame, now: u64) {
+        let Config { addresses, .. } = self.config;
+        let message = match FromDrive::decode(frame) {
+            Ok((id, message)) if id.source == addresses.drive && id.destination == addresses.master => {
+                message
+            }
+            _ => return,
+        };
+        if !self.is_connected(now) {
+            self.forget_parameters();
+        }
+        self.report.note(&message, now);
+        self.measurements.note(&message, now);
+        match message {
+            FromDrive::Status(_) => self.reader.read_state(),
+            FromDrive::Parameter { number, value, status } if status != ParameterStatus::UnknownNumber => {
+                self.parameters.note(number, value, now);
+            }
+            FromDrive::Reboot => self.forget_parameters(),
+            _ => {}
+        }
+        self.transfer.take(&message, now);
+        if let Some(owner) = self.exchange.answer(&message) {
+            self.finish(owner, Some(&message), now);
+        }
+    }
+
+    /// The next frame that is due at `now`.
+    pub fn poll_frame(&mut self, now: u64) -> Option<Frame> {
+        if self.config.silent {
+            return None;
+        }
+        let message =
+            self.commands.poll(now, self.config.setpoint_period).or_else(|| self.poll_message(now))?;
+        Some(message.encode(self.config.addresses))
+    }
+
+    /// When to poll again at the latest, if no frame arrives and nothing is asked for until then. `now` when something is due.
+    pub fn next_poll(&self, now: u64) -> u64 {
+        if self.config.silent {
+            return u64::MAX;
+        }
+        let wanted = self.requests.is_waiting() || self.transfer.is_sending();
+        let next = match self.exchange.deadline(self.config.timeout) {
+            Some(deadline) => deadline,
+            None if wanted => now,
+            None if self.is_connected(now) => self.reader.due(),
+            None => u64::MAX,
+        };
+        next.min(self.transfer.deadline()).min(self.commands.due()).max(now)
+    }
+
+    /// The next message besides commands: what is under way first.
+    fn poll_message(&mut self, now: u64) -> Option<ToDrive> {
+        self.transfer.poll(now);
+        match self.exchange.poll(now, self.config.timeout) {
+            Step::Send(message) => return Some(message),
+            Step::Wait => return None,
+            Step::Expired(owner) => self.finish(owner, None, now),
+            Step::Idle => {}
+        }
+        let (owner, todo) = self.next_todo(now)?;
+        match todo {
+            Todo::Tell(message) => Some(message),
+            Todo::Ask(message) => {
+                self.exchange.begin(message, owner, self.config.attempts, now);
+                Some(message)
+            }
+        }
+    }
+
+    fn next_todo(&mut self, now: u64) -> Option<(Owner, Todo)> {
+        if let Some(todo) = self.requests.next() {
+            return Some((Owner::Request, todo));
+        }
+        if let Some(todo) = self.transfer.next(now) {
+            return Some((Owner::Download, todo));
+        }
+        // In the background only a drive that is there is read.
+        if !self.is_connected(now) {
+            return None;
+        }
+        let number = self.reader.next(now)?;
+        Some((Owner::Reader, Todo::Ask(ToDrive::RequestParameter { number })))
+    }
+
+    /// What was asked for has its answer, or none came.
+    fn finish(&mut self, owner: Owner, answer: Option<&FromDrive>, now: u64) {
+        match owner {
+            Owner::Request => {
+                if self.requests.finish(answer) {
+                    self.forget_parameters();
+                }
+            }
+            Owner::Download => self.transfer.finish(answer, now),
+            Owner::Reader => self.reader.finish(),
+        }
+    }
+
+    /// What was read may be another now.
+    fn forget_parameters(&mut self) {
+        self.parameters.forget();
+        if self.config.read_parameters && !self.config.silent {
+            self.reader.read_all();
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What the drive has said of itself, and when.
+
+use crate::bus::narmotion::{ControlMode, FromDrive, MotorMode, StatusWord};
+use crate::motor::fault::{Cause, CauseRow, FaultWord};
+use crate::motor::state::State;
+
+/// Something that was heard, and when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Heard<T> {
+    /// What.
+    pub value: T,
+    /// When, microseconds.
+    pub at: u64,
+}
+
+impl<T> Heard<T> {
+    /// How long ago, microseconds.
+    pub const fn age(&self, now: u64) -> u64 {
+        now.saturating_sub(self.at)
+    }
+}
+
+/// The last message of every kind; `None` where there was none yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Report {
+    /// STATUS_WORD.
+    pub status: Option<Heard<StatusWord>>,
+    /// FAULT_WORD: live and latched faults.
+    pub faults: Option<Heard<FaultWord>>,
+    /// CRITICAL_FAULT: sent when one is new, and never taken back; whether it still holds says `faults`.
+    pub critical: Option<Heard<CriticalFault>>,
+    /// The echo of MOTOR_CMD: the set-point that the drive uses, rpm.
+    pub accepted_speed: Option<Heard<u16>>,
+    /// BUILD_INFO.
+    pub build: Option<Heard<BuildInfo>>,
+    /// DEVICE_INFO.
+    pub device: Option<Heard<DeviceInfo>>,
+    /// When the drive last acknowledged a reboot, microseconds.
+    pub reboot: Option<u64>,
+    /// When anything was last heard of it, microseconds.
+    pub last: Option<u64>,
+}
+
+/// CRITICAL_FAULT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CriticalFault {
+    /// Latched critical faults.
+    pub faults: FaultWord,
+    /// Extended fault code: fault bit * 256 + cause.
+    pub code: u16,
+}
+
+impl CriticalFault {
+    /// What the code means, if it is one of this firmware.
+    pub fn cause(&self) -> Option<CauseRow> {
+        Cause::TABLE.into_iter().find(|row| row.cause as u16 == self.code)
+    }
+}
+
+/// BUILD_INFO.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuildInfo {
+    /// Build number.
+    pub number: u16,
+    /// Built from sources that were not committed.
+    pub modified: bool,
+    /// Date of the build, YYYYMMDD in decimal.
+    pub date: u32,
+}
+
+/// DEVICE_INFO.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeviceInfo {
+    /// Release of the board.
+    pub hardware: u16,
+    /// Release of the firmware, major in the high byte.
+    pub software: u16,
+    /// Serial number.
+    pub device_number: u16,
+    /// Address of the drive.
+    pub address: u16,
+}
+
+impl Report {
+    pub(super) fn note(&mut self, message: &FromDrive, at: u64) {
+        self.last = Some(at);
+        match *message {
+            FromDrive::Status(value) => self.status = Some(Heard { value, at }),
+            FromDrive::Faults(value) => self.faults = Some(Heard { value, at }),
+            FromDrive::CriticalFault { faults, code } => {
+                self.critical = Some(Heard { value: CriticalFault { faults, code }, at });
+            }
+            FromDrive::MotorCommand { speed } => self.accepted_speed = Some(Heard { value: speed, at }),
+            FromDrive::BuildInfo { number, modified, date } => {
+                self.build = Some(Heard { value: BuildInfo { number, modified, date }, at });
+            }
+            FromDrive::DeviceInfo { hardware, software, device_number, address } => {
+                let value = DeviceInfo { hardware, software, device_number, address };
+                self.device = Some(Heard { value, at });
+            }
+            FromDrive::Reboot => self.reboot = Some(at),
+            FromDrive::Parameter { .. }
+            | FromDrive::ScopeData { .. }
+            | FromDrive::XmlLength { .. }
+            | FromDrive::XmlData { .. }
+            | FromDrive::LogData { .. }
+            | FromDrive::Measurement(_) => {}
+        }
+    }
+
+    /// The exact state, from the status word alone where it tells, else with parameter 261 where that agrees.
+    pub(super) fn state(&self, exact: Option<i32>) -> Option<State> {
+        let StatusWord { mode, control, .. } = self.status?.value;
+        let candidates = match (mode, control) {
+            (MotorMode::Fault, _) => return Some(State::Fault),
+            (_, ControlMode::Hall) => return Some(State::HallClosedLoop),
+            (_, ControlMode::Off) => [State::Initialization, State::Standby],
+            (_, ControlMode::OpenLoop) => [State::RotorLock, State::OpenLoop],
+            (_, ControlMode::Sensorless) => [State::SensorlessClosedLoop, State::SensorlessAutoRestart],
+        };
+        candidates.into_iter().find(|state| exact == Some(*state as i32))
+    }
+}

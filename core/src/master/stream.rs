@@ -1,0 +1,257 @@
+//! One download from its first question to its last word: what is asked when, and where words belong.
+
+use super::download::Download;
+use super::error::{DownloadError, Refusal};
+use super::missing::Missing;
+use super::requests::Todo;
+use crate::bus::narmotion::{FromDrive, ParameterStatus, ToDrive, XmlCommand};
+use crate::dictionary::{Dictionary, number};
+use core::num::NonZeroU32;
+
+/// A stream that says nothing for so long has ended, microseconds.
+const SILENCE: u64 = 500_000;
+/// What 16-bit addresses reach.
+const SCOPE_WORDS: u32 = 1 << 16;
+
+/// A download under way.
+#[derive(Clone, Debug)]
+pub(super) struct Stream {
+    what: Download,
+    phase: Phase,
+    /// Words of the whole; 0 before they are known.
+    pub(super) total: u32,
+    /// Words of a log record, when they are known.
+    record: Option<NonZeroU32>,
+    pub(super) missing: Missing,
+    pass: Pass,
+    /// Passes without a new word that are left.
+    left: u8,
+    attempts: u8,
+}
+
+/// What is asked, or done, next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    /// How long is it, or a record of it?
+    Length,
+    /// Write the first record's index.
+    First,
+    /// Write the number of records.
+    Count,
+    /// Command the log: write 0.
+    Lower,
+    /// Command the log: write 1.
+    Raise,
+    /// Send the message that starts the stream.
+    Start,
+    /// The drive sends.
+    Stream,
+    /// Stop it.
+    Stop,
+}
+
+/// One turn of the drive: from a first word to, exclusive, an end.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pass {
+    begin: u32,
+    end: u32,
+    /// What comes next, if nothing is lost.
+    next: u32,
+    /// It has brought a word that was missing.
+    useful: bool,
+    /// When something was last heard of it, microseconds.
+    heard: u64,
+}
+
+/// Words that belong to a download.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// Place of the first one.
+    pub(super) begin: u32,
+    /// Exclusive.
+    pub(super) end: u32,
+    pub(super) data: [u16; 3],
+}
+
+impl Stream {
+    pub(super) fn new(what: Download, attempts: u8) -> Self {
+        let left = attempts.max(1);
+        let mut stream = Self {
+            what,
+            phase: Phase::Length,
+            total: 0,
+            record: None,
+            missing: Missing::default(),
+            pass: Pass::default(),
+            left,
+            attempts: left,
+        };
+        if let Download::Scope { words } = what {
+            stream.set_total(words.min(SCOPE_WORDS));
+        }
+        stream
+    }
+
+    /// Nothing is missing, and nothing is under way that would still be answered.
+    pub(super) fn is_complete(&self) -> bool {
+        matches!(self.phase, Phase::Stream | Phase::Start) && self.missing.is_empty()
+    }
+
+    /// Whether there is nothing to send.
+    pub(super) fn is_listening(&self) -> bool {
+        self.phase == Phase::Stream
+    }
+
+    /// When it has been silent for too long.
+    pub(super) const fn deadline(&self) -> u64 {
+        match self.phase {
+            Phase::Stream => self.pass.heard.saturating_add(SILENCE),
+            _ => u64::MAX,
+        }
+    }
+
+    /// The next message; what was asked before has its answer.
+    pub(super) fn next(&mut self, now: u64) -> Option<Todo> {
+        if let Some((number, value)) = self.write() {
+            return Some(Todo::Ask(ToDrive::SetParameter { number, value }));
+        }
+        match (self.phase, self.what) {
+            (Phase::Length, Download::Log { .. }) => {
+                Some(Todo::Ask(ToDrive::RequestParameter { number: number::LOG_RECORD_BYTES }))
+            }
+            // The question for the length ends a stream, too.
+            (Phase::Length | Phase::Stop, _) => Some(Todo::Ask(ToDrive::DownloadXml(XmlCommand::Length))),
+            (Phase::Start, _) => {
+                self.phase = Phase::Stream;
+                self.pass.heard = now;
+                Some(Todo::Tell(match self.what {
+                    Download::Description => ToDrive::DownloadXml(XmlCommand::Start),
+                    _ => ToDrive::DownloadScope,
+                }))
+            }
+            _ => None,
+        }
+    }
+
+    /// What was asked is answered.
+    pub(super) fn answer(&mut self, answer: &FromDrive, now: u64) -> Result<(), DownloadError> {
+        match (self.phase, *answer) {
+            (_, FromDrive::Parameter { number, value, status }) if status != ParameterStatus::Done => {
+                let (parameter, offered) = (Dictionary::row(number), self.write().map(|(_, value)| value));
+                let refusal = Refusal { number, parameter, status, offered, stored: value };
+                return Err(DownloadError::Refused(refusal));
+            }
+            (Phase::Length, FromDrive::Parameter { value, .. }) => self.set_record(value.unsigned_abs())?,
+            (Phase::Length, FromDrive::XmlLength { words }) => self.set_total(words.into()),
+            (Phase::First, _) => self.phase = Phase::Count,
+            (Phase::Count, _) => self.phase = Phase::Lower,
+            (Phase::Lower, _) => self.phase = Phase::Raise,
+            (Phase::Raise, _) => {
+                self.phase = Phase::Stream;
+                self.pass.heard = now;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Words of a message that belong here.
+    pub(super) fn hear(&mut self, message: &FromDrive, now: u64) -> Option<Piece> {
+        // The answer to the log's command may come behind the first words.
+        if !matches!(self.phase, Phase::Raise | Phase::Stream) {
+            return None;
+        }
+        let (begin, data) = self.place(message)?;
+        self.pass.heard = now;
+        let end = self.pass.end.min(begin.saturating_add(3));
+        (begin < end).then_some(Piece { begin, end, data })
+    }
+
+    /// A piece has come: whether it was wanted, and whether the drive has nothing more to say.
+    pub(super) fn note(&mut self, piece: &Piece, wanted: bool) -> bool {
+        let pass = &mut self.pass;
+        pass.useful |= wanted;
+        // The late end of the turn before is no end of this one.
+        let late = pass.next == pass.begin && piece.begin > pass.begin;
+        pass.next = pass.next.max(piece.end);
+        self.phase == Phase::Stream && piece.end == pass.end && !late
+    }
+
+    /// Asks for what is missing; false if that was in vain too often.
+    pub(super) fn again(&mut self) -> bool {
+        self.left = if self.pass.useful { self.attempts } else { self.left.saturating_sub(1) };
+        self.prepare();
+        self.left > 0
+    }
+
+    /// Nobody wants it any more; true if the drive has to be told.
+    pub(super) fn stop(&mut self) -> bool {
+        let stops = self.phase == Phase::Stream && !matches!(self.what, Download::Scope { .. });
+        if stops {
+            self.phase = Phase::Stop;
+        }
+        stops
+    }
+
+    /// Whether the answer under way begins a stream.
+    pub(super) fn is_starting(&self) -> bool {
+        self.phase == Phase::Raise
+    }
+
+    fn set_total(&mut self, words: u32) {
+        self.total = words;
+        self.missing = Missing::all(words);
+        self.prepare();
+    }
+
+    fn set_record(&mut self, bytes: u32) -> Result<(), DownloadError> {
+        let Download::Log { records, .. } = self.what else { return Ok(()) };
+        let words = NonZeroU32::new(bytes.div_ceil(2)).ok_or(DownloadError::NoLog)?;
+        self.record = Some(words);
+        self.set_total(records.saturating_mul(words.get()));
+        Ok(())
+    }
+
+    /// The log is asked for its first gap, in whole records; of the others the drive sends everything.
+    fn prepare(&mut self) {
+        self.phase = Phase::Start;
+        self.pass = Pass { end: self.total, ..Pass::default() };
+        if let (Some(record), Some((begin, end))) = (self.record, self.missing.first()) {
+            self.phase = Phase::First;
+            let begin = begin / record * record.get();
+            let end = end.div_ceil(record.get()).saturating_mul(record.get()).min(self.total);
+            self.pass = Pass { begin, next: begin, end, ..Pass::default() };
+        }
+    }
+
+    /// The parameter to write now, and its value.
+    fn write(&self) -> Option<(u16, i32)> {
+        let (Download::Log { first, .. }, Some(record)) = (self.what, self.record) else { return None };
+        let Pass { begin, end, .. } = self.pass;
+        Some(match self.phase {
+            Phase::First => (number::LOG_READ_START, first.saturating_add(begin / record) as i32),
+            Phase::Count => (number::LOG_READ_COUNT, (end - begin).div_ceil(record.get()) as i32),
+            Phase::Lower | Phase::Stop => (number::LOG_READ_REQUEST, 0),
+            Phase::Raise => (number::LOG_READ_REQUEST, 1),
+            _ => return None,
+        })
+    }
+
+    /// Place of a message's first word in the whole, and its words.
+    fn place(&self, message: &FromDrive) -> Option<(u32, [u16; 3])> {
+        match (self.what, *message) {
+            (Download::Description, FromDrive::XmlData { address, data })
+            | (Download::Scope { .. }, FromDrive::ScopeData { address, data }) => {
+                Some((address.into(), data))
+            }
+            (Download::Log { .. }, FromDrive::LogData { counter, data }) => {
+                // The counter wraps: the nearest place to what comes next.
+                let Pass { begin, next, .. } = self.pass;
+                let ahead = counter.wrapping_sub((next - begin) as u16) as i16;
+                let place = next.checked_add_signed(ahead.into())?;
+                (place >= begin).then_some((place, data))
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Master and node over a line that loses, delays, doubles and reorders frames.
+
+use crate::pair::{Fate, Pair};
+use narx_core::bus::narmotion::MotorMode;
+use narx_core::dictionary::{Access, Dictionary, PARAMETER_COUNT, number};
+use narx_core::master::{Config, Request, RequestError, Service};
+use proptest::prelude::*;
+use std::collections::BTreeSet;
+
+/// Frames of a bad line, us: half of them arrive at once. The second copy of a frame comes up to `apart` later.
+fn fates(latest: u64, apart: u64) -> impl Strategy<Value = Vec<Fate>> {
+    let fate = prop_oneof![
+        4 => Just(vec![0]),
+        1 => Just(vec![]),
+        1 => (0..latest).prop_map(|delay| vec![delay]),
+        1 => (0..latest, 0..=apart).prop_map(|(one, later)| vec![one, one + later]),
+    ];
+    prop::collection::vec(fate, 0..600)
+}
+
+fn requests() -> impl Strategy<Value = Vec<Request>> {
+    let number = prop_oneof![4 => 0..122_u16, 1 => 256..290_u16, 1 => Just(9999)];
+    let raw = prop_oneof![0..2_i32, 0..5000_i32, any::<i32>()];
+    let request = prop_oneof![
+        number.clone().prop_map(|number| Request::Read { number }),
+        (number, raw).prop_map(|(number, raw)| Request::Write { number, raw }),
+        Just(Request::BuildInfo),
+        Just(Request::DeviceInfo),
+        Just(Request::Run(Service::ResetCalibration)),
+        Just(Request::Run(Service::SetPosition)),
+        any::<bool>().prop_map(Request::DisableHallSupply),
+    ];
+    prop::collection::vec(request, 1..12)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// Lost, doubled as CAN doubles, and less than half of the time-out on their way: what the master says of the drive is true. (The late
+    /// double of a refusal may be taken for that of another write of the same parameter: each is written once here.)
+    #[test]
+    fn answers_are_true(requests in requests(), fates in fates(49_000, 0)) {
+        let mut pair = Pair::quiet();
+        pair.fates = fates.into();
+        let mut written = BTreeSet::new();
+        for request in requests {
+            if let Request::Write { number, .. } = request && !written.insert(number) {
+                continue;
+            }
+            let before = pair.bench.node.parameters().clone();
+            let answer = pair.ask(request);
+            prop_assert_eq!(answer.request, request);
+            let node = &pair.bench.node;
+            match (request, answer.result) {
+                (Request::Read { number }, Ok(value)) => {
+                    let live = Dictionary::row(number).unwrap().access == Access::ReadOnly;
+                    prop_assert!(live || node.read_parameter(number) == Some(value));
+                }
+                (Request::Write { number, raw }, Ok(value)) => {
+                    prop_assert_eq!((value, node.parameters().value(number)), (raw, Some(raw)));
+                }
+                (Request::Write { number, raw }, Err(RequestError::Refused(refusal))) => {
+                    prop_assert_eq!((refusal.number, refusal.offered), (number, Some(raw)));
+                    prop_assert_eq!(node.parameters(), &before);
+                }
+                (Request::Read { number }, Err(RequestError::Refused(_))) => {
+                    prop_assert!(Dictionary::row(number).is_none());
+                }
+                (Request::Run(service), Ok(value)) => {
+                    prop_assert_eq!((value, node.parameters().value(service as u16)), (1, Some(1)));
+                }
+                (_, Ok(_) | Err(RequestError::NoAnswer | RequestError::NotObeyed)) => {}
+                (request, Err(error)) => prop_assert!(false, "{request:?}: {error}"),
+            }
+        }
+    }
+
+    /// However late frames are, in whatever order, every request has one answer in its turn, the drive is fed, and once the line is good again all is well.
+    #[test]
+    fn a_line_that_gets_well_is_well(requests in requests(), fates in fates(400_000, 400_000)) {
+        let mut pair = Pair::new(Config { read_parameters: true, ..Config::default() });
+        (pair.fates, pair.disorderly) = (fates.into(), true);
+        pair.master.start(1234);
+        let mut answered = Vec::new();
+        let mut waiting = requests.clone().into_iter().peekable();
+        for _ in 0..60_000 {
+            if let Some(request) = waiting.next_if(|request| pair.master.request(*request).is_ok()) {
+                prop_assert!(requests.contains(&request));
+            }
+            pair.step();
+            answered.extend(pair.master.poll_answer().map(|answer| answer.request));
+        }
+        prop_assert_eq!(&answered, &requests);
+
+        pair.fates.clear();
+        pair.run(1500);
+        pair.master.read_parameters();
+        pair.run(500);
+        prop_assert!(pair.master.is_connected(pair.now));
+        prop_assert_eq!((pair.master.parameters().known(), pair.master.parameters_to_read()), (PARAMETER_COUNT, 0));
+        for (row, heard) in pair.master.parameters().iter() {
+            let live = row.access == Access::ReadOnly;
+            prop_assert!(live || heard.map(|heard| heard.value) == pair.bench.node.parameters().value(row.number));
+        }
+        prop_assert_eq!(pair.master.requested(), Some(MotorMode::Drive));
+        let rate = pair.ask(Request::Write { number: number::SPEED_RATE, raw: 777 });
+        prop_assert_eq!(rate.result, Ok(777));
+        // Nothing that the line does is a frame that the drive would refuse, except what was asked for.
+        prop_assert_eq!(pair.bench.malformed(), 0);
+    }
+}
