@@ -132,7 +132,7 @@ mod image {
         }
 
         fn step(&mut self, samples: &Samples) -> PwmCommand {
-            let (command, instructions) = instructions::count(|| step(&mut self.drive, samples));
+            let (command, instructions) = measure(&mut self.drive, samples);
             self.instructions = instructions;
             command
         }
@@ -140,6 +140,12 @@ mod image {
         fn poll_status(&mut self) -> Option<Status> {
             self.drive.poll_status()
         }
+    }
+
+    /// A function of its own, so that what the compiler does around it does not move the figure.
+    #[inline(never)]
+    fn measure(drive: &mut Drive, samples: &Samples) -> (PwmCommand, u32) {
+        instructions::count(|| step(drive, samples))
     }
 
     /// The step as one call, as an interrupt would make it.
