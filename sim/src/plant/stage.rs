@@ -170,7 +170,7 @@ impl Stage {
             let fall = self.network.switch * self.electric.i[x];
             match self.legs[x] {
                 Leg::Idle if self.open[x] => 0.0,
-                Leg::Idle => (neutral + emf[x]).clamp(-drop, v + drop),
+                Leg::Idle => (neutral + emf[x]).max(-drop).min(v + drop),
                 Leg::HighSwitch => v - fall,
                 Leg::LowSwitch => -fall,
                 Leg::HighDiode => v + drop - fall,
