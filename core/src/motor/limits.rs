@@ -130,7 +130,7 @@ impl CurrentLimit {
         let above = i64::from(c.phase_current.saturating_sub(CONTINUOUS)).max(0);
         // In 2^-20ths, and by a constant reciprocal.
         const FULL: i64 = (1 << 32) / (HEAT_MAX >> 20);
-        c.phase_current - ((above * ((self.heat >> 20) * FULL >> 16)) >> 16) as i32
+        c.phase_current - ((above * (((self.heat >> 20) * FULL) >> 16)) >> 16) as i32
     }
 
     /// Bound of the mean bus current in this tick, raw I16F16 A, with its name. A bus shunt sees the phase current times the
