@@ -13,11 +13,12 @@
 //!                                        |      v
 //!   CAN frames <---- bus ---->         node::Node             the background
 //!
+//!   storage     parameters and log on a flash, for the node
 //!   device      both of them, joined by their queues: what a shell links
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
-//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `device`, `recording`.
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `storage`, `node`, `device`, `recording`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
@@ -30,4 +31,5 @@ pub mod dictionary;
 pub mod motor;
 pub mod node;
 pub mod recording;
+pub mod storage;
 pub mod units;
