@@ -153,6 +153,14 @@ fn patch(body: &mut [u8], number: u16, raw: i32) {
     pair[2..].copy_from_slice(&raw.to_be_bytes());
 }
 
+/// Makes the speed rate of the stored set a value that it cannot have any more.
+pub(crate) fn spoil(chip: &mut crate::support::Chip) {
+    let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+    for map in [&layout.primary.map, &layout.mirror.map] {
+        rewrite(chip, map.clone(), &|body| patch(body, number::SPEED_RATE, -5));
+    }
+}
+
 /// Changes the body of the stored set in one map: count, body, CRC-32 over key and both.
 fn rewrite(chip: &mut crate::support::Chip, map: core::ops::Range<u32>, change: &dyn Fn(&mut Vec<u8>)) {
     use sequential_storage::cache::Cache;
