@@ -7,6 +7,8 @@
 
 use crate::random::Random;
 use core::fmt;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
 use embedded_storage_async::nor_flash::{
     ErrorType, MultiwriteNorFlash, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
@@ -32,6 +34,14 @@ pub const MBIT_256: [u8; 3] = [0x20, 0xBA, 0x19];
 pub const MBYTE_256: [u8; 3] = [0x20, 0xBA, 0x22];
 /// A flash of 512 KiB: for boards that hold it in RAM, and for tests that look at every byte.
 pub const KBYTE_512: [u8; 3] = [0x20, 0xBA, 0x13];
+
+/// What a future over simulated flash answers: it never waits, so once is enough. `None` for one that waits for something else.
+pub fn finish<T>(future: impl Future<Output = T>) -> Option<T> {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(answer) => Some(answer),
+        Poll::Pending => None,
+    }
+}
 
 /// How long operations take, ns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,6 @@
 //! The flash: parameters that survive every power cut, and the log.
 
+mod bench;
 mod cuts;
 mod device;
 mod flash;

@@ -401,7 +401,7 @@ fn every_logging_state_and_bit_is_seen() {
 fn the_state_before_a_read_is_seen_while_the_flash_is_busy() {
     let mut device = logging();
     device.run(200);
-    [29, 30, 65].map(|slot| device.set(slot, 0xFFFF));
+    [29, 30, 65].into_iter().for_each(|slot| device.set(slot, 0xFFFF));
     device.set(number::LOG_READ_COUNT, 5);
     device.download_rate = 0;
     assert_eq!(device.command(number::LOG_READ_REQUEST), Some(Done));
