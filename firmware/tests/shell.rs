@@ -59,6 +59,10 @@ impl BackgroundSide for Side {
         !self.0.borrow().bus_full
     }
 
+    fn is_ready_for_download(&self) -> bool {
+        self.is_ready_to_send()
+    }
+
     fn send(&mut self, frame: &Frame) {
         self.0.borrow_mut().sent.push(*frame);
     }

@@ -162,6 +162,11 @@ impl<M: Memory> Flash<M> {
         if self.absent { [0xFF; 3] } else { self.identification }
     }
 
+    /// A chip as it comes from its maker: all ones.
+    pub fn clear(&mut self) {
+        self.memory.clear(0, layout::capacity(self.identification).unwrap_or(0));
+    }
+
     /// Time that operations have taken since the last call, ns.
     pub const fn take_busy(&mut self) -> u64 {
         core::mem::replace(&mut self.busy, 0)
