@@ -120,7 +120,7 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     let mut chip = small(&set(1));
     // Taken from the flash, changed by hand, and put back with its checks made anew.
     let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
-    let cases: [(&str, &dyn Fn(&mut Vec<u8>), FaultWord, i32); 4] = [
+    let cases: [(&str, Change, FaultWord, i32); 4] = [
         (
             "a number that nobody knows yet",
             &|body| body.extend([0x03, 0xFF, 0, 0, 0, 9]),
@@ -148,6 +148,9 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     chip.restore_power();
 }
 
+/// What is done to a stored set.
+type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
+
 fn patch(body: &mut [u8], number: u16, raw: i32) {
     let pair = body[4..].chunks_mut(6).find(|pair| pair[..2] == number.to_be_bytes()).unwrap();
     pair[2..].copy_from_slice(&raw.to_be_bytes());
@@ -162,7 +165,7 @@ pub(crate) fn spoil(chip: &mut crate::support::Chip) {
 }
 
 /// Changes the body of the stored set in one map: count, body, CRC-32 over key and both.
-fn rewrite(chip: &mut crate::support::Chip, map: core::ops::Range<u32>, change: &dyn Fn(&mut Vec<u8>)) {
+fn rewrite(chip: &mut crate::support::Chip, map: core::ops::Range<u32>, change: Change) {
     use sequential_storage::cache::Cache;
     use sequential_storage::map::{MapConfig, MapStorage};
     let config = MapConfig::try_new(map).unwrap();

@@ -208,9 +208,10 @@ impl Node {
             }
             number::RESET_CALIBRATION => self.reset_calibration(),
             number::AUTO_CALIBRATE => {
-                if self.auto_calibrate().is_err() {
-                    return ParameterStatus::OutOfRange;
-                }
+                return match self.auto_calibrate() {
+                    Ok(()) => ParameterStatus::Done,
+                    Err(_) => ParameterStatus::OutOfRange,
+                };
             }
             number::HALL_CALIBRATE => self.pending.calibrate = Some(true),
             number::STORE | number::STORE_ONCE => return self.begin_store(part_of(number), number),
