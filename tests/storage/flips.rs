@@ -36,6 +36,29 @@ fn every_flipped_bit_of_the_stored_image_is_detected_and_mended() {
     assert!(flips > 10_000, "{flips}");
 }
 
+/// With older sets beside it the newest one stays the newest: a wrong bit brings none of them back.
+#[test]
+fn no_flipped_bit_brings_an_older_set_back() {
+    let mut storage = Storage::new(small(&set(0)));
+    open(&mut storage);
+    assert!(store(&mut storage, &set(1), Part::Once));
+    for variant in 1..4 {
+        assert!(store(&mut storage, &set(variant), Part::Set));
+    }
+    let chip = storage.into_flash();
+    let stored = boot(&chip).0.parameters;
+    assert_eq!(stored.raw(narx_core::dictionary::number::SPEED_RATE), 1003);
+    for (first, bytes) in chip.memory().subsectors() {
+        for (at, byte) in (first..).zip(bytes).filter(|(_, byte)| **byte != 0xFF) {
+            let mut flipped = chip.clone();
+            // Each byte once, with one of its eight bits.
+            flipped.flip(at, (at % 8) as u8 ^ byte % 8);
+            let (opened, _) = boot(&flipped);
+            assert_eq!((opened.faults, &opened.parameters), (FaultWord::empty(), &stored), "{at:x}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
