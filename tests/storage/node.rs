@@ -86,6 +86,17 @@ fn restoring_stores_the_factory_set_and_keeps_the_boards_own_facts() {
     assert_eq!(device.command(number::STORE), Some(Done));
     device.run(1000);
     assert_eq!(device.command(number::STORE_ONCE), Some(Done));
+    // Restoring keeps the distance between two stores.
+    let programs = device.storage.flash().counts().programs;
+    device.send(ToDrive::RestoreFactory { serial: 77 });
+    device.run(500);
+    assert_eq!(device.storage.flash().counts().programs, programs);
+    device.send(ToDrive::RestoreFactory { serial: 77 });
+    device.run(600);
+    assert!(device.storage.flash().counts().programs > programs);
+    device.set(number::SPEED_RATE, 1234);
+    device.run(1000);
+    assert_eq!(device.command(number::STORE), Some(Done));
     device = device.reboot();
     device.send(ToDrive::RestoreFactory { serial: 76 });
     device.run(10);
@@ -166,7 +177,7 @@ fn a_flash_that_goes_away_later_is_fault_30_and_takes_nothing_from_the_drive_whe
 fn fault_31_is_cured_by_storing_or_restoring() {
     let mut chip = small(&set(0));
     crate::store::spoil(&mut chip);
-    for restore in [false, true] {
+    for cure in 0..3 {
         let mut device = Device::new(chip.clone());
         // Addresses of the test's set are others.
         device.node = {
@@ -183,15 +194,17 @@ fn fault_31_is_cured_by_storing_or_restoring() {
         device.run(510);
         assert_eq!((device.state(), device.faults()), (State::Fault, FaultWord::STORE_VERSION));
         assert_eq!(device.get(number::LOG_PERIOD), 10, "what fits was taken over");
-        if restore {
-            device.send(ToDrive::RestoreFactory { serial: 100 });
-            device.run(10);
-        } else {
-            assert_eq!(device.command(number::STORE), Some(Done));
+        match cure {
+            0 => device.send(ToDrive::RestoreFactory { serial: 100 }),
+            1 => assert_eq!(device.command(number::STORE), Some(Done)),
+            // What did not fit is in the other part.
+            _ => assert_eq!(device.command(number::STORE_ONCE), Some(Done)),
         }
+        device.run(10);
         device.request(MotorMode::Standby);
         device.run(20);
         assert_eq!((device.state(), device.faults()), (State::Standby, FaultWord::empty()));
+        assert_eq!(crate::support::boot(device.storage.flash()).0.faults, FaultWord::empty(), "for good");
     }
 }
 

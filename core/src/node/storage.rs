@@ -39,7 +39,6 @@ struct Storing {
     part: Part,
     /// The command parameter that is answered when it is done.
     command: Option<u16>,
-    asked: bool,
 }
 
 impl Flash {
@@ -115,7 +114,7 @@ impl Node {
         if !possible || flash.now < flash.store_from {
             return ParameterStatus::Storage;
         }
-        self.flash.storing = Some(Storing { part, command: Some(number), asked: false });
+        self.flash.storing = Some(Storing { part, command: Some(number) });
         ParameterStatus::Done
     }
 
@@ -124,10 +123,10 @@ impl Node {
         self.flash.storing.is_none()
     }
 
-    /// The set in force is stored, however recent the last store.
+    /// The set in force is stored, as soon as that is allowed again.
     pub(super) fn store_factory(&mut self) {
         if self.flash.attached && !self.flash.is_absent() {
-            self.flash.storing = Some(Storing { part: Part::Set, command: None, asked: false });
+            self.flash.storing = Some(Storing { part: Part::Set, command: None });
         }
     }
 
@@ -139,8 +138,8 @@ impl Node {
             let due = quiet && flash.now >= flash.open_from;
             return due.then_some(Request::Open);
         }
-        if let Some(storing) = &mut flash.storing {
-            storing.asked = true;
+        let now = flash.now >= flash.store_from;
+        if let Some(storing) = flash.storing.filter(|_| now) {
             return Some(Request::Store(self.parameters.clone(), storing.part));
         }
         if !flash.is_ready() {

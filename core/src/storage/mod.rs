@@ -36,7 +36,7 @@ use serde::{Deserialize, Serialize};
 pub enum Request {
     /// Look whether the flash answers and what it holds.
     Open,
-    /// Store a part of the parameters. A flash of another layout gets this one first, both parts stored.
+    /// Store a part of the parameters; both parts where a stored one did not fit, or where the flash had another layout.
     Store(Parameters, Part),
     /// Write a record behind the last.
     Append(Entry),
@@ -99,6 +99,8 @@ struct Place {
     log: Log,
     /// The flash carries this layout.
     labelled: bool,
+    /// A part did not fit: the next store writes both.
+    unfit: bool,
 }
 
 /// The first bytes of a label: name and version of the layout. Its third word is the size of the flash, the fourth all
@@ -190,7 +192,7 @@ impl<F: NorFlash> Storage<F> {
         let layout = Layout::of(capacity, subsector).ok_or(Failed)?;
         let pair = Pair::of(&layout);
         let log = Log::new(layout.log.clone(), subsector);
-        let place = place.insert(Place { layout, pair, log, labelled: false });
+        let place = place.insert(Place { layout, pair, log, labelled: false, unfit: false });
         opened.log = place.log.memory();
         let labels = [
             is_label(flash, &place.layout.primary.label, capacity).await?,
@@ -217,6 +219,7 @@ impl<F: NorFlash> Storage<F> {
             }
             if found.present && part.decode(buffers.body(), &mut opened.parameters).is_err() {
                 opened.faults |= FaultWord::STORE_VERSION;
+                place.unfit = true;
             }
         }
         opened.repaired |= place.log.open(flash, &place.pair, buffers).await?;
@@ -227,15 +230,14 @@ impl<F: NorFlash> Storage<F> {
     /// On a flash without a label the maps are made first and the labels last: a label says that everything is there.
     async fn store(&mut self, parameters: &Parameters, part: Part) -> Result<(), Failed> {
         let Self { flash, place: Some(place), buffers } = self else { return Err(Failed) };
-        let Place { layout, pair, labelled, .. } = place;
-        let parts: &[Part] = if *labelled {
-            core::slice::from_ref(&part)
-        } else {
+        let Place { layout, pair, labelled, unfit, .. } = place;
+        let one = core::slice::from_ref(&part);
+        let parts = if *labelled && !*unfit { one } else { &[Part::Set, Part::Once] };
+        if !*labelled {
             for copy in [&layout.primary, &layout.mirror] {
                 blank::erase(flash, copy.label.start..copy.map.end).await?;
             }
-            &[Part::Set, Part::Once]
-        };
+        }
         for part in parts {
             let key = if *part == Part::Set { Key::Set } else { Key::Once };
             pair.write(flash, key, buffers, |body| part.encode(parameters, body)).await?;
@@ -246,6 +248,7 @@ impl<F: NorFlash> Storage<F> {
             write_label(flash, &layout.mirror.label, capacity).await?;
             *labelled = true;
         }
+        *unfit = false;
         Ok(())
     }
 }
