@@ -52,7 +52,7 @@ fn no_flipped_bit_brings_an_older_set_back() {
         for (at, byte) in (first..).zip(bytes).filter(|(_, byte)| **byte != 0xFF) {
             let mut flipped = chip.clone();
             // Each byte once, with one of its eight bits.
-            flipped.flip(at, (at % 8) as u8 ^ byte % 8);
+            flipped.flip(at, (at as u8 ^ byte) % 8);
             let (opened, _) = boot(&flipped);
             assert_eq!((opened.faults, &opened.parameters), (FaultWord::empty(), &stored), "{at:x}");
         }
