@@ -79,24 +79,26 @@ class Master:
 
         def answered():
             nonlocal asked
-            if PARAMETER not in self.seen and asked != self.broadcasts:
+            if not self.answers(number) and asked != self.broadcasts:
                 asked = self.broadcasts
                 self.send(PARAMETER_REQUEST, number)
-            return PARAMETER in self.seen
+            return self.answers(number)
 
         self.wait(seconds, answered, f"answer about parameter {number}")
         answer = self.seen[PARAMETER]
-        assert int.from_bytes(answer[0:2], "big") == number and answer[6:8] == b"\0\0"
+        assert answer[6:8] == b"\0\0"
         return int.from_bytes(answer[2:6], "big", signed=True)
 
     def write(self, number, value, seconds=1.0):
         """Writes a parameter; word 3 of the answer."""
         self.seen.pop(PARAMETER, None)
         self.send(PARAMETER_SET, number, value >> 16 & 0xFFFF, value & 0xFFFF)
-        self.wait(seconds, lambda: PARAMETER in self.seen, f"answer to the write of parameter {number}")
-        answer = self.seen[PARAMETER]
-        assert int.from_bytes(answer[0:2], "big") == number
-        return int.from_bytes(answer[6:8], "big")
+        self.wait(seconds, lambda: self.answers(number), f"answer to the write of parameter {number}")
+        return int.from_bytes(self.seen[PARAMETER][6:8], "big")
+
+    def answers(self, number):
+        """Whether the last answer is about this parameter; one may be a late answer to a question that was asked twice."""
+        return PARAMETER in self.seen and int.from_bytes(self.seen[PARAMETER][0:2], "big") == number
 
     def wait_for_state(self, state, seconds):
         self.wait(seconds, lambda: self.parameter(STATE) == state, f"state {state}")
