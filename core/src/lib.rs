@@ -14,10 +14,11 @@
 //!   CAN frames <---- bus ---->         node::Node             the background
 //!
 //!   device      both of them, joined by their queues: what a shell links
+//!   description the tables as an XML document, which the node serves
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
-//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `device`, `recording`.
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `description`, `node`, `device`, `recording`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
@@ -25,6 +26,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bus;
+pub mod description;
 pub mod device;
 pub mod dictionary;
 pub mod motor;

@@ -131,6 +131,11 @@ impl<'a, B: BackgroundSide> Background<'a, B> {
         {
             self.board.send(&frame);
         }
+        while self.board.is_ready_for_bulk()
+            && let Some(frame) = self.device.node().poll_bulk_frame()
+        {
+            self.board.send(&frame);
+        }
         // A bus that takes nothing is no fault of the drive: frames wait or are dropped, and control goes on.
         self.progress.note(CAN);
     }

@@ -20,6 +20,8 @@ struct Paper {
     arriving: VecDeque<Frame>,
     sent: Vec<Frame>,
     bus_full: bool,
+    /// Frames in the controller: the bus takes one in a pass.
+    waiting: usize,
     inputs_read: u64,
     fed: u64,
     reboots: u64,
@@ -49,6 +51,7 @@ impl BackgroundSide for Side {
     fn wait(&mut self) {
         let mut paper = self.0.borrow_mut();
         paper.now += u64::from(!paper.clock_stopped);
+        paper.waiting = paper.waiting.saturating_sub(1);
     }
 
     fn receive(&mut self) -> Option<Frame> {
@@ -59,8 +62,14 @@ impl BackgroundSide for Side {
         !self.0.borrow().bus_full
     }
 
+    fn is_ready_for_bulk(&self) -> bool {
+        self.0.borrow().waiting < 2
+    }
+
     fn send(&mut self, frame: &Frame) {
-        self.0.borrow_mut().sent.push(*frame);
+        let mut paper = self.0.borrow_mut();
+        paper.sent.push(*frame);
+        paper.waiting += 1;
     }
 
     fn slow_inputs(&mut self) -> SlowInputs {

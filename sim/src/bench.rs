@@ -32,6 +32,8 @@ const INPUTS_MS: u64 = 10;
 const PLACES: usize = 3;
 /// Frames that wait at each place on the bus.
 const QUEUE: usize = 64;
+/// Frames of a download in the drive's controller: one on the bus, and one to follow it without a gap.
+const BULK: usize = 2;
 
 /// What a bench is made of.
 #[derive(Clone, Debug)]
@@ -199,6 +201,12 @@ impl Bench {
         // The controller takes what fits; the rest waits in the node.
         while self.bus.queued(self.device) < QUEUE / 2
             && let Some(frame) = self.node.poll_frame()
+        {
+            // Room was just seen.
+            let _ = self.bus.send(self.device, frame, now_ns);
+        }
+        while self.bus.queued(self.device) < BULK
+            && let Some(frame) = self.node.poll_bulk_frame()
         {
             // Room was just seen.
             let _ = self.bus.send(self.device, frame, now_ns);

@@ -2,11 +2,13 @@
 
 mod bench;
 mod broadcast;
+mod description;
 mod device;
 mod device_halves;
 mod dictionary;
 mod document;
 mod inputs;
+mod messages;
 mod node;
 mod parameters;
 mod wire;

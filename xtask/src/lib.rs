@@ -6,6 +6,8 @@ pub mod candump;
 pub mod commutations;
 pub mod coverage;
 pub mod csv;
+pub mod dbc;
+pub mod decoded;
 pub mod demo;
 pub mod driven;
 pub mod firmware;

@@ -8,16 +8,19 @@
 //!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
 //! ```
 //!
-//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left.
+//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left; `poll_bulk_frame`
+//! only as far as the bus has taken what it gave before.
 
 mod broadcast;
 mod commands;
+mod description;
 mod inputs;
 mod outbox;
 mod parameters;
 mod requests;
 mod scale;
 
+pub use crate::description::Identity;
 pub use inputs::SlowInputs;
 
 use crate::bus::Frame;
@@ -29,24 +32,10 @@ use crate::motor::fault::FaultWord;
 use crate::motor::front_end::Board;
 use broadcast::Autosend;
 use commands::Commands;
+use description::Download;
 use outbox::Outbox;
 use parameters::Edges;
 use serde::{Deserialize, Serialize};
-
-/// What the firmware and the board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Identity {
-    /// Build number of the firmware.
-    pub build_number: u16,
-    /// Built from sources that were not committed.
-    pub source_modified: bool,
-    /// Date of the build, YYYYMMDD in decimal.
-    pub build_date: u32,
-    /// Release of the board.
-    pub hardware_release: u16,
-    /// Release of the firmware: major in the high byte, minor in the low byte.
-    pub software_release: u16,
-}
 
 /// What the shell does for the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +74,7 @@ pub struct Node {
     hall_supply_disabled: bool,
     autosend: Autosend,
     outbox: Outbox,
+    download: Download,
     pending: Pending,
     counters: Counters,
     /// Parameter for which the present set does not build.
@@ -135,6 +125,7 @@ impl Node {
             hall_supply_disabled: false,
             autosend: Autosend::default(),
             outbox: Outbox::default(),
+            download: Download::default(),
             pending: Pending { coefficients: true, ..Pending::default() },
             counters: Counters::default(),
             rejected: None,
@@ -197,11 +188,18 @@ impl Node {
         if self.autosend.is_due(now, &self.parameters, &self.board) {
             self.broadcast();
         }
+        self.measure_description();
     }
 
     /// The next frame to send, control and status before measurements.
     pub fn poll_frame(&mut self) -> Option<Frame> {
         self.outbox.pop()
+    }
+
+    /// The next frame of a download: none while anything else waits. Give the controller a second one while the first is on
+    /// the bus, and no third: whatever is sent later waits behind them.
+    pub fn poll_bulk_frame(&mut self) -> Option<Frame> {
+        if self.outbox.is_empty() { self.next_of_description() } else { None }
     }
 
     /// The next event for the control tick.

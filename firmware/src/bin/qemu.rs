@@ -72,6 +72,7 @@ mod image {
             pace: Pace::start(peripherals.SYST),
             watchdog: Watchdog::start(),
             stack: 0,
+            bus_free_at: 0,
         };
         Background::new(device, world, &PROGRESS).run()
     }
