@@ -1,7 +1,7 @@
 //! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
 
 use narx_core::bus::Frame;
-use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, ToDrive};
+use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, ToDrive, XmlCommand};
 use narx_core::device::Queues;
 use narx_core::dictionary::Parameters;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};
@@ -146,6 +146,24 @@ fn a_bus_that_takes_nothing_and_one_that_floods_stop_neither_control_nor_watchdo
     let paper = side.0.borrow();
     assert!(paper.sent.is_empty());
     assert_eq!((paper.commands.len(), paper.fed), (10_000, 10_000));
+}
+
+#[test]
+fn a_download_flows_as_fast_as_the_bus_and_fills_no_queue() {
+    let addresses = Node::new(Identity::default(), Board::BENCH).addresses();
+    let side = run(9_000, |tick, paper| {
+        if tick == 7_000 {
+            paper.sent.clear();
+            paper.arriving.push_back(ToDrive::DownloadXml(XmlCommand::Start).encode(addresses));
+        }
+        // Two of the download, and a status and a fault word.
+        assert!(paper.waiting <= 4, "{}", paper.waiting);
+        true
+    });
+    let paper = side.0.borrow();
+    let data = |frame: &&Frame| matches!(FromDrive::decode(frame), Ok((_, FromDrive::XmlData { .. })));
+    let downloaded = paper.sent.iter().filter(data).count();
+    assert!((1_980..=2_000).contains(&downloaded), "the bus takes one frame a pass: {downloaded}");
 }
 
 #[test]

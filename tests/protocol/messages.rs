@@ -1,25 +1,15 @@
 //! The table of messages and fields against the decoders, which were written without it.
 
 use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, NAMES, Words};
+use narx_sim::random::Random;
 use xtask::decoded;
-
-/// Numbers that look random (xorshift).
-fn random() -> impl FnMut() -> u64 {
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-    move || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        state
-    }
-}
 
 #[test]
 fn fields_are_where_the_decoders_read_them() {
-    let mut random = random();
+    let mut random = Random::new(3);
     for message in &MESSAGES {
         for _ in 0..300 {
-            let mut frame = decoded::random_frame(message, &mut random);
+            let mut frame = decoded::random_frame(message, &mut || random.bits());
             if message.name == "REBOOT" {
                 // The one acknowledgement there is.
                 frame = Words([1, 0, 0, 0]).frame(message.id(Addresses::FACTORY));

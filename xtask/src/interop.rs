@@ -19,9 +19,6 @@ pub fn run(root: &Path) -> Outcome {
     let target = install::target_directory(root);
     let samples = target.join("interop");
     write_samples(&samples).map_err(|error| format!("{}: {error}", samples.display()))?;
-    fs::write(samples.join("narx.dbc"), dbc::render()).map_err(|error| error.to_string())?;
-    fs::write(samples.join("decoded.csv"), decoded_frames()).map_err(|error| error.to_string())?;
-    fs::write(samples.join("description.xml"), description()).map_err(|error| error.to_string())?;
     let xtask = env::current_exe().map_err(|error| error.to_string())?;
     let demo = samples.join("demo");
     steps::run(Command::new(xtask).args(["demo", "--seconds", "1.5", "--rpm", "2000", "--out"]).arg(&demo))?;
@@ -37,9 +34,20 @@ pub fn run(root: &Path) -> Outcome {
     )
 }
 
-/// A candump log of frames as they came over the simulated bus, and the same frames as a table.
-fn write_samples(directory: &Path) -> std::io::Result<()> {
+/// Writes what the tests read, but the demonstration.
+///
+/// # Errors
+/// The folder cannot be written.
+pub fn write_samples(directory: &Path) -> std::io::Result<()> {
     fs::create_dir_all(directory)?;
+    write_logs(directory)?;
+    fs::write(directory.join("narx.dbc"), dbc::render())?;
+    fs::write(directory.join("decoded.csv"), decoded_frames())?;
+    fs::write(directory.join("description.xml"), description())
+}
+
+/// A candump log of frames as they came over the simulated bus, and the same frames as a table.
+fn write_logs(directory: &Path) -> std::io::Result<()> {
     let mut bus = Bus::<2, 64>::new(500_000);
     let (Some(sender), Some(receiver)) = (bus.attach(), bus.attach()) else {
         return Err(std::io::Error::other("no place on the bus"));
