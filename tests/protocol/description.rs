@@ -1,9 +1,12 @@
 //! The description: its text, and its download from node and bench.
 
 use crate::bench::{Bench, IDENTITY, frame};
-use narx_core::bus::narmotion::{Addresses, FromDrive, MotorMode, RequestWord, ToDrive, XmlCommand};
-use narx_core::description::{Cursor, Document};
+use narx_core::bus::narmotion::{
+    Addresses, FromDrive, MESSAGES, MotorMode, NAMES, RequestWord, ToDrive, XmlCommand,
+};
+use narx_core::description::{Cursor, Document, LOG_RECORD, SCOPE_SIGNALS};
 use narx_core::dictionary::{Dictionary, Parameters, number};
+use narx_core::motor::fault::Cause;
 use narx_core::motor::state::State;
 use narx_sim::bench::{Bench as BusBench, BenchConfig};
 use narx_sim::commissioning::{Mode, Nameplate};
@@ -56,6 +59,30 @@ fn every_parameter_is_there_once() {
         assert_eq!(text.matches(&tag).count(), 1, "{tag}");
     }
     assert_eq!(text.matches("<parameter ").count(), Dictionary::rows().count());
+}
+
+/// They go into the document as they stand.
+#[test]
+fn no_text_of_a_table_has_markup() {
+    let mut texts: Vec<&str> = Vec::new();
+    texts.extend(
+        Dictionary::rows().flat_map(|row| [row.name, row.unit, row.description, row.category.label()]),
+    );
+    for message in &MESSAGES {
+        texts.push(message.name);
+        texts.extend(message.fields().flat_map(|field| [field.name, field.unit]));
+    }
+    for names in NAMES {
+        texts.push(names.of);
+        texts.extend(names.values.iter().map(|(_, name)| name));
+    }
+    texts.extend(State::ALL.map(State::name));
+    texts.extend(Cause::TABLE.iter().map(|row| row.meaning));
+    texts.extend(SCOPE_SIGNALS.iter().flat_map(|signal| [signal.name, signal.unit]));
+    texts.extend(LOG_RECORD.iter().map(|entry| entry.name));
+    for text in texts {
+        assert!(!text.contains(['&', '<', '>', '"']) && !text.chars().any(char::is_control), "{text}");
+    }
 }
 
 proptest! {
@@ -266,13 +293,11 @@ fn alone_on_the_bus_a_download_takes_all_of_it() {
     let busy = after.busy_ns - before.busy_ns;
     let load = busy as f64 / (last - first) as f64 * (frames - 1) as f64 / (frames + 1) as f64;
     assert!(load >= 0.95, "{load}");
-    let text = String::from_utf8(bytes).unwrap();
+    let (bytes, words) = (text().len(), text().len().div_ceil(2));
+    let seconds = (last - first) as f64 / 1e9;
+    let load = load * 100.0;
     insta::assert_snapshot!(format!(
-        "{} bytes, {} words, {frames} frames, {:.3} s, bus load {:.1} %",
-        text.trim_end_matches('\0').trim_end().len() + 1,
-        text.trim_end_matches('\0').len().div_ceil(2),
-        (last - first) as f64 / 1e9,
-        load * 100.0
+        "{bytes} bytes, {words} words, {frames} frames, {seconds:.3} s, bus load {load:.1} %"
     ));
 }
 

@@ -15,7 +15,6 @@ mod log;
 mod sections;
 mod signals;
 mod window;
-mod xml;
 
 pub use identity::Identity;
 pub use log::{LOG_RECORD, LogEntry};

@@ -1,6 +1,7 @@
 //! The lines of the document: a head, the rows of each table between its tags, and the end.
+//!
+//! Texts of the tables go into it as they stand: none has a character of markup (`tests/protocol/description.rs`).
 
-use super::xml::{Escaped, Unit};
 use super::{Document, FORMAT, LOG_RECORD, LogEntry, SCOPE_SIGNALS, ScopeSignal};
 use crate::bus::narmotion::{Field, MESSAGES, Meaning, MessageKind, NAMES, Names};
 use crate::dictionary::{Access, Category, Decimal, Dictionary, Effect, PARAMETER_COUNT, Parameter};
@@ -97,19 +98,26 @@ const fn section(
 }
 
 fn category(category: Category, out: &mut dyn Write) -> fmt::Result {
-    let (number, name) = category.label().split_once('-').unwrap_or_default();
-    writeln!(out, "<category number=\"{number}\" name=\"{}\"/>", Escaped(name))
+    let (number, name) = number_and_name(category);
+    writeln!(out, "<category number=\"{number}\" name=\"{}\"/>", name)
+}
+
+/// The two halves of the printed label.
+fn number_and_name(category: Category) -> (&'static str, &'static str) {
+    let label = category.label();
+    let hyphen = label.bytes().position(|byte| byte == b'-').unwrap_or(0);
+    (label.get(..hyphen).unwrap_or(""), label.get(hyphen + 1..).unwrap_or(""))
 }
 
 fn parameter(row: &Parameter, out: &mut dyn Write) -> fmt::Result {
     let value = |digits| Decimal { digits, exponent: row.exponent };
-    let category = row.category.label().split_once('-').unwrap_or_default().0;
+    let (category, _) = number_and_name(row.category);
     write!(
         out,
         "<parameter number=\"{}\" category=\"{category}\" name=\"{}\"{} type=\"{}\" scale=\"{}\" min=\"{}\" max=\"{}\" \
          factory=\"{}\"",
         row.number,
-        Escaped(row.name),
+        row.name,
         Unit(row.unit),
         row.kind.label(),
         value(1),
@@ -131,7 +139,7 @@ fn parameter(row: &Parameter, out: &mut dyn Write) -> fmt::Result {
         Effect::NextStart => out.write_str(" acts=\"next start\"")?,
         Effect::Reboot => out.write_str(" acts=\"reboot\"")?,
     }
-    writeln!(out, ">{}</parameter>", Escaped(row.description))
+    writeln!(out, ">{}</parameter>", row.description)
 }
 
 fn message(document: &Document, row: usize, out: &mut dyn Write) -> fmt::Result {
@@ -153,7 +161,7 @@ fn field(field: &Field, out: &mut dyn Write) -> fmt::Result {
     write!(
         out,
         "<field name=\"{}\" bit=\"{}\" bits=\"{}\" type=\"{}\"",
-        Escaped(field.name),
+        field.name,
         field.first_bit,
         field.bits,
         if field.signed { "int" } else { "uint" },
@@ -174,14 +182,14 @@ fn field(field: &Field, out: &mut dyn Write) -> fmt::Result {
 fn names(names: &Names, out: &mut dyn Write) -> fmt::Result {
     write!(out, "<meaning name=\"{}\">", names.of)?;
     for (value, name) in names.values {
-        write!(out, "<value number=\"{value}\" name=\"{}\"/>", Escaped(name))?;
+        write!(out, "<value number=\"{value}\" name=\"{}\"/>", name)?;
     }
     writeln!(out, "</meaning>")
 }
 
 fn state(state: State, out: &mut dyn Write) -> fmt::Result {
     let (number, driving) = (state as u8, u8::from(state.is_driving()));
-    writeln!(out, "<state number=\"{number}\" name=\"{}\" driving=\"{driving}\"/>", Escaped(state.name()))
+    writeln!(out, "<state number=\"{number}\" name=\"{}\" driving=\"{driving}\"/>", state.name())
 }
 
 fn fault(_: &Document, row: usize, out: &mut dyn Write) -> fmt::Result {
@@ -205,17 +213,26 @@ fn cause(_: &Document, row: usize, out: &mut dyn Write) -> fmt::Result {
         out,
         "<cause code=\"{code}\" bit=\"{}\" unit=\"s\" qualification=\"{qualification}\">{}</cause>",
         code >> 8,
-        Escaped(row.meaning)
+        row.meaning
     )
 }
 
 fn scope_signal(bit: usize, signal: &ScopeSignal, out: &mut dyn Write) -> fmt::Result {
     let ScopeSignal { name, unit, base } = signal;
-    writeln!(out, "<signal bit=\"{bit}\" name=\"{}\"{} base=\"{base}\"/>", Escaped(name), Unit(unit))
+    writeln!(out, "<signal bit=\"{bit}\" name=\"{}\"{} base=\"{base}\"/>", name, Unit(unit))
 }
 
 fn log_entry(entry: &LogEntry, out: &mut dyn Write) -> fmt::Result {
     let LogEntry { name, kind, parameters: (first, last) } = entry;
     let kind = kind.label();
-    writeln!(out, "<entry name=\"{}\" type=\"{kind}\" first=\"{first}\" last=\"{last}\"/>", Escaped(name))
+    writeln!(out, "<entry name=\"{}\" type=\"{kind}\" first=\"{first}\" last=\"{last}\"/>", name)
+}
+
+/// The attribute `unit`, where there is one.
+struct Unit(&'static str);
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 == "-" { Ok(()) } else { write!(f, " unit=\"{}\"", self.0) }
+    }
 }
