@@ -46,7 +46,7 @@ const PRINTED: [(u32, u8, u8, u8, u8, u16); 32] = [
 ];
 
 /// One frame of every row that a master sends: message, identifier, bytes.
-const TO_DRIVE: [(ToDrive, u32, u64); 15] = [
+const TO_DRIVE: [(ToDrive, u32, u64); 16] = [
     (ToDrive::RequestBuildInfo, 0x0AAD_5400, 0),
     (ToDrive::RequestDeviceInfo, 0x0AAD_5401, 0),
     (ToDrive::RequestWord(RequestWord { mode: MotorMode::Drive }), 0x0AAD_5202, 0x0000_0001_0000_0000),
@@ -71,6 +71,7 @@ const TO_DRIVE: [(ToDrive, u32, u64); 15] = [
     (ToDrive::TriggerScope, 0x0AAD_5270, 0),
     (ToDrive::DownloadScope, 0x0AAD_5470, 0),
     (ToDrive::RestoreFactory { serial: 0x1234 }, 0x0AAD_5271, 0x1234_0000_0000_0000),
+    (ToDrive::DownloadXml(XmlCommand::Length), 0x0AAD_5482, 0),
     (ToDrive::DownloadXml(XmlCommand::Start), 0x0AAD_5482, 0x0001_0000_0000_0000),
 ];
 

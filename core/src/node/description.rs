@@ -7,7 +7,7 @@ use crate::description::{Cursor, Document};
 use serde::{Deserialize, Serialize};
 
 /// Lines measured in one poll, so that a request for the length never holds up the background.
-const LINES_A_POLL: usize = 8;
+const LINES_A_POLL: usize = 4;
 /// Bytes in a frame of data: three words.
 const BYTES: usize = 6;
 
