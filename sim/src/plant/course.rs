@@ -11,6 +11,9 @@ use super::wiring::Wiring;
 
 /// Longest course, s: a period at 10 kHz.
 const LENGTH_MAX: f64 = 100e-6;
+/// Part of the shaft's and the circuit's common swing, rad, that a course may be long: a rotor that is light for its torque swings
+/// against the winding's inductance within a period.
+const SWING_MAX: f64 = 0.1;
 /// Courses are not made shorter than this because of a wrong prediction, s.
 const LENGTH_MIN: f64 = 5e-6;
 /// Less is no course, s: rounding may leave the shaft a hair before a corner.
@@ -28,8 +31,9 @@ pub(crate) struct Course {
     length: f64,
     /// How much of it is done, s.
     pub(crate) elapsed: f64,
-    /// Longest one that the shaft can be predicted for, s.
+    /// Longest one that the shaft can be predicted for now, and at its best, s.
     length_max: f64,
+    ceiling: f64,
     motion: Motion,
     /// What the electrical torque's slope, as [`super::segment::Pace`] tells it, does to the acceleration.
     pub(crate) lean: f64,
@@ -48,6 +52,7 @@ impl Course {
             length: 0.0,
             elapsed: 0.0,
             length_max: LENGTH_MAX,
+            ceiling: LENGTH_MAX,
             motion: Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 },
             lean: 0.0,
             rate: 0.0,
@@ -135,6 +140,15 @@ impl Stage {
         length
     }
 
+    /// The rotor's inertia, or the winding's inductance, is what it is from now on.
+    pub(crate) fn limit_courses(&mut self) {
+        let peak = self.shape.peak();
+        let swing = (2.0 * peak * peak * self.network.per_l * self.shaft.per_inertia()).sqrt();
+        let course = &mut self.course;
+        course.ceiling = (SWING_MAX / swing.max(SWING_MAX / LENGTH_MAX)).max(LENGTH_MIN);
+        course.length_max = course.length_max.min(course.ceiling);
+    }
+
     /// Longest course up to `limit` that the approximations allow.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn longest(&self, limit: f64) -> f64 {
@@ -175,8 +189,8 @@ impl Stage {
         let allowed = EMF_ERROR.0 + EMF_ERROR.1 * self.shape.peak() * expected.abs();
         if error > allowed {
             self.course.length_max = (0.5 * h).max(LENGTH_MIN);
-        } else if error < 0.25 * allowed && course.length_max < LENGTH_MAX {
-            self.course.length_max = (2.0 * course.length_max).min(LENGTH_MAX);
+        } else if error < 0.25 * allowed && course.length_max < course.ceiling {
+            self.course.length_max = (2.0 * course.length_max).min(course.ceiling);
         }
         if self.shape.is_sine() {
             self.rotation = self.course.sweep.end(turn.path * self.shaft.pole_pairs());
