@@ -1,8 +1,12 @@
-//! Counts the instructions of every `Drive::step` in recordings: `count FILE...`, under `-icount shift=7`.
+//! Counts the instructions of every `Drive::step` in recordings: `count FILE... [--running FILE...]`, under `-icount shift=7`.
 //!
 //! Prints `vector STEM TICKS TOTAL WORST` for every file, then `state NUMBER TICKS TOTAL WORST` for every state (Table 6)
 //! over all files, and `bracket N`, what the measurement cost itself and was taken off. A tick counts for the state in which
 //! it ends. Steps that answer anything else than what was recorded are not counted: cheaper must mean the same bits.
+//!
+//! Files behind `--running` count for no state. Each gives `running STEM TICKS TOTAL WORST`: its ticks from 0.2 s after the closed loop began.
+//!
+//! `bytes state N` and `bytes coefficients N` are the sizes of the drive without its coefficients, and of these.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -22,7 +26,7 @@ fn main() -> ! {
 #[cfg(target_os = "none")]
 mod image {
     use cortex_m_semihosting::hprintln;
-    use narx_core::motor::{Drive, Event, PwmCommand, Samples, Status};
+    use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Samples, State, Status};
     use narx_core::recording::{Recording, ReplayError, Replayable, replay_with};
     use narx_firmware::boards::qemu::instructions::{self, Sum};
     use narx_firmware::boards::qemu::{semihosting, stem};
@@ -30,29 +34,42 @@ mod image {
 
     /// States of the drive (Table 6).
     const STATES: usize = 8;
+    /// Ticks of closed loop after which a motor counts as one that just runs: 0.2 s at 10 kHz.
+    const SETTLED: u32 = 2_000;
 
     /// Counts all files; false if one could not be.
     pub(crate) fn run<'a>(arguments: impl Iterator<Item = &'a str>, buffer: &mut [u8]) -> bool {
         let Some(mut peripherals) = cortex_m::Peripherals::take() else { return false };
         let bracket = instructions::start(&mut peripherals.SYST);
         let mut states = [Sum::default(); STATES];
-        let mut success = true;
+        let (mut success, mut running) = (true, false);
         for path in arguments {
+            if path == "--running" {
+                running = true;
+                continue;
+            }
             let stem = stem(path);
-            match semihosting::read_file(path, buffer) {
-                Ok(bytes) => match count(bytes, bracket, &mut states) {
-                    Ok((sum, true)) => hprintln!("vector {} {}", stem, sum),
-                    Ok((_, false)) => {
-                        hprintln!("{} error the outputs are not the recorded ones", stem);
-                        success = false;
-                    }
-                    Err(error) => {
-                        hprintln!("{} error {}", stem, error);
-                        success = false;
-                    }
-                },
+            let bytes = match semihosting::read_file(path, buffer) {
+                Ok(bytes) => bytes,
                 Err(error) => {
                     hprintln!("{} error {} {}", stem, path, error);
+                    success = false;
+                    continue;
+                }
+            };
+            let (kind, counted) = if running {
+                ("running", count_running(bytes, bracket))
+            } else {
+                ("vector", count_all(bytes, bracket, &mut states))
+            };
+            match counted {
+                Ok((sum, true)) => hprintln!("{} {} {}", kind, stem, sum),
+                Ok((_, false)) => {
+                    hprintln!("{} error the outputs are not the recorded ones", stem);
+                    success = false;
+                }
+                Err(error) => {
+                    hprintln!("{} error {}", stem, error);
                     success = false;
                 }
             }
@@ -60,20 +77,44 @@ mod image {
         for (number, sum) in states.iter().enumerate().filter(|(_, sum)| sum.ticks > 0) {
             hprintln!("state {} {}", number, sum);
         }
+        hprintln!("bytes state {}", size_of::<Drive>() - size_of::<Coefficients>());
+        hprintln!("bytes coefficients {}", size_of::<Coefficients>());
         hprintln!("bracket {}", bracket);
         success
     }
 
-    fn count(bytes: &[u8], bracket: u32, states: &mut [Sum; STATES]) -> Result<(Sum, bool), ReplayError> {
+    /// Every tick, also for the state in which it ends.
+    fn count_all(bytes: &[u8], bracket: u32, states: &mut [Sum; STATES]) -> Result<(Sum, bool), ReplayError> {
         let mut sum = Sum::default();
-        let outcome = replay_with::<Metered>(&Recording::open(bytes)?, |metered, _, _| {
-            let instructions = metered.instructions.saturating_sub(bracket);
+        let identical = count(bytes, bracket, |state, instructions| {
             sum.add(instructions);
-            if let Some(state) = states.get_mut(metered.drive.state() as usize) {
+            if let Some(state) = states.get_mut(state as usize) {
                 state.add(instructions);
             }
         })?;
-        Ok((sum, outcome.is_identical()))
+        Ok((sum, identical))
+    }
+
+    /// The ticks of a motor that just runs.
+    fn count_running(bytes: &[u8], bracket: u32) -> Result<(Sum, bool), ReplayError> {
+        let mut sum = Sum::default();
+        let mut lasted = 0;
+        let identical = count(bytes, bracket, |state, instructions| {
+            let closed = matches!(state, State::HallClosedLoop | State::SensorlessClosedLoop);
+            lasted = if closed { lasted + 1 } else { 0 };
+            if lasted > SETTLED {
+                sum.add(instructions);
+            }
+        })?;
+        Ok((sum, identical))
+    }
+
+    /// Shows `each` tick's state and instructions; true if the outputs were the recorded ones.
+    fn count(bytes: &[u8], bracket: u32, mut each: impl FnMut(State, u32)) -> Result<bool, ReplayError> {
+        let outcome = replay_with::<Metered>(&Recording::open(bytes)?, |metered, _, _| {
+            each(metered.drive.state(), metered.instructions.saturating_sub(bracket));
+        })?;
+        Ok(outcome.is_identical())
     }
 
     /// A drive whose steps are counted.
@@ -91,7 +132,7 @@ mod image {
         }
 
         fn step(&mut self, samples: &Samples) -> PwmCommand {
-            let (command, instructions) = instructions::count(|| step(&mut self.drive, samples));
+            let (command, instructions) = measure(&mut self.drive, samples);
             self.instructions = instructions;
             command
         }
@@ -99,6 +140,12 @@ mod image {
         fn poll_status(&mut self) -> Option<Status> {
             self.drive.poll_status()
         }
+    }
+
+    /// A function of its own, so that what the compiler does around it does not move the figure.
+    #[inline(never)]
+    fn measure(drive: &mut Drive, samples: &Samples) -> (PwmCommand, u32) {
+        instructions::count(|| step(drive, samples))
     }
 
     /// The step as one call, as an interrupt would make it.

@@ -2,6 +2,7 @@
 //! market and on random plants. Everything has a seed; what fails is printed with the command that runs it again.
 
 mod case;
+mod cost;
 mod efficiency;
 mod faults;
 mod load_step;
@@ -26,7 +27,7 @@ use clap::Args;
 use report::Row;
 use std::fs;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -63,6 +64,11 @@ pub fn command(arguments: &Arguments) -> ExitCode {
     }
 }
 
+/// The working copy.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}
+
 /// True if every promise is kept.
 fn measure(arguments: &Arguments) -> io::Result<bool> {
     fs::create_dir_all(&arguments.out)?;
@@ -93,10 +99,12 @@ fn measure(arguments: &Arguments) -> io::Result<bool> {
     }
     println!();
     report::print(&rows);
+    println!();
+    cost::print(root());
     fs::write(arguments.out.join("bench.json"), report::json(&rows, arguments, cases.len()))?;
     fs::write(arguments.out.join("starts.svg"), picture::svg(&starts).map_err(io::Error::other)?)?;
     println!(
-        "\nwritten to {}: bench.json starts.svg ({:.0} s)",
+        "written to {}: bench.json starts.svg ({:.0} s)",
         arguments.out.display(),
         begun.elapsed().as_secs_f64()
     );

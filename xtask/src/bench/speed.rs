@@ -26,7 +26,7 @@ pub fn command() -> ExitCode {
 
 /// Rate and ratio in hall and sensorless mode.
 pub(super) fn rows(_: &[u64]) -> Vec<Row> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
+    let root = super::root();
     let bench = driven::build(root);
     let floor = compile_floor(root);
     let mut best = [0.0f64; 2];
@@ -68,7 +68,9 @@ fn row(
     let ratio = if floor > 0.0 { rate / floor } else { f64::NAN };
     let beside = match no_floor {
         Some(reason) => format!("no C loop beside it: {reason}"),
-        None => format!("{ratio:.2} of the {floor:.0} of a C loop with a simpler plant"),
+        None => {
+            format!("{ratio:.2} of the {floor:.0} of a C loop with a simpler plant (xtask/floor/plant.c)")
+        }
     };
     Row {
         promise,

@@ -11,7 +11,7 @@ use crate::{candump, csv};
 use figures::Figures;
 use narx_core::motor::{Drive, State};
 use narx_core::recording::{Recording, replay};
-use narx_sim::session::{Session, SessionError};
+use narx_sim::session::{Session, SessionConfig, SessionError};
 use request::Request;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -36,6 +36,16 @@ pub fn run(arguments: &Arguments) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// The session of a demonstration and its speed, rpm: what `cargo xtask demo` with these arguments runs.
+///
+/// # Errors
+/// Arguments that cannot be, in one line.
+pub fn session(arguments: &[&str]) -> Result<(SessionConfig, i32), String> {
+    let arguments = Arguments::read(arguments).map_err(|error| error.to_string())?;
+    let request = Request::new(&arguments).map_err(|refused| refused.to_string())?;
+    Ok((request.session, request.rpm))
 }
 
 /// When the master asks for Drive, s: after boot (0.5 s) and two of its periods of Standby.

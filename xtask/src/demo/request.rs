@@ -1,6 +1,6 @@
 //! What was asked for, checked before anything runs or is written.
 
-use clap::Args;
+use clap::{Args, Command, FromArgMatches};
 use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::presets::{PRESETS, Preset, preset};
 use narx_sim::session::SessionConfig;
@@ -31,6 +31,14 @@ pub struct Arguments {
     /// Where run.svg, run.csv, run.log and run.narxrec go
     #[arg(long, default_value = "target/demo")]
     pub out: PathBuf,
+}
+
+impl Arguments {
+    /// As if typed behind `demo`.
+    pub(super) fn read(words: &[&str]) -> Result<Self, clap::Error> {
+        let command = Self::augment_args(Command::new("demo").no_binary_name(true));
+        Self::from_arg_matches(&command.try_get_matches_from(words)?)
+    }
 }
 
 /// A run that can be.

@@ -1,10 +1,11 @@
 //! The C library: C programs on this machine, also under sanitizers, and on an emulated Cortex-M4F.
 
 use super::rust::EMBEDDED;
+use crate::cross::STRICT;
 use crate::install::{self, Package, target_directory};
 use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
-use crate::{header, qemu, vectors};
+use crate::{cross, header, qemu, vectors};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -16,8 +17,8 @@ const SMALLEST: &str = "thumbv6m-none-eabi";
 const PACKAGES: [Package; 5] = [
     Package { name: "gcc", provides: "gcc" },
     Package { name: "g++", provides: "g++" },
-    Package { name: "gcc-arm-none-eabi", provides: "arm-none-eabi-gcc" },
-    Package { name: "libnewlib-arm-none-eabi", provides: "/usr/lib/arm-none-eabi/newlib/rdimon.specs" },
+    cross::PACKAGES[0],
+    cross::PACKAGES[1],
     Package { name: "qemu-system-arm", provides: qemu::PROGRAM },
 ];
 
@@ -80,19 +81,10 @@ impl Build {
 
     /// Compiler and options.
     fn compiler(self, root: &Path) -> Command {
-        let tests = root.join("tests/c");
-        let mut command = Command::new(if matches!(self, CortexM4F) { "arm-none-eabi-gcc" } else { "gcc" });
+        let mut command = if let CortexM4F = self { cross::compiler(root) } else { Command::new("gcc") };
         command.args(["-std=c99", "-O2", "-g"]).args(STRICT).arg("-I").arg(root.join("ffi/include"));
-        match self {
-            Host => {}
-            Sanitized => {
-                command.args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
-            }
-            CortexM4F => {
-                command.args(["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]);
-                command.args(["--specs=rdimon.specs", "-Wl,--gc-sections,-z,noexecstack"]);
-                command.arg("-T").arg(tests.join("mps2.ld")).arg(tests.join("startup.c"));
-            }
+        if let Sanitized = self {
+            command.args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
         }
         command
     }
@@ -110,9 +102,6 @@ impl Build {
         }
     }
 }
-
-/// C compilers accept the header and the programs without a word.
-const STRICT: [&str; 4] = ["-pedantic", "-Wall", "-Wextra", "-Werror"];
 
 /// Where the C programs go.
 fn directory(root: &Path) -> PathBuf {
