@@ -143,7 +143,7 @@ impl Stage {
     /// The rotor's inertia, or the winding's inductance, is what it is from now on.
     pub(crate) fn limit_courses(&mut self) {
         let peak = self.shape.peak();
-        let swing = (2.0 * peak * peak * self.network.per_l * self.shaft.per_inertia()).sqrt();
+        let swing = libm::sqrt(2.0 * peak * peak * self.network.per_l * self.shaft.per_inertia());
         let course = &mut self.course;
         course.ceiling = (SWING_MAX / swing.max(SWING_MAX / LENGTH_MAX)).max(LENGTH_MIN);
         course.length_max = course.length_max.min(course.ceiling);
