@@ -11,6 +11,7 @@ use narx_core::motor::Board;
 
 use crate::engineering::{self, ValueError};
 use crate::plant::MotorConfig;
+use crate::shown::Shown;
 
 /// Which control mode to enable (Table 6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,30 +103,37 @@ pub enum Note {
 
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        let (tenths, whole) = (|value| Shown::Rounded(value, 1), |value| Shown::Rounded(value, 0));
+        match *self {
             Self::DutyForRipple { duty, ripple } => write!(
                 f,
-                "duty is limited to {:.1} %: the current ripple of {ripple:.1} A there leaves no more below the 12 A peak",
-                duty * 100.0
+                "duty is limited to {} %: the current ripple of {} A there leaves no more below the 12 A peak",
+                tenths(duty * 100.0),
+                tenths(ripple)
             ),
             Self::CurrentForRipple { current, ripple } => write!(
                 f,
-                "mean phase current is limited to {current:.1} A: the ripple of {ripple:.1} A must stay below the 12 A peak"
+                "mean phase current is limited to {} A: the ripple of {} A must stay below the 12 A peak",
+                tenths(current),
+                tenths(ripple)
             ),
             Self::CurrentForBus { current } => write!(
                 f,
-                "mean phase current is limited to {current:.1} A: the energy that commutation returns must not lift the bus to 61 V"
+                "mean phase current is limited to {} A: the energy that commutation returns must not lift the bus to 61 V",
+                tenths(current)
             ),
             Self::SpeedForSampling { speed } => {
                 write!(
                     f,
-                    "sensorless speed is limited to {speed:.0} rpm: faster, a sector has less than four samples of back-EMF"
+                    "sensorless speed is limited to {} rpm: faster, a sector has less than four samples of back-EMF",
+                    whole(speed)
                 )
             }
             Self::SpeedForTick { speed } => {
                 write!(
                     f,
-                    "speed is limited to {speed:.0} rpm: faster, a sector has less than two control ticks"
+                    "speed is limited to {} rpm: faster, a sector has less than two control ticks",
+                    whole(speed)
                 )
             }
         }
@@ -164,11 +172,17 @@ impl From<ValueError> for CommissioningError {
 impl fmt::Display for CommissioningError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Supply(voltage) => write!(f, "supply voltage {voltage} V is outside 18 to 60 V"),
-            Self::Motor { name, value } => write!(f, "motor {name} {value} must be greater than 0"),
+            Self::Supply(voltage) => {
+                write!(f, "supply voltage {} V is outside 18 to 60 V", Shown::Plain(*voltage))
+            }
+            Self::Motor { name, value } => {
+                write!(f, "motor {name} {} must be greater than 0", Shown::Plain(*value))
+            }
             Self::TooSlow { speed_max, speed_min } => write!(
                 f,
-                "the drive's limits leave this motor {speed_max:.0} rpm on this supply, less than the {speed_min:.0} rpm it needs"
+                "the drive's limits leave this motor {} rpm on this supply, less than the {} rpm it needs",
+                Shown::Rounded(*speed_max, 0),
+                Shown::Rounded(*speed_min, 0)
             ),
             Self::Parameter(error) => write!(f, "no fitting value: {error}"),
         }

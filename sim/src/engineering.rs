@@ -1,5 +1,6 @@
 //! Parameters in their units: 4.5 A rather than 4500 of 10^-3 A.
 
+use crate::shown::Shown;
 use core::fmt;
 use narx_core::dictionary::{Decimal, Dictionary, Parameter, Parameters};
 
@@ -62,9 +63,10 @@ impl fmt::Display for ValueError {
                 let space = if unit.is_empty() { "" } else { " " };
                 write!(
                     f,
-                    "parameter {} \"{}\": {value}{space}{unit} is outside {} to {}{space}{unit}",
+                    "parameter {} \"{}\": {}{space}{unit} is outside {} to {}{space}{unit}",
                     parameter.number,
                     parameter.name,
+                    Shown::Plain(*value),
                     limit(parameter.min),
                     limit(parameter.max)
                 )

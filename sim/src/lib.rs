@@ -20,5 +20,6 @@ pub mod random_plant;
 pub mod recording;
 #[cfg(feature = "alloc")]
 pub mod session;
+mod shown;
 #[cfg(feature = "alloc")]
 pub mod trace;

@@ -6,8 +6,8 @@ use crate::steady::measure;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Sight};
 use narx_core::motor::control::Control;
-use narx_core::motor::gain::Gain;
 use narx_core::motor::front_end::Channel;
+use narx_core::motor::gain::Gain;
 use narx_core::motor::measurement::ChannelScale;
 use narx_core::motor::zero_crossing::{Why, ZeroCrossing};
 use narx_core::motor::{
@@ -111,8 +111,13 @@ fn sampling_mode_has_hysteresis() {
 fn demagnetisation_is_no_evidence() {
     // Codes are millivolts.
     let terminal = ChannelScale::new(Channel { zero: 0, micro_per_code: 1_000 }, 0);
-    let c =
-        BackEmfCoefficients { terminal, noise: 5_120, discard: 1 << 16, earliest: 8_192, ..Default::default() };
+    let c = BackEmfCoefficients {
+        terminal,
+        noise: 5_120,
+        discard: 1 << 16,
+        earliest: 8_192,
+        ..Default::default()
+    };
     let mut back_emf = BackEmf::default();
     let mut crossings = Vec::new();
     for tick in 0..20 {

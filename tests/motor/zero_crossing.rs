@@ -1,9 +1,9 @@
 //! Back-EMF samples, edges and levels to crossings; crossings to angle and speed; episodes to faults.
 
 use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Level, Sight};
+use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::Gain;
 use narx_core::motor::listening::Listening;
-use narx_core::motor::front_end::Channel;
 use narx_core::motor::measurement::ChannelScale;
 use narx_core::motor::pwm::Commutation;
 use narx_core::motor::rails::{Rail, RailCoefficients, Rails};

@@ -110,7 +110,8 @@ impl Bench {
     /// Lets time run, to the nearest control tick, and returns the rows of this run.
     pub fn run(&mut self, seconds: f64) -> Result<Trace, JsValue> {
         if !(0.0..=RUN_MAX).contains(&seconds) {
-            let message = format!("run {}: must be 0 to {RUN_MAX} s", shown(&seconds.into()));
+            let message =
+                format!("run {}: must be 0 to {} s", shown(&seconds.into()), shown(&RUN_MAX.into()));
             return Err(range_error(&message));
         }
         self.0.run(seconds);

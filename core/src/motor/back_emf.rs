@@ -244,7 +244,8 @@ impl BackEmf {
             // At rest a comparator's output says nothing.
             sight.late &= interval > 0;
         } else if self.age.saturating_add(applied.sample_at.into()) >= self.blank {
-            if self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, self.age, watch) {
+            if self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, self.age, watch)
+            {
                 (self.count, self.sum) = (0, 0);
             } else {
                 self.sample(c, samples, applied.sample_at, watch, &mut sight);
@@ -269,7 +270,11 @@ impl BackEmf {
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.
     #[inline]
     pub fn expects(&self, present: Step, torque: Direction) -> Option<u8> {
-        if present == self.step && self.passage == Passage::Found { None } else { present.rotor_sector(torque) }
+        if present == self.step && self.passage == Passage::Found {
+            None
+        } else {
+            present.rotor_sector(torque)
+        }
     }
 
     /// Ages the pattern by the period that has ended and takes over its changes. True if a step ended unseen.

@@ -190,13 +190,8 @@ impl Drive {
     fn finish(&mut self, pattern: &Pattern, measured: &Measured) {
         let mode =
             if self.listens { &self.coefficients.sensorless_mode } else { &self.coefficients.hall_mode };
-        let output = self.control.step(
-            &self.coefficients.control,
-            mode,
-            pattern.demand,
-            measured,
-            &self.measurement,
-        );
+        let output =
+            self.control.step(&self.coefficients.control, mode, pattern.demand, measured, &self.measurement);
         self.applied = self.command(pattern, output.duty, output.rectification);
     }
 
@@ -321,7 +316,8 @@ impl Drive {
     /// The hall sensors' events, or their silence, are for the fault logic: everything but an edge forward.
     #[inline]
     fn minds(&self, hall: HallEvents) -> bool {
-        let forward = i32::from(hall.sectors) == self.machine.direction().sign() && self.protection.goes_forward();
+        let forward =
+            i32::from(hall.sectors) == self.machine.direction().sign() && self.protection.goes_forward();
         hall.invalid
             || hall.jump
             || (hall.sectors != 0 && !forward)

@@ -213,7 +213,8 @@ impl Hall {
             && c.sectors[(edge.code & 7) as usize] == level;
         let settled = self.settled && !self.doubt && self.valid > 0;
         let interval = self.since_edge.saturating_sub(age);
-        (forward && settled && interval >= self.newest() / 2 && interval < c.timeout.min(LONGEST)).then_some(age)
+        (forward && settled && interval >= self.newest() / 2 && interval < c.timeout.min(LONGEST))
+            .then_some(age)
     }
 
     /// The rotor has entered the next sector, `age` before this tick's boundary.

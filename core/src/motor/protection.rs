@@ -207,12 +207,19 @@ impl Protection {
     /// With everything at rest, would what a tick measures move anything? Most ticks need no more than this.
     #[inline]
     pub fn stays_quiet(&self, c: &ProtectionCoefficients, seen: &Seen) -> bool {
-        self.stays_calm(c, seen.bus_voltage, seen.bus_current, seen.lines) && seen.speed <= self.overspeed_trip
+        self.stays_calm(c, seen.bus_voltage, seen.bus_current, seen.lines)
+            && seen.speed <= self.overspeed_trip
     }
 
     /// The same while the speed stays as it was.
     #[inline]
-    pub fn stays_calm(&self, c: &ProtectionCoefficients, bus_voltage: i32, bus_current: i32, lines: Lines) -> bool {
+    pub fn stays_calm(
+        &self,
+        c: &ProtectionCoefficients,
+        bus_voltage: i32,
+        bus_current: i32,
+        lines: Lines,
+    ) -> bool {
         let looked_at = Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(c.shutdown_lines);
         self.quiet
             && bus_voltage <= c.over_voltage.trip

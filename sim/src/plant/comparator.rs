@@ -51,7 +51,7 @@ impl Comparators {
             count += 1;
         }
         let crossings = &mut crossings[..count];
-        crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        into_order(crossings, |a, b| a.0 > b.0);
         for &mut (at, bit) in crossings {
             self.code ^= bit;
             if self.pending.push_back((at + self.config.delay, self.code)).is_err() {
@@ -73,6 +73,17 @@ impl Comparators {
         }
         self.pending = later;
         // Hall edges came first: into the order of time.
-        capture.edges.sort_unstable_by_key(|edge| edge.instant);
+        into_order(&mut capture.edges, |a, b| a.instant > b.instant);
+    }
+}
+
+/// Three or four items: the library's sorting is made for more, and costs the browser 3 KB.
+fn into_order<T>(items: &mut [T], is_later: impl Fn(&T, &T) -> bool) {
+    for end in 1..items.len() {
+        let mut place = end;
+        while place > 0 && is_later(&items[place - 1], &items[place]) {
+            items.swap(place - 1, place);
+            place -= 1;
+        }
     }
 }

@@ -278,7 +278,7 @@ impl Shaft {
             }
             // It comes to rest inside: inertia (0 - before) = (drive - friction - viscous before / 2) time.
             let push = drive - sign * coulomb - 0.5 * viscous * before;
-            let time = if push * sign < 0.0 { (-inertia * before / push).clamp(0.0, h) } else { h };
+            let time = if push * sign < 0.0 { (-inertia * before / push).max(0.0).min(h) } else { h };
             path = 0.5 * before * time;
             rest = h - time;
         }

@@ -181,7 +181,7 @@ impl Stage {
         };
         for x in 0..3 {
             if self.legs[x] == Leg::Idle && !self.open[x] {
-                terminals[x] = (neutral + emf[x]).clamp(-drop, v + drop);
+                terminals[x] = (neutral + emf[x]).max(-drop).min(v + drop);
             }
         }
     }

@@ -164,7 +164,12 @@ impl Drive {
 
     /// Most looks of a running motor find an edge forward or a crossing, and nothing else: `None` if this one does not.
     #[inline]
-    pub(super) fn glance(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents) -> Option<Pattern> {
+    pub(super) fn glance(
+        &mut self,
+        samples: &Samples,
+        measured: &Measured,
+        hall: HallEvents,
+    ) -> Option<Pattern> {
         if !self.is_quiet(samples, measured, self.speed()) {
             return None;
         }

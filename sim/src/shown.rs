@@ -1,0 +1,98 @@
+//! Numbers in texts. The standard formatting of floating-point numbers is exact to the last digit, which nobody reads here, and costs the browser
+//! 8 KB. (So does `f64::clamp`, whose panic shows its bounds: the plant takes `max` and `min`.)
+
+use core::fmt;
+
+/// A number as a reader wants it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Shown {
+    /// With so many decimals.
+    Rounded(f64, u32),
+    /// With up to six significant digits.
+    Plain(f64),
+}
+
+/// Digits of a number that is shown plainly, less one.
+const DIGITS: i32 = 5;
+/// Larger powers of ten are told as such.
+const LARGE: i32 = 15;
+const SMALL: i32 = -6;
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Rounded(value, _) | Self::Plain(value) if !value.is_finite() => {
+                f.write_str(if value.is_nan() {
+                    "NaN"
+                } else if value > 0.0 {
+                    "inf"
+                } else {
+                    "-inf"
+                })
+            }
+            Self::Rounded(value, decimals) => fixed(f, value, decimals, false),
+            Self::Plain(value) => plain(f, value),
+        }
+    }
+}
+
+fn plain(f: &mut fmt::Formatter<'_>, value: f64) -> fmt::Result {
+    let mut power = 0;
+    let mut mantissa = value.abs();
+    while mantissa >= 10.0 {
+        mantissa /= 10.0;
+        power += 1;
+    }
+    while mantissa > 0.0 && mantissa < 1.0 {
+        mantissa *= 10.0;
+        power -= 1;
+    }
+    if (SMALL..LARGE).contains(&power) {
+        return fixed(f, value, (DIGITS - power).max(0).unsigned_abs(), true);
+    }
+    fixed(f, mantissa.copysign(value), DIGITS.unsigned_abs(), true)?;
+    write!(f, "e{power}")
+}
+
+/// With `decimals`; `short` leaves out zeros at the end.
+fn fixed(f: &mut fmt::Formatter<'_>, value: f64, decimals: u32, short: bool) -> fmt::Result {
+    let unit = 10_u64.pow(decimals);
+    let scaled = libm::round(value.abs() * unit as f64) as u64;
+    if value < 0.0 && scaled > 0 {
+        f.write_str("-")?;
+    }
+    let (whole, mut rest, mut width) = (scaled / unit, scaled % unit, decimals as usize);
+    while short && width > 0 && rest % 10 == 0 {
+        (rest, width) = (rest / 10, width - 1);
+    }
+    if width == 0 { write!(f, "{whole}") } else { write!(f, "{whole}.{rest:0width$}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shown;
+    use alloc::string::ToString;
+
+    #[test]
+    fn numbers_read_as_they_are_written() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (17.9, "17.9"),
+            (-3.25, "-3.25"),
+            (1234567.0, "1234567"),
+            (0.000012, "0.000012"),
+            (1e300, "1e300"),
+            (-2.5e-9, "-2.5e-9"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(Shown::Plain(value).to_string(), text);
+        }
+        for (value, decimals, text) in
+            [(6.54, 1, "6.5"), (6.0, 1, "6.0"), (-0.04, 1, "0.0"), (3312.7, 0, "3313")]
+        {
+            assert_eq!(Shown::Rounded(value, decimals).to_string(), text);
+        }
+    }
+}
