@@ -10,6 +10,9 @@ use super::wiring::Wiring;
 
 /// Longest course, s: a period at 10 kHz.
 const LENGTH_MAX: f64 = 100e-6;
+/// Part of the shaft's and the circuit's common swing, rad, that a course may be long: a rotor that is light for its torque swings
+/// against the winding's inductance within a period.
+const SWING_MAX: f64 = 0.1;
 /// Courses are not made shorter than this because of a wrong prediction, s.
 const LENGTH_MIN: f64 = 5e-6;
 /// Less is no course, s: rounding may leave the shaft a hair before a corner.
@@ -29,6 +32,8 @@ pub(crate) struct Course {
     pub(crate) elapsed: f64,
     /// Longest one that the shaft can be predicted for, s.
     length_max: f64,
+    /// The same at its best.
+    ceiling: f64,
     pub(crate) motion: Motion,
     /// Acceleration at its start, rad/s2.
     acceleration: f64,
@@ -55,6 +60,7 @@ impl Course {
             length: 0.0,
             elapsed: 0.0,
             length_max: LENGTH_MAX,
+            ceiling: LENGTH_MAX,
             motion: Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 },
             acceleration: 0.0,
             sweep: Sweep::new(&Rotation::of(0.0), 0.0),
@@ -137,6 +143,7 @@ impl Stage {
             length,
             elapsed: 0.0,
             length_max: self.course.length_max,
+            ceiling: self.course.ceiling,
             motion,
             acceleration,
             sweep: Sweep::new(&self.rotation, rate * length),
@@ -149,6 +156,15 @@ impl Stage {
             volts_squared: 0.0,
         };
         length
+    }
+
+    /// The rotor's inertia, or the winding's inductance, is what it is from now on.
+    pub(crate) fn limit_courses(&mut self) {
+        let peak = self.shape.peak();
+        let swing = libm::sqrt(2.0 * peak * peak * self.network.per_l * self.shaft.per_inertia());
+        let course = &mut self.course;
+        course.ceiling = (SWING_MAX / swing.max(SWING_MAX / LENGTH_MAX)).max(LENGTH_MIN);
+        course.length_max = course.length_max.min(course.ceiling);
     }
 
     /// Longest course up to `limit` that the approximations allow.
@@ -191,8 +207,8 @@ impl Stage {
         let allowed = EMF_ERROR.0 + EMF_ERROR.1 * self.shape.peak() * expected.abs();
         if error > allowed {
             self.course.length_max = (0.5 * h).max(LENGTH_MIN);
-        } else if error < 0.25 * allowed && course.length_max < LENGTH_MAX {
-            self.course.length_max = (2.0 * course.length_max).min(LENGTH_MAX);
+        } else if error < 0.25 * allowed && course.length_max < course.ceiling {
+            self.course.length_max = (2.0 * course.length_max).min(course.ceiling);
         }
         if self.shape.is_sine() {
             self.rotation = self.course.sweep.end(turn.path * self.shaft.pole_pairs());

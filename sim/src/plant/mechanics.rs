@@ -107,6 +107,11 @@ impl Shaft {
         self.per_inertia = 1.0 / (self.inertia + load.inertia);
     }
 
+    /// 1 / (rotor and load), 1 / (kg m2).
+    pub(crate) fn per_inertia(&self) -> f64 {
+        self.per_inertia
+    }
+
     /// Electrical turns per mechanical radian.
     pub(crate) fn turns_per_radian(&self) -> f64 {
         self.turns_per_radian

@@ -94,6 +94,7 @@ impl Stage {
             watched: config.comparator.is_some(),
         };
         stage.stored_at_start = stage.stored();
+        stage.limit_courses();
         stage
     }
 
@@ -200,6 +201,7 @@ impl Stage {
         let before = self.shaft.energy();
         self.shaft.set_load(load);
         self.stored_at_start += self.shaft.energy() - before;
+        self.limit_courses();
     }
 
     /// Gate signals from now on.
