@@ -1,39 +1,19 @@
 //! From a demand (a level or a speed) to duty and rectification: speed loop, current limit, the smaller wins, volts to duty.
 
-use super::gain::Gain;
-use super::limits::Limiter;
-use super::limits::{CurrentLimit, LimitCoefficients};
+mod coast;
+mod coefficients;
+mod cruise;
+
+use super::limits::{CurrentLimit, Limiter};
 use super::measurement::{Measured, Measurement};
-use super::pi::{Pi, PiGains};
+use super::pi::Pi;
 use super::pwm::Rectification;
 use super::ramp::Ramp;
-use crate::units::{Celsius, Duty, saturate64};
+use crate::units::{Celsius, Duty};
+use coast::{CATCH, Coasting, feeds};
 use serde::{Deserialize, Serialize};
 
-/// Coefficients of the control station. Volts, amperes and rev/s are raw I16F16, duties raw U1F15.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ControlCoefficients {
-    /// Ticks in a millisecond.
-    pub ticks_per_ms: u16,
-    /// Bus current limiter, per tick.
-    pub current: PiGains,
-    /// Current ratings.
-    pub limits: LimitCoefficients,
-    /// Speed set-point ramp, electrical rev/s per millisecond with 16 extra bits (parameter 99).
-    pub speed_rate: i64,
-    /// Largest change of the duty in a tick (parameter 271).
-    pub slew: u16,
-    /// Shortest on-time (parameter 272).
-    pub duty_min: u16,
-    /// What dead time takes off a synchronously rectified duty.
-    pub dead_time: u16,
-    /// Above this bus voltage nothing may flow back: the over-voltage threshold less a margin.
-    pub bus_guard: i32,
-    /// First voltage in closed loop (parameter 84).
-    pub initial_voltage: i32,
-    /// Back-EMF per electrical rev/s (parameter 267); 0 unknown.
-    pub back_emf: Gain,
-}
+pub use coefficients::{ControlCoefficients, ModeCoefficients};
 
 /// What the state asks of the bridge.
 #[derive(Clone, Copy, Debug)]
@@ -52,21 +32,6 @@ pub enum Demand {
         /// Share of the voltage that is taken away, in 1/16: the rotor's position is getting uncertain.
         fade: u8,
     },
-}
-
-/// What a closed-loop mode has of its own. Speeds are raw I16F16 electrical rev/s.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ModeCoefficients {
-    /// Speed loop, volts per electrical rev/s, per millisecond.
-    pub speed: PiGains,
-    /// Smallest set-point.
-    pub speed_min: i32,
-    /// Largest set-point.
-    pub speed_max: i32,
-    /// Largest duty, raw U1F15.
-    pub duty_max: u16,
-    /// The speed is known from crossings alone, once in a sector.
-    pub sparse: bool,
 }
 
 /// What the commutation applies.
@@ -105,22 +70,10 @@ pub struct Control {
     output: Output,
 }
 
-/// Where a motor began to coast.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-struct Coasting {
-    speed: i32,
-    voltage: i32,
-}
-
-/// Mean bus current that may flow back: 20 mA, what the drive itself consumes (Table 1).
-const RETURN: i32 = -(1 << 16) / 50;
 /// Mean bus current beyond which diodes take over: -0.3 A.
 const REGENERATING: i32 = -(1 << 16) * 3 / 10;
 /// Mean bus current that is clearly forward: 50 mA.
 const MOTORING: i32 = (1 << 16) / 20;
-
-/// Longest catching of an idle motor: 20 ms, more than an electrical revolution at 3000 electrical rpm.
-const CATCH: u16 = 20;
 
 /// 500 rpm with 4 pole pairs (Table 2): from there on the speed loop runs every millisecond, raw electrical rev/s.
 const WHOLE: i32 = 33 << 16;
@@ -224,37 +177,6 @@ impl Control {
         }
     }
 
-    /// Further down the current limiter waits there. Further up it does so if its proportional part would let that `rise` pass, which is at least what
-    /// it would be at a duty of 1.
-    fn may_follow(&self, c: &ControlCoefficients, rise: i32, bus_current: i32) -> bool {
-        let room = self.limit.bound(self.output.duty.to_bits()).0.saturating_sub(bus_current);
-        rise <= 0 || (room > 0 && c.current.proportional.apply(room) >= i64::from(rise))
-    }
-
-    /// One tick of a settled closed loop, in full: the next duty, if nothing comes near a limit. Else nothing is changed, and [`step`](Self::step) decides.
-    #[inline]
-    pub fn cruise(
-        &mut self,
-        c: &ControlCoefficients,
-        duty_max: u16,
-        measured: &Measured,
-        measurement: &Measurement,
-    ) -> Option<Duty> {
-        let (bus, filtered) = (measured.bus_voltage.to_bits(), measured.bus_current_filtered.to_bits());
-        let before = self.output.duty.to_bits();
-        let draws = (filtered >= RETURN && bus <= c.bus_guard) || filtered >= MOTORING;
-        if !self.settled || !draws || measured.bus_current.to_bits() > self.limit.bound(before).0 {
-            return None;
-        }
-        let duty = measurement.duty(self.speed_voltage).to_bits().saturating_add(c.dead_time);
-        let plain = duty >= c.duty_min && duty > c.dead_time && duty <= duty_max;
-        if !plain || duty.abs_diff(before) >= c.slew {
-            return None;
-        }
-        self.output.duty = Duty::from_bits(duty);
-        Some(self.output.duty)
-    }
-
     /// One tick.
     #[inline]
     pub fn step(
@@ -295,17 +217,6 @@ impl Control {
         self.output
     }
 
-    /// What [`cruise`](Self::cruise) builds on.
-    #[inline]
-    fn is_settled(&self, c: &ControlCoefficients) -> bool {
-        self.output.limiter == Limiter::Speed
-            && self.output.rectification == Rectification::Synchronous
-            && self.output.duty.to_bits() >= c.duty_min
-            && self.current.waits_at(self.speed_voltage)
-            && self.catching == 0
-            && self.speed_voltage > 0
-    }
-
     /// Something else than the speed loop decides: it goes along.
     #[inline(never)]
     fn follow(
@@ -318,87 +229,6 @@ impl Control {
         if let Demand::Speed { .. } = demand {
             let applied = self.applied(c, measured.bus_voltage.to_bits());
             self.speed.track(&mode.speed, applied, self.speed_error);
-        }
-    }
-
-    /// A rotor that is caught, or that coasts: true while the bridge is to stay off.
-    #[inline(never)]
-    fn coasts(
-        &mut self,
-        c: &ControlCoefficients,
-        measured: &Measured,
-        measurement: &Measurement,
-        speed: i32,
-    ) -> bool {
-        self.resume(c, measurement, speed);
-        self.finish_catching(c, measured, measurement, speed);
-        self.coast(c, measured, measurement, speed)
-    }
-
-    /// A motor that is faster than its set-point and would feed the bus coasts, bridge off, until it has fallen to it. Then
-    /// the loops go on from the voltage they had, less what back-EMF has lost since: proportional to the speed.
-    ///
-    /// It looks at the filtered current, because at every commutation the winding's energy comes back in a pulse, and
-    /// that is no braking. Freewheeling through diodes instead would not do: discontinuous current drives an
-    /// unloaded motor beyond the speed that the same duty holds with switches.
-    fn coast(
-        &mut self,
-        c: &ControlCoefficients,
-        measured: &Measured,
-        measurement: &Measurement,
-        speed: i32,
-    ) -> bool {
-        match self.coasting {
-            None if self.speed_error < 0 && feeds(c, measured) => {
-                self.coasting = Some(Coasting { speed, voltage: self.speed_voltage });
-            }
-            Some(from) if self.speed_error >= 0 => {
-                self.coasting = None;
-                let left = i64::from(from.voltage) * i64::from(speed) / i64::from(from.speed.max(1));
-                self.take_over(saturate64(left.min(from.voltage.into())));
-                // No slew from 0: on the way up the switches would brake the motor.
-                self.output.duty = measurement.duty(self.speed_voltage);
-            }
-            _ => {}
-        }
-        self.coasting.is_some()
-    }
-
-    /// After the bridge was off (sensors in doubt, a rotor that turned the other way) a rotor that still turns is caught at its
-    /// back-EMF, and with diodes until its speed is certain again: a duty that rises from 0 under switches would short it, and the
-    /// bus would get its energy.
-    fn resume(&mut self, c: &ControlCoefficients, measurement: &Measurement, speed: i32) {
-        if !core::mem::take(&mut self.interrupted) {
-            return;
-        }
-        self.coasting = None;
-        self.catching = if speed == 0 { 0 } else { CATCH };
-        self.take_over(c.back_emf.apply32(speed.min(self.setpoint.value())));
-        self.output.duty = measurement.duty(self.speed_voltage);
-    }
-
-    /// A rotor that turned already is caught with diodes, where no voltage is too small. Their light-load current is
-    /// discontinuous and a voltage below back-EMF holds the speed, so before the switches take over, the controllers are
-    /// put at back-EMF, or the motor would brake. An idle motor never draws the current that ends it: there time does, where
-    /// back-EMF is known.
-    fn finish_catching(
-        &mut self,
-        c: &ControlCoefficients,
-        measured: &Measured,
-        measurement: &Measurement,
-        speed: i32,
-    ) {
-        if self.catching == 0 {
-            return;
-        }
-        let late = self.catching == 1 && c.back_emf != Gain::ZERO;
-        if late || measured.bus_current_filtered.to_bits() > MOTORING {
-            self.catching = 0;
-            let back_emf = c.back_emf.apply32(speed);
-            if back_emf > self.speed_voltage {
-                self.take_over(back_emf);
-                self.output.duty = measurement.duty(back_emf);
-            }
         }
     }
 
@@ -514,12 +344,6 @@ impl Control {
             Rectification::Synchronous
         }
     }
-}
-
-/// The motor returns energy, or the bus is full and the motor hardly draws from it.
-fn feeds(c: &ControlCoefficients, measured: &Measured) -> bool {
-    let current = measured.bus_current_filtered.to_bits();
-    current < RETURN || (measured.bus_voltage.to_bits() > c.bus_guard && current < MOTORING)
 }
 
 /// `voltage x duty`.

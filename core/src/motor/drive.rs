@@ -1,7 +1,9 @@
 //! The control tick: samples in, PWM command out, one straight line.
 
 mod calm;
+mod pattern;
 mod reports;
+mod transitions;
 
 use super::coefficients::Coefficients;
 use super::commutation::Step;
@@ -10,18 +12,19 @@ use super::control::{Control, Demand};
 use super::event::{Event, HallCalibration, Health, SlowMeasurements};
 use super::hall::HallEvents;
 use super::hall_calibration::HallCalibrator;
-use super::machine::{Change, Inputs, Machine};
+use super::machine::Machine;
 use super::measurement::{Measured, Measurement};
 use super::open_phase::OpenPhase;
 use super::protection::{Evidence, Protection, Seen};
-use super::pwm::{Commutations, PwmCommand, Rectification};
+use super::pwm::PwmCommand;
 use super::ramp::Ramp;
 use super::rotor::Rotor;
-use super::samples::{SampleMode, Samples};
-use super::sensorless::{Plan, Sensorless};
+use super::samples::Samples;
+use super::sensorless::Sensorless;
 use super::state::State;
-use crate::units::{Amps, Duty};
+use crate::units::Amps;
 use calm::Calm;
+use pattern::Pattern;
 use reports::Reports;
 use serde::{Deserialize, Serialize};
 
@@ -71,29 +74,6 @@ mod place {
     pub(super) const LAST: u16 = REPORT;
 }
 
-/// The pattern of one tick and what drives it.
-struct Pattern {
-    demand: Demand,
-    step: Step,
-    commutations: Commutations,
-    /// A duty of 0 is meant: the low sides short the windings.
-    short: bool,
-}
-
-impl Pattern {
-    const OFF: Self =
-        Self { demand: Demand::Off, step: Step::Coast, commutations: Commutations::NONE, short: false };
-
-    fn hold(demand: Demand, step: Step) -> Self {
-        Self { demand, step, ..Self::OFF }
-    }
-
-    /// The step after the last commutation.
-    fn last(&self) -> Step {
-        self.commutations.last().map_or(self.step, |last| last.step)
-    }
-}
-
 impl Drive {
     /// A drive at power-up with a parameter set that builds.
     pub fn new(coefficients: Coefficients) -> Self {
@@ -139,9 +119,7 @@ impl Drive {
         } else {
             c.sensorless_enable && !c.hall_enable
         };
-        // Without an eye on back-EMF there is no need to go that far.
-        let shortest = self.coefficients.control.duty_min.max(ON_TIME_LEAST);
-        self.on_time = if self.listens { (shortest, shortest - shortest / 8) } else { (ON_ABOVE, OFF_BELOW) };
+        self.on_time = self.sampling_limits();
     }
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
@@ -366,117 +344,6 @@ impl Drive {
         }
     }
 
-    #[inline]
-    fn advance_state(&mut self, critical: bool, samples: &Samples) {
-        let stopped = match self.machine.state() {
-            State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
-            // A calibration's field is slow enough to count as standing.
-            State::OpenLoop if self.machine.is_sensorless() => !self.sensorless.is_running(),
-            State::OpenLoop => self.machine.calibrating() || self.rotor.field_stopped(),
-            // What was not brought up by the end of open loop (T34) has the time-out to show a crossing.
-            State::SensorlessClosedLoop if self.sensorless.is_kicking() => {
-                self.machine.age() << 16 > self.coefficients.sensorless.timeout
-            }
-            State::SensorlessClosedLoop | State::SensorlessAutoRestart => !self.sensorless.is_running(),
-            _ => true,
-        };
-        let unhealthy = self.health.self_test_failed || !self.health.store_faults.is_empty();
-        if !self.machine.rests(&self.coefficients.machine, critical, stopped, unhealthy) {
-            self.change_state(critical, stopped, unhealthy, samples);
-        }
-    }
-
-    #[inline(never)]
-    fn change_state(&mut self, critical: bool, stopped: bool, unhealthy: bool, samples: &Samples) {
-        let inputs = Inputs {
-            critical,
-            unhealthy,
-            causes_gone: self.protection.causes_gone(),
-            stopped,
-            calibrated: matches!(self.calibration, HallCalibration::Done(_) | HallCalibration::Failed),
-            parameters_fit: self.parameters_fit,
-        };
-        if let Some(change) = self.machine.advance(&self.coefficients.machine, &inputs) {
-            self.protection.wake();
-            self.reports.stirred = true;
-            self.enter(change, samples);
-            self.settle();
-            self.heed_speed();
-        }
-    }
-
-    /// What a transition sets up.
-    fn enter(&mut self, change: Change, samples: &Samples) {
-        if change.timed_out {
-            self.protection.raise_timeout();
-        }
-        let c = &self.coefficients;
-        let direction = self.machine.direction();
-        match change.row.to {
-            // What was seen while supplies came up and has gone is nobody's fault; what has not is latched again.
-            State::Standby if !change.row.from.is_driving() => self.protection.acknowledge(),
-            State::Fault if change.row.from == State::Initialization => {
-                self.protection.raise_boot_failure(self.health);
-            }
-            State::RotorLock => {
-                self.lock = Ramp::default();
-                self.control.start(&c.control, 0);
-                if self.machine.calibrating() {
-                    self.calibration = HallCalibration::Running;
-                } else {
-                    self.sensorless.start(true);
-                }
-            }
-            State::OpenLoop if self.machine.is_sensorless() => {}
-            State::SensorlessClosedLoop if self.sensorless.is_running() => {
-                let brought_up = change.row.from == State::OpenLoop && !self.sensorless.is_caught();
-                if brought_up && c.control.initial_voltage > 0 {
-                    self.control.hand_over(self.control.setpoint(), c.control.initial_voltage);
-                }
-            }
-            State::SensorlessAutoRestart => {
-                self.sensorless.start(false);
-                self.control.start(&c.control, 0);
-            }
-            State::OpenLoop => {
-                if self.machine.calibrating() {
-                    self.calibrator.start(samples.hall);
-                } else {
-                    self.rotor.start_open_loop(0, direction);
-                    self.control.start(&c.control, 0);
-                }
-            }
-            State::HallClosedLoop => {
-                let speed = self.rotor.hall_speed().to_bits().saturating_mul(direction.sign());
-                self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0));
-            }
-            _ => {}
-        }
-        if !change.row.to.is_driving() || !change.row.from.is_driving() {
-            self.protection.forget_episode();
-            self.open_phase.reset();
-            self.commutator.reset();
-        }
-        if !change.row.to.is_driving() && self.calibration == HallCalibration::Running {
-            self.calibration = HallCalibration::Failed;
-        }
-    }
-
-    /// What this state applies.
-    fn pattern(&mut self, samples: &Samples) -> Pattern {
-        match self.machine.state() {
-            State::RotorLock if self.machine.calibrating() => self.calibration_lock(),
-            State::OpenLoop if self.machine.calibrating() => self.hall_calibration(samples),
-            State::OpenLoop if !self.machine.is_sensorless() => self.open_loop(),
-            State::HallClosedLoop => self.hall_closed_loop(),
-            State::RotorLock
-            | State::OpenLoop
-            | State::SensorlessClosedLoop
-            | State::SensorlessAutoRestart => self.sensorless(),
-            State::Initialization | State::Standby | State::Fault => Pattern::OFF,
-        }
-    }
-
     /// Signed, raw I16F16 electrical rev/s.
     #[inline]
     const fn sensorless_speed(&self) -> i32 {
@@ -488,127 +355,4 @@ impl Drive {
     fn sensorless_forward(&self) -> i32 {
         self.sensorless_rate.saturating_mul(self.machine.direction().sign()).max(0)
     }
-
-    /// What the sequence from standstill to closed loop wants now.
-    fn sensorless(&mut self) -> Pattern {
-        let direction = self.machine.direction();
-        let state = self.machine.state();
-        let speed = self.sensorless_forward();
-        let c = &self.coefficients;
-        // Nothing is brought up in a direction that is no longer wanted.
-        if self.machine.reversing() && !self.sensorless.is_running() {
-            return Pattern::OFF;
-        }
-        let plan = self.sensorless.step(&c.sensorless, state, direction);
-        self.heed_speed();
-        let c = &self.coefficients;
-        match self.sensorless.take_begun() {
-            Some(true) => self.control.start(&c.control, speed),
-            // A light rotor may have leapt beyond what is ever asked of it: the set-point does not.
-            Some(false) => {
-                let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
-                self.control.hand_over(speed.min(c.sensorless_mode.speed_max), applied);
-            }
-            None => {}
-        }
-        let demand = match plan {
-            Plan::Coast => return Pattern::OFF,
-            Plan::Short => {
-                return Pattern { short: true, ..Pattern::hold(Demand::Voltage { voltage: 0 }, Step::LockA) };
-            }
-            Plan::Hold(step, voltage) => return Pattern::hold(Demand::Voltage { voltage }, step),
-            Plan::Level(voltage) => Demand::Voltage { voltage },
-            Plan::Speed(fade) => Demand::Speed { measured: speed, fade },
-        };
-        let rotor = self.sensorless.rotor();
-        let (step, commutations) =
-            self.commutator.step(&c.commutator, rotor.angle(), rotor.speed(), direction);
-        // A current limit that takes the kick's duty to 0 freewheels: with the bridge off the winding's energy would go to the bus.
-        let short = matches!(plan, Plan::Level(_));
-        Pattern { demand, step, commutations, short }
-    }
-
-    /// Two locks one after the other, 60 degrees apart: a rotor that rests on the dead point of the first is off that
-    /// of the second.
-    fn calibration_lock(&mut self) -> Pattern {
-        let c = &self.coefficients.machine;
-        let voltage = self.lock.step(c.lock_voltage, c.lock_rate);
-        let second = self.machine.age() >= c.lock / 2;
-        Pattern::hold(Demand::Voltage { voltage }, if second { HallCalibrator::LOCK } else { Step::LockB })
-    }
-
-    fn hall_calibration(&mut self, samples: &Samples) -> Pattern {
-        let c = &self.coefficients.hall_calibration;
-        let (step, calibration) = self.calibrator.step(c, samples.hall);
-        self.calibration = calibration;
-        Pattern::hold(Demand::Voltage { voltage: c.voltage }, step)
-    }
-
-    fn open_loop(&mut self) -> Pattern {
-        let direction = self.machine.direction();
-        let run = !self.machine.reversing();
-        let field = self.rotor.step_open_loop(&self.coefficients, direction, run);
-        let (step, commutations) =
-            self.commutator.step(&self.coefficients.commutator, field.angle, field.speed, direction);
-        Pattern { demand: Demand::Voltage { voltage: field.voltage }, step, commutations, short: false }
-    }
-
-    /// A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
-    /// where no current is measured. So is one whose sensors contradict themselves.
-    #[inline]
-    fn hall_demand(&self) -> Option<Demand> {
-        let least = -(self.coefficients.hall_mode.speed_min / 2);
-        let speed = self.rotor.hall_speed().to_bits().saturating_mul(self.machine.direction().sign());
-        let runs = speed >= least && !self.rotor.hall_doubtful();
-        runs.then_some(Demand::Speed { measured: speed.max(0), fade: 0 })
-    }
-
-    fn hall_closed_loop(&mut self) -> Pattern {
-        let direction = self.machine.direction();
-        let Some(demand) = self.hall_demand() else { return Pattern::OFF };
-        let position = self.rotor.hall_position();
-        let (step, commutations) =
-            self.commutator.step(&self.coefficients.commutator, position.angle, position.speed, direction);
-        Pattern { demand, step, commutations, short: false }
-    }
-
-    /// A duty of 0 leaves the bridge off: with the low side on, a turning motor would brake itself.
-    fn command(&self, pattern: &Pattern, duty: Duty, rectification: Rectification) -> PwmCommand {
-        let now = self.applied.duty.to_bits();
-        let idle =
-            matches!(pattern.demand, Demand::Off) || (duty.to_bits() == 0 && now == 0 && !pattern.short);
-        let (step, commutations) =
-            if idle { (Step::Coast, Commutations::NONE) } else { (pattern.step, pattern.commutations) };
-        let (sample_at, sample_mode) = self.sampling(duty.to_bits());
-        PwmCommand {
-            duty: if matches!(pattern.demand, Demand::Off) { Duty::ZERO } else { duty },
-            rectification,
-            sample_at,
-            sample_mode,
-            step,
-            commutations,
-        }
-    }
-
-    /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle, a shorter one after it has ended; down to an eighth below the
-    /// limit the mode stays.
-    #[inline]
-    fn sampling(&self, duty: u16) -> (u16, SampleMode) {
-        let on = match self.applied.sample_mode {
-            SampleMode::OnTime => duty >= self.on_time.1,
-            SampleMode::OffTime => duty >= self.on_time.0,
-        };
-        if on {
-            (0, SampleMode::OnTime)
-        } else {
-            // The pulse ends at D/2 of the period: duty (1/32 768) is that many 1/65 536.
-            (duty.saturating_add(self.coefficients.sample_settle), SampleMode::OffTime)
-        }
-    }
 }
-
-/// Shortest pulse that is sampled in its middle if parameter 272 allows less: 1 us at 10 kHz, raw U1F15.
-const ON_TIME_LEAST: u16 = 327;
-/// Where nothing depends on it the mode changes at 25 and 20 % duty, raw U1F15.
-const ON_ABOVE: u16 = 32_768 / 4 + 1;
-const OFF_BELOW: u16 = 32_768 / 5;

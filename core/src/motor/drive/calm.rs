@@ -4,7 +4,8 @@
 //! lasts; until then a tick compares what it measures with what would end the calm, and the stations sleep. What they have not seen is
 //! told to them when it is over. A calm tick answers what a whole one would, bit for bit.
 
-use super::{Drive, Pattern, place};
+use super::pattern::Pattern;
+use super::{Drive, place};
 use crate::motor::commutation::Step;
 use crate::motor::control::Demand;
 use crate::motor::hall::HallEvents;

@@ -1,0 +1,46 @@
+//! What the control station multiplies and compares with.
+
+use crate::motor::gain::Gain;
+use crate::motor::limits::LimitCoefficients;
+use crate::motor::pi::PiGains;
+use serde::{Deserialize, Serialize};
+
+/// Coefficients of the control station. Volts, amperes and rev/s are raw I16F16, duties raw U1F15.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ControlCoefficients {
+    /// Ticks in a millisecond.
+    pub ticks_per_ms: u16,
+    /// Bus current limiter, per tick.
+    pub current: PiGains,
+    /// Current ratings.
+    pub limits: LimitCoefficients,
+    /// Speed set-point ramp, electrical rev/s per millisecond with 16 extra bits (parameter 99).
+    pub speed_rate: i64,
+    /// Largest change of the duty in a tick (parameter 271).
+    pub slew: u16,
+    /// Shortest on-time (parameter 272).
+    pub duty_min: u16,
+    /// What dead time takes off a synchronously rectified duty.
+    pub dead_time: u16,
+    /// Above this bus voltage nothing may flow back: the over-voltage threshold less a margin.
+    pub bus_guard: i32,
+    /// First voltage in closed loop (parameter 84).
+    pub initial_voltage: i32,
+    /// Back-EMF per electrical rev/s (parameter 267); 0 unknown.
+    pub back_emf: Gain,
+}
+
+/// What a closed-loop mode has of its own. Speeds are raw I16F16 electrical rev/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ModeCoefficients {
+    /// Speed loop, volts per electrical rev/s, per millisecond.
+    pub speed: PiGains,
+    /// Smallest set-point.
+    pub speed_min: i32,
+    /// Largest set-point.
+    pub speed_max: i32,
+    /// Largest duty, raw U1F15.
+    pub duty_max: u16,
+    /// The speed is known from crossings alone, once in a sector.
+    pub sparse: bool,
+}
