@@ -4,7 +4,7 @@
 use crate::bench::{Closed, MOTOR};
 use crate::steady::measure;
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Sight};
+use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint, Sight};
 use narx_core::motor::control::Control;
 use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::Gain;
@@ -118,6 +118,7 @@ fn demagnetisation_is_no_evidence() {
         earliest: 8_192,
         ..Default::default()
     };
+    let point = OperatingPoint { torque: Direction::Forward, interval: 24 << 16, emf: 0 };
     let mut back_emf = BackEmf::default();
     let mut crossings = Vec::new();
     for tick in 0..20 {
@@ -127,7 +128,7 @@ fn demagnetisation_is_no_evidence() {
         let phase_voltage = [24.0, floating, 0.0].map(|volts| (volts * 1e3) as u16);
         let samples = Samples { phase_voltage, sample_mode: SampleMode::OnTime, ..Samples::default() };
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
-        let sight = back_emf.step(&c, &samples, 24 << 16, &applied, Direction::Forward, 24 << 16, 0);
+        let sight = back_emf.step(&c, &samples, 24 << 16, &applied, &point);
         assert!(!sight.late, "tick {tick}");
         crossings.extend(sight.crossing.map(|age| f64::from(tick) - f64::from(age) / 65_536.0));
     }

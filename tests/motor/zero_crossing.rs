@@ -1,6 +1,6 @@
 //! Back-EMF samples, edges and levels to crossings; crossings to angle and speed; episodes to faults.
 
-use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Level, Sight};
+use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Level, OperatingPoint, Sight};
 use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::Gain;
 use narx_core::motor::listening::Listening;
@@ -19,6 +19,11 @@ fn coefficients() -> BackEmfCoefficients {
     // Codes are millivolts.
     let terminal = ChannelScale::new(Channel { zero: 0, micro_per_code: 1_000 }, 0);
     BackEmfCoefficients { terminal, noise: NOISE, discard: 1 << 16, earliest: 8_192, ..Default::default() }
+}
+
+/// A sector every `interval` (1/65 536 tick), with a back-EMF that is not known.
+fn forward(interval: u32) -> OperatingPoint {
+    OperatingPoint { torque: Direction::Forward, interval, emf: 0 }
 }
 
 fn raw(volts: f64) -> i32 {
@@ -48,20 +53,13 @@ fn fall(
     let mut back_emf = BackEmf::default();
     let applied = |step| PwmCommand { step, sample_mode: mode, ..PwmCommand::default() };
     // The step before, so that AB begins at its first tick.
-    back_emf.step(
-        c,
-        &terminals(bus, 0.0, mode),
-        raw(bus),
-        &applied(Step::CB),
-        Direction::Forward,
-        interval,
-        0,
-    );
+    let point = forward(interval);
+    back_emf.step(c, &terminals(bus, 0.0, mode), raw(bus), &applied(Step::CB), &point);
     (1..40)
         .map(|tick| {
             let emf = (crossing - f64::from(tick)) * volts;
             let samples = terminals(bus, emf, mode);
-            back_emf.step(c, &samples, raw(bus), &applied(Step::AB), Direction::Forward, interval, 0)
+            back_emf.step(c, &samples, raw(bus), &applied(Step::AB), &point)
         })
         .collect()
 }
@@ -110,7 +108,7 @@ fn a_spike_does_not_outvote_the_window() {
     let applied = |step| PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
     let mut step = |step, emf| {
         let samples = terminals(24.0, emf, SampleMode::OnTime);
-        back_emf.step(&c, &samples, raw(24.0), &applied(step), Direction::Forward, 100 << 16, 0)
+        back_emf.step(&c, &samples, raw(24.0), &applied(step), &forward(100 << 16))
     };
     step(Step::CB, 0.0);
     let mut found = Vec::new();
@@ -156,7 +154,7 @@ fn a_rotor_that_stops_has_not_crossed() {
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
         let emf = if tick < 20 { 0.2 } else { -0.01 };
         let samples = terminals(24.0, emf, SampleMode::OnTime);
-        let sight = back_emf.step(&c, &samples, raw(24.0), &applied, Direction::Forward, 0, 0);
+        let sight = back_emf.step(&c, &samples, raw(24.0), &applied, &forward(0));
         assert!(sight.crossing.is_none() && !sight.late, "tick {tick}");
     }
 }
@@ -184,7 +182,7 @@ fn comparator_edges_with_their_delays() {
         let mut tick = |step, edges: &[Edge]| {
             let samples = Samples { edges: edges.iter().copied().collect(), ..Samples::default() };
             let applied = PwmCommand { step, ..PwmCommand::default() };
-            back_emf.step(&c, &samples, 0, &applied, Direction::Forward, 2 << 16, 0)
+            back_emf.step(&c, &samples, 0, &applied, &forward(2 << 16))
         };
         tick(before, &[]);
         // Demagnetisation looks like the level beyond, then the level before shows, then the crossing.
@@ -403,7 +401,7 @@ fn an_edge_before_the_commutation_of_its_period_counts() {
         if let Some(step) = then {
             applied.commutations.push(Commutation { instant: 60_000, step });
         }
-        back_emf.step(&c, &samples, 0, &applied, Direction::Forward, 2 << 16, 0)
+        back_emf.step(&c, &samples, 0, &applied, &forward(2 << 16))
     };
     tick(Step::CB, None, &[]);
     // AB floats C, whose crossing falls.

@@ -16,13 +16,17 @@
 //! In the off-time a terminal below ground reads 0 (diode and converter end there): the threshold then lies a little above 0 and
 //! the crossing is found where the flank, whose slope is known from the back-EMF constant, came from.
 
+mod edges;
+mod window;
+
 use super::commutation::{Direction, Leg, Step};
 use super::gain::Gain;
 use super::interval::{TICK, fraction};
 use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
-use super::samples::{EdgeSource, SampleMode, Samples};
+use super::samples::{SampleMode, Samples};
 use serde::{Deserialize, Serialize};
+use window::signal;
 
 /// Coefficients of the back-EMF station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +47,17 @@ pub struct BackEmfCoefficients {
     pub delay_falling: i32,
     /// Volts of back-EMF per electrical rev/s (parameter 267), 0 unknown.
     pub back_emf: Gain,
+}
+
+/// Where the motor is expected to run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OperatingPoint {
+    /// Which way the torque acts.
+    pub torque: Direction,
+    /// Time of a sector, 1/65 536 tick; 0 unknown.
+    pub interval: u32,
+    /// Line-to-line back-EMF at that speed, raw I16F16 V; 0 unknown.
+    pub emf: i32,
 }
 
 /// What the last sample of this step showed, if it is certain.
@@ -137,14 +152,6 @@ pub struct BackEmf {
     sum: i32,
 }
 
-/// The mean that a sample makes, and what it leaves in the window.
-#[derive(Clone, Copy)]
-struct Mean {
-    value: i32,
-    signal: i32,
-    sum: i32,
-}
-
 impl BackEmf {
     /// The ordinary tick of a step that goes on: takes its sample and answers true, if that says nothing new to the estimator. Else
     /// nothing is taken, and [`step`](Self::step) is to look.
@@ -162,32 +169,21 @@ impl BackEmf {
         }
         let age = self.age.saturating_add(TICK as i32);
         if c.comparator {
-            if !samples.edges.is_empty() {
-                return false;
-            }
-            let after = age >= self.blank && ((self.code >> watch.phase) & 1) == (watch.sector & 1);
+            return self.edges_pass(samples, watch, age);
+        }
+        let blanked = age.saturating_add(applied.sample_at.into()) < self.blank;
+        if !blanked && !self.demagnetises(c, samples, bus_voltage, age, watch) {
+            let threshold = self.threshold(samples, watch);
+            let mean = self.mean(signal(c, samples, watch));
             match self.passage {
-                _ if age < self.blank => {}
-                Passage::Found if after => {}
-                Passage::Unseen | Passage::Healthy if !after => self.passage = Passage::Healthy,
+                Passage::Found if mean.value >= threshold - self.noise => {}
+                Passage::Healthy if mean.value < threshold => {}
+                Passage::Unseen if mean.value < threshold - self.noise => {
+                    (self.passage, self.after_run) = (Passage::Healthy, 0);
+                }
                 _ => return false,
             }
-        } else if age.saturating_add(applied.sample_at.into()) >= self.blank {
-            if self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, age, watch) {
-                (self.count, self.sum) = (0, 0);
-            } else {
-                let threshold = self.threshold(samples, watch);
-                let mean = self.mean(c, samples, watch);
-                match self.passage {
-                    Passage::Found if mean.value >= threshold - self.noise => {}
-                    Passage::Healthy if mean.value < threshold => {}
-                    Passage::Unseen if mean.value < threshold - self.noise => {
-                        (self.passage, self.after_run) = (Passage::Healthy, 0);
-                    }
-                    _ => return false,
-                }
-                self.keep(mean, applied.sample_at);
-            }
+            self.keep(mean, applied.sample_at);
         }
         self.age = age;
         true
@@ -204,9 +200,7 @@ impl BackEmf {
         &mut self,
         c: &BackEmfCoefficients,
         applied: &PwmCommand,
-        torque: Direction,
-        interval: u32,
-        emf: i32,
+        point: &OperatingPoint,
     ) -> bool {
         let (step, instant) = match applied.commutations.last() {
             Some(last) => (last.step, last.instant),
@@ -214,40 +208,33 @@ impl BackEmf {
         };
         let age = TICK as i32 - i32::from(instant) + i32::from(applied.sample_at);
         let plain = self.passage == Passage::Found && !c.comparator && step.sector().is_some();
-        if !plain || age >= blanking(c, interval) {
+        if !plain || age >= blanking(c, point.interval) {
             return false;
         }
-        self.begin(c, step, instant, torque, interval, emf);
+        self.begin(c, step, instant, point);
         true
     }
 
-    /// One tick. `interval` is the expected time of a sector, 1/65 536 tick; 0 unknown. `emf` is the line-to-line back-EMF at that
-    /// speed, and `bus_voltage` as it is now, raw I16F16 V; 0 unknown.
-    #[allow(clippy::too_many_arguments, reason = "one station, called from one place")]
+    /// One tick. `bus_voltage` is raw I16F16 V as it is now, `applied` was in force in the period that has ended.
     pub fn step(
         &mut self,
         c: &BackEmfCoefficients,
         samples: &Samples,
         bus_voltage: i32,
         applied: &PwmCommand,
-        torque: Direction,
-        interval: u32,
-        emf: i32,
+        point: &OperatingPoint,
     ) -> Sight {
         let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
-        let missed = self.follow(c, applied, torque, interval, emf);
+        let missed = self.follow(c, applied, point);
         let mut sight = Sight { missed, ..Sight::default() };
         let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
         sight.sector = Some(watch.sector);
         if c.comparator {
             self.edges(samples, watch, &mut sight);
             // At rest a comparator's output says nothing.
-            sight.late &= interval > 0;
+            sight.late &= point.interval > 0;
         } else if self.age.saturating_add(applied.sample_at.into()) >= self.blank {
-            if self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, self.age, watch)
-            {
-                (self.count, self.sum) = (0, 0);
-            } else {
+            if !self.demagnetises(c, samples, bus_voltage, self.age, watch) {
                 self.sample(c, samples, applied.sample_at, watch, &mut sight);
             }
         }
@@ -278,14 +265,7 @@ impl BackEmf {
     }
 
     /// Ages the pattern by the period that has ended and takes over its changes. True if a step ended unseen.
-    fn follow(
-        &mut self,
-        c: &BackEmfCoefficients,
-        applied: &PwmCommand,
-        torque: Direction,
-        interval: u32,
-        emf: i32,
-    ) -> bool {
+    fn follow(&mut self, c: &BackEmfCoefficients, applied: &PwmCommand, point: &OperatingPoint) -> bool {
         self.age = self.age.saturating_add(TICK as i32);
         self.crossed = self.crossed.saturating_add(TICK as i32);
         if !self.is_changed_by(applied) {
@@ -297,22 +277,15 @@ impl BackEmf {
         for (step, instant) in core::iter::once(first).chain(later) {
             if step != self.step {
                 missed |= self.passage != Passage::Found && self.whole && step.sector().is_some();
-                self.begin(c, step, instant, torque, interval, emf);
+                self.begin(c, step, instant, point);
             }
         }
         missed
     }
 
     /// `step` began at `instant` of the period that has ended.
-    fn begin(
-        &mut self,
-        c: &BackEmfCoefficients,
-        step: Step,
-        instant: u16,
-        torque: Direction,
-        interval: u32,
-        emf: i32,
-    ) {
+    fn begin(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
+        let OperatingPoint { torque, interval, emf } = *point;
         // The mean takes about an eighth of the step: one sample at 6 a step.
         let shift = match interval >> 16 {
             0 if interval == 0 => 3,
@@ -360,7 +333,7 @@ impl BackEmf {
         // The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet has half the torque: it must be
         // well on its way.
         let beyond = if self.interval == 0 { FIRST_SIGN * noise } else { noise };
-        let sample = self.mean(c, samples, watch);
+        let sample = self.mean(signal(c, samples, watch));
         let mean = sample.value;
         if mean < threshold - noise {
             if self.passage == Passage::Unseen {
@@ -396,140 +369,24 @@ impl BackEmf {
         self.keep(sample, sample_at);
     }
 
-    /// Its winding's current still holds the floating terminal at a rail: no evidence, for a rotor that nothing is known of however long it takes.
-    /// One that turns may cross behind it, and from three eighths of the step on that is a late crossing.
+    /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
+    /// anew. So for a rotor that nothing is known of however long it takes; one that turns may cross behind it, and from three eighths of the
+    /// step on that is a late crossing.
     #[inline]
     fn demagnetises(
-        &self,
+        &mut self,
         c: &BackEmfCoefficients,
         samples: &Samples,
         bus_voltage: i32,
         age: i32,
         watch: Watch,
     ) -> bool {
-        if self.interval > 0 && i64::from(age) > i64::from(self.interval / 8 * 3) {
-            return false;
+        let overdue = self.interval > 0 && i64::from(age) > i64::from(self.interval / 8 * 3);
+        let held = self.passage == Passage::Unseen && !overdue && is_held(c, samples, bus_voltage, watch);
+        if held {
+            (self.count, self.sum) = (0, 0);
         }
-        let code = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);
-        let terminal = c.terminal.convert(code);
-        // Current into the terminal before a rising crossing, out of it before a falling one: on the far side of the crossing.
-        if watch.rises() {
-            terminal > bus_voltage - c.noise
-        } else {
-            samples.sample_mode == SampleMode::OnTime && terminal < c.noise
-        }
-    }
-
-    /// Mean of the last samples of this step and the present one, signed as it rises: `2 v_f - v_g - v_h`, three times the back-EMF
-    /// of a sinusoidal motor, twice that of a trapezoidal one, raw I16F16 V.
-    #[inline]
-    fn mean(&self, c: &BackEmfCoefficients, samples: &Samples, watch: Watch) -> Mean {
-        let [a, b, c_] = samples.phase_voltage.map(i32::from);
-        let floating = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);
-        let codes = 3 * i32::from(floating) - a - b - c_;
-        let signal = c.terminal.convert_difference(if watch.rises() { codes } else { -codes });
-        if self.shift == 0 { Mean { value: signal, signal, sum: 0 } } else { self.average(signal) }
-    }
-
-    /// Slow steps: of the last 2, 4 or 8 samples.
-    fn average(&self, signal: i32) -> Mean {
-        // One spike must not outvote the window; but what the flank gives within it (a twelfth of the step at most, and the signal
-        // spans 1.9 E in a step) must pass, or the crossing would move to the middle between two samples.
-        let widest = (16 * self.noise).max(self.flank);
-        let signal = signal.min(widest).max(-widest);
-        let wide = 1_u8 << self.shift;
-        let full = self.count >= wide;
-        let oldest = usize::from(self.count.wrapping_sub(wide)) % WINDOW;
-        let gone = if full { self.window.get(oldest).copied().unwrap_or(0) } else { 0 };
-        let sum = self.sum - gone + signal;
-        let count = self.count + 1;
-        let value = if count >= wide { sum >> self.shift } else { sum / i32::from(count.max(1)) };
-        Mean { value, signal, sum }
-    }
-
-    /// The sample counts.
-    #[inline]
-    fn keep(&mut self, mean: Mean, sample_at: u16) {
-        (self.previous, self.sampled_at) = (mean.value, sample_at);
-        if self.shift > 0 {
-            self.store(mean);
-        }
-    }
-
-    fn store(&mut self, mean: Mean) {
-        if let Some(slot) = self.window.get_mut(usize::from(self.count) % WINDOW) {
-            *slot = mean.signal;
-        }
-        self.sum = mean.sum;
-        // Wraps by whole windows, so that places stay.
-        self.count = if self.count >= 4 * WINDOW as u8 { self.count - WINDOW as u8 } else { self.count } + 1;
-    }
-
-    /// A mean of n samples lies (n - 1) / 2 ticks back.
-    fn mean_delay(&self) -> i32 {
-        let wide = i32::from((self.count + 1).min(1 << self.shift));
-        (wide - 1) * (TICK as i32 / 2)
-    }
-
-    /// A crossing of the pattern that was left within the period that has ended: with two ticks a sector a commutation can be taken
-    /// at the end of the very period in which the crossing before it came.
-    fn edges_before_change(
-        &mut self,
-        c: &BackEmfCoefficients,
-        samples: &Samples,
-        applied: &PwmCommand,
-    ) -> Option<Sight> {
-        let mut changes = applied.commutations.iter().filter(|change| change.step != self.step);
-        let change =
-            if applied.step == self.step { changes.next().map(|change| change.instant)? } else { c.earliest };
-        let watch = self.watch?;
-        let mut crossing = None;
-        let edges = samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator);
-        for edge in edges.filter(|edge| edge.instant < change) {
-            let since = self.age.saturating_add(edge.instant.into());
-            if self.edge(watch, edge.code, since >= self.blank, true) {
-                let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
-                crossing = Some((TICK - u32::from(edge.instant)) as i32 + delay);
-            }
-        }
-        let sector = Some(watch.sector);
-        crossing.map(|_| Sight { sector, crossing, passed: true, ..Sight::default() })
-    }
-
-    /// A comparator's edge: true if it is this step's crossing. The level stood until here: after blanking that makes the crossing healthy.
-    fn edge(&mut self, watch: Watch, code: u8, settled: bool, own: bool) -> bool {
-        let (was, is) = (watch.is_beyond(self.code), watch.is_beyond(code));
-        if !was && own && settled && self.passage == Passage::Unseen {
-            self.passage = Passage::Healthy;
-        }
-        self.code = code;
-        let crosses = !was && is && own && self.passage == Passage::Healthy;
-        if crosses {
-            self.passage = Passage::Found;
-        }
-        crosses
-    }
-
-    /// The comparators' edges of the period that has ended.
-    fn edges(&mut self, samples: &Samples, watch: Watch, sight: &mut Sight) {
-        for edge in samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator) {
-            let age = (TICK - u32::from(edge.instant)) as i32;
-            let since = self.age.saturating_sub(age);
-            if self.edge(watch, edge.code, since >= self.blank, age <= self.age) {
-                sight.crossing = Some(age);
-            }
-        }
-        if self.age < self.blank {
-            return;
-        }
-        let beyond = watch.is_beyond(self.code);
-        sight.level = if beyond { Level::After } else { Level::Before };
-        if !beyond && self.passage == Passage::Unseen {
-            self.passage = Passage::Healthy;
-        }
-        let stands = beyond && self.passage == Passage::Unseen;
-        self.after_run = if stands { self.after_run.saturating_add(1) } else { 0 };
-        sight.late = stands && self.after_run >= 2;
+        held
     }
 }
 
@@ -538,11 +395,6 @@ impl Watch {
     #[inline]
     const fn rises(self) -> bool {
         self.sector & 1 == 1
-    }
-
-    /// The comparators' `code` is that beyond the crossing.
-    const fn is_beyond(self, code: u8) -> bool {
-        ((code >> self.phase) & 1 == 1) == self.rises()
     }
 }
 
@@ -558,4 +410,17 @@ pub fn floating(step: Step, torque: Direction) -> Option<(u8, usize)> {
     let sector = step.rotor_sector(torque)?;
     let phase = step.legs().iter().position(|leg| *leg == Leg::Floating)?;
     Some((sector, phase))
+}
+
+/// The floating terminal is at a rail: current into it before a rising crossing, out of it before a falling one, on the far side of the
+/// crossing.
+#[inline]
+fn is_held(c: &BackEmfCoefficients, samples: &Samples, bus_voltage: i32, watch: Watch) -> bool {
+    let code = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);
+    let terminal = c.terminal.convert(code);
+    if watch.rises() {
+        terminal > bus_voltage - c.noise
+    } else {
+        samples.sample_mode == SampleMode::OnTime && terminal < c.noise
+    }
 }

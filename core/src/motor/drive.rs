@@ -198,9 +198,9 @@ impl Drive {
 
     #[inline(never)]
     fn listen(&mut self, samples: &Samples, measured: &Measured) {
-        let torque = self.machine.direction();
         let bus_voltage = measured.bus_voltage.to_bits();
-        self.sensorless.observe(&self.coefficients.sensorless, samples, bus_voltage, &self.applied, torque);
+        let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
+        self.sensorless.observe(c, samples, bus_voltage, &self.applied, torque);
         self.heed_speed();
     }
 

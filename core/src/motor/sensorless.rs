@@ -9,7 +9,7 @@
 //!     +-- at rest --> Align (two locks) --> Kick ------+
 //! ```
 
-use super::back_emf::{BackEmf, BackEmfCoefficients};
+use super::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint};
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
 use super::listening::Listening;
@@ -138,9 +138,8 @@ impl Sensorless {
             return;
         }
         self.listening.reset();
-        let expected = self.rotor.expected();
-        let emf = self.emf(c);
-        let sight = self.back_emf.step(&c.back_emf, samples, bus_voltage, applied, torque, expected, emf);
+        let point = self.operating_point(c, torque);
+        let sight = self.back_emf.step(&c.back_emf, samples, bus_voltage, applied, &point);
         if !matches!(self.phase, Phase::Kick | Phase::Run) || (self.phase == Phase::Kick && self.age < c.rest)
         {
             return;
@@ -174,17 +173,17 @@ impl Sensorless {
 
     #[inline(never)]
     fn turns_over(&mut self, c: &SensorlessCoefficients, applied: &PwmCommand, torque: Direction) -> bool {
-        let emf = self.emf(c);
-        self.back_emf.turns_over(&c.back_emf, applied, torque, self.rotor.expected(), emf)
+        let point = self.operating_point(c, torque);
+        self.back_emf.turns_over(&c.back_emf, applied, &point)
     }
 
-    /// Line-to-line back-EMF at the expected speed, raw I16F16 V.
-    fn emf(&mut self, c: &SensorlessCoefficients) -> i32 {
+    /// What a step that begins now may expect.
+    fn operating_point(&mut self, c: &SensorlessCoefficients, torque: Direction) -> OperatingPoint {
         if self.rotor.speed() != self.emf_at {
             self.emf_at = self.rotor.speed();
             self.emf = c.emf_of_turns.apply32(self.emf_at.saturating_abs());
         }
-        self.emf
+        OperatingPoint { torque, interval: self.rotor.expected(), emf: self.emf }
     }
 
     /// For how many ticks from now only time would pass, as long as every one [`passes`](Self::passes), with the step `present` applied.

@@ -83,8 +83,8 @@ impl Drive {
         if !self.listens {
             return samples.hall == self.calm.hall && samples.edges.is_empty();
         }
-        let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
         let bus_voltage = measured.bus_voltage.to_bits();
+        let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
         if !self.sensorless.passes(c, samples, bus_voltage, &self.applied, torque) {
             return false;
         }
