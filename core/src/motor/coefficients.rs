@@ -89,6 +89,12 @@ impl fmt::Display for BuildError {
 impl core::error::Error for BuildError {}
 
 impl Coefficients {
+    /// What the mode has of its own.
+    #[inline]
+    pub const fn mode(&self, sensorless: bool) -> &ModeCoefficients {
+        if sensorless { &self.sensorless_mode } else { &self.hall_mode }
+    }
+
     /// Builds a parameter set for a board.
     ///
     /// # Errors

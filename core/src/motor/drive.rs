@@ -120,6 +120,7 @@ impl Drive {
             c.sensorless_enable && !c.hall_enable
         };
         self.on_time = self.sampling_limits();
+        self.settle_calm();
     }
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
@@ -146,36 +147,47 @@ impl Drive {
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         let place = self.control.tick(&self.coefficients.control);
         let idle = self.machine.state() == State::Initialization;
-        let measured = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        let pattern = if !self.is_calm(samples, &measured) {
-            self.look(samples, &measured)
+        let current = self.measurement.step(&self.coefficients.measurement, samples, idle);
+        if !self.is_calm(samples, current) {
+            self.look(place, samples, current);
         } else if self.calm.commutates() {
-            self.commutate(&measured)
+            self.commutate(place, samples, current);
         } else {
-            return self.goes_on(place, samples, &measured);
-        };
-        if place <= place::LAST {
-            self.rest_of_millisecond(place, pattern.demand, samples, measured.bus_current);
-        }
-        if !self.cruises(pattern.demand, pattern.step, pattern.commutations, &measured) {
-            self.finish(&pattern, &measured);
+            self.goes_on(place, samples, current);
         }
         self.applied
     }
 
-    /// From what is wanted to what is applied.
+    /// From what is wanted to what is applied, with what is due in this `place` of the millisecond before it.
+    fn conclude(&mut self, place: u16, pattern: &Pattern, samples: &Samples, current: Amps) {
+        if place <= place::LAST {
+            self.rest_of_millisecond(place, pattern.demand, samples, current);
+        }
+        let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
+        if !speeds || !self.cruises(pattern.step, pattern.commutations, current) {
+            self.finish(pattern, current);
+        }
+    }
+
+    /// The loops with every limit.
     #[inline(never)]
-    fn finish(&mut self, pattern: &Pattern, measured: &Measured) {
-        let mode =
-            if self.listens { &self.coefficients.sensorless_mode } else { &self.coefficients.hall_mode };
-        let output =
-            self.control.step(&self.coefficients.control, mode, pattern.demand, measured, &self.measurement);
+    fn finish(&mut self, pattern: &Pattern, current: Amps) {
+        let measured = &self.measurement.measured(current);
+        let (c, mode) = (&self.coefficients.control, self.coefficients.mode(self.listens));
+        let output = self.control.step(c, mode, pattern.demand, measured, &self.measurement);
         self.applied = self.command(pattern, output.duty, output.rectification);
     }
 
-    /// The whole tick: every station in turn, up to what is to be applied.
+    /// The whole tick.
     #[inline(never)]
-    fn look(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
+    fn look(&mut self, place: u16, samples: &Samples, current: Amps) {
+        let pattern = self.survey(samples, &self.measurement.measured(current));
+        self.conclude(place, &pattern, samples, current);
+    }
+
+    /// Every station in turn, up to what is to be applied.
+    #[inline]
+    fn survey(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
         let rests = self.calm.is_told_to_rest();
         self.wake();
         let hall = self.sense_halls(samples);
@@ -243,7 +255,7 @@ impl Drive {
     fn run_speed_loop(&mut self, demand: Demand, current: Amps) {
         let c = &self.coefficients;
         if let Demand::Speed { measured: speed, .. } = demand {
-            let mode = if self.listens { &c.sensorless_mode } else { &c.hall_mode };
+            let mode = c.mode(self.listens);
             let brought_up = self.machine.state() != State::OpenLoop || self.sensorless.is_caught();
             let wanted = if brought_up { self.machine.command().speed.to_bits() } else { c.open_loop.speed };
             let wanted = wanted.min(mode.speed_max).max(mode.speed_min);

@@ -117,15 +117,20 @@ impl ZeroCurrent {
 const FILTER_MAX: i32 = 1 << 24;
 
 impl Measurement {
-    /// Converts one tick's codes. `idle`: no current can flow, so what the current channel reads is its zero.
+    /// Converts one tick's codes; the answer is the mean bus current. `idle`: no current can flow, so what its channel reads is its zero.
     #[inline]
-    pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Measured {
+    pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Amps {
         self.bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
         let bus_current = self.zero.step(scales.bus_current.convert(samples.bus_current), idle);
         self.filtered += bus_current.clamp(-FILTER_MAX, FILTER_MAX - 1) - (self.filtered >> 6);
+        Amps::from_bits(bus_current)
+    }
+
+    /// All of the last step, which answered `bus_current`.
+    pub const fn measured(&self, bus_current: Amps) -> Measured {
         Measured {
             bus_voltage: Volts::from_bits(self.bus_voltage),
-            bus_current: Amps::from_bits(bus_current),
+            bus_current,
             bus_current_filtered: Amps::from_bits(self.filtered >> 6),
         }
     }
@@ -152,9 +157,25 @@ impl Measurement {
         if voltage >= bus {
             return Duty::ONE;
         }
-        let scale = 16 - bus.leading_zeros();
-        Duty::from_bits(((voltage << (15 - scale)) / (bus >> scale)) as u16)
+        Duty::from_bits(ratio(voltage, bus) as u16)
     }
+
+    /// The same of a `voltage` that is positive, and a bus that is above it and 4 V; else `None`. In 1/32 768.
+    #[inline]
+    pub const fn plain_duty(&self, voltage: i32) -> Option<u32> {
+        if self.bus_voltage > voltage && self.bus_voltage > BUS_MIN && voltage > 0 {
+            Some(ratio(voltage as u32, self.bus_voltage as u32))
+        } else {
+            None
+        }
+    }
+}
+
+/// `voltage / bus` in 1/32 768. The bus has more than 16 bits, and the voltage is below it.
+#[inline]
+const fn ratio(voltage: u32, bus: u32) -> u32 {
+    let scale = 16 - bus.leading_zeros();
+    (voltage << (15 - scale)) / (bus >> scale)
 }
 
 /// Below 4 V nothing runs; from there on the bus voltage has more than 16 bits.

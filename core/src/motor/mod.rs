@@ -31,6 +31,7 @@ pub mod rails;
 pub mod machine;
 pub mod state;
 
+pub mod band;
 pub mod control;
 pub mod gain;
 pub mod limits;

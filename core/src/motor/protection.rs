@@ -1,5 +1,6 @@
 //! Fault logic: limits with hysteresis and qualification, sensor plausibility, mask, latch and code.
 
+use super::band::Band;
 use super::fault::{Cause, FaultWord};
 use super::hall::HallEvents;
 use super::machine::Request;
@@ -70,6 +71,26 @@ pub struct ProtectionCoefficients {
     pub supply_low: i32,
     /// Ticks in a millisecond: the leak of the plausibility counts.
     pub ticks_per_ms: u16,
+}
+
+impl ProtectionCoefficients {
+    /// Bus voltages that are no fault, raw I16F16.
+    #[inline]
+    pub const fn bus_voltage(&self) -> Band {
+        Band::new(self.under_voltage.trip, self.over_voltage.trip)
+    }
+
+    /// Bus currents that are no fault, raw I16F16.
+    #[inline]
+    pub const fn bus_current(&self) -> Band {
+        Band::new(-self.over_current.trip, self.over_current.trip)
+    }
+
+    /// Digital inputs that are looked at.
+    #[inline]
+    pub const fn lines(&self) -> Lines {
+        Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(self.shutdown_lines)
+    }
 }
 
 /// One limit's memory.
@@ -207,26 +228,11 @@ impl Protection {
     /// With everything at rest, would what a tick measures move anything? Most ticks need no more than this.
     #[inline]
     pub fn stays_quiet(&self, c: &ProtectionCoefficients, seen: &Seen) -> bool {
-        self.stays_calm(c, seen.bus_voltage, seen.bus_current, seen.lines)
-            && seen.speed <= self.overspeed_trip
-    }
-
-    /// The same while the speed stays as it was.
-    #[inline]
-    pub fn stays_calm(
-        &self,
-        c: &ProtectionCoefficients,
-        bus_voltage: i32,
-        bus_current: i32,
-        lines: Lines,
-    ) -> bool {
-        let looked_at = Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(c.shutdown_lines);
         self.quiet
-            && bus_voltage <= c.over_voltage.trip
-            && bus_voltage >= c.under_voltage.trip
-            && bus_current <= c.over_current.trip
-            && bus_current >= -c.over_current.trip
-            && !lines.intersects(looked_at)
+            && c.bus_voltage().contains(seen.bus_voltage)
+            && c.bus_current().contains(seen.bus_current)
+            && !seen.lines.intersects(c.lines())
+            && seen.speed <= self.overspeed_trip
     }
 
     /// No edge backward is remembered, which one forward would make up for.

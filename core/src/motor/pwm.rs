@@ -6,6 +6,8 @@ use crate::units::Duty;
 use serde::{Deserialize, Serialize};
 
 /// The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k + 1.
+// Copied in every tick: by words.
+#[repr(align(4))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PwmCommand {
     /// Duty of the switched legs in period k + 1. The on-time is centred on the period's boundary.

@@ -1,5 +1,6 @@
 //! What the control station multiplies and compares with.
 
+use crate::motor::band::Band;
 use crate::motor::gain::Gain;
 use crate::motor::limits::LimitCoefficients;
 use crate::motor::pi::PiGains;
@@ -28,6 +29,14 @@ pub struct ControlCoefficients {
     pub initial_voltage: i32,
     /// Back-EMF per electrical rev/s (parameter 267); 0 unknown.
     pub back_emf: Gain,
+}
+
+impl ControlCoefficients {
+    /// Duties that a mode with this largest one applies as they are asked for, dead time included.
+    pub fn duties(&self, duty_max: u16) -> Band {
+        let least = self.duty_min.max(self.dead_time.saturating_add(1));
+        Band::new(least.into(), duty_max.into())
+    }
 }
 
 /// What a closed-loop mode has of its own. Speeds are raw I16F16 electrical rev/s.

@@ -2,33 +2,34 @@
 
 use super::coast::RETURN;
 use super::{Control, ControlCoefficients, MOTORING};
+use crate::motor::band::Band;
 use crate::motor::limits::Limiter;
-use crate::motor::measurement::{Measured, Measurement};
+use crate::motor::measurement::Measurement;
 use crate::motor::pwm::Rectification;
-use crate::units::Duty;
+use crate::units::{Amps, Duty};
 
 impl Control {
-    /// One tick of a settled closed loop, in full: the next duty, if nothing comes near a limit. Else nothing is changed, and [`step`](Self::step) decides.
+    /// One tick of a settled closed loop, in full: the next duty, if it lies in `duties` and nothing comes near a limit. Else nothing is changed, and
+    /// [`step`](Self::step) decides.
     #[inline]
     pub fn cruise(
         &mut self,
         c: &ControlCoefficients,
-        duty_max: u16,
-        measured: &Measured,
+        duties: Band,
+        bus_current: Amps,
         measurement: &Measurement,
     ) -> Option<Duty> {
-        let (bus, filtered) = (measured.bus_voltage.to_bits(), measured.bus_current_filtered.to_bits());
+        let (bus, filtered) = (measurement.bus_voltage(), measurement.bus_current());
         let before = self.output.duty.to_bits();
         let draws = (filtered >= RETURN && bus <= c.bus_guard) || filtered >= MOTORING;
-        if !self.settled || !draws || measured.bus_current.to_bits() > self.limit.bound(before).0 {
+        if !self.settled || !draws || bus_current.to_bits() > self.limit.bound(before).0 {
             return None;
         }
-        let duty = measurement.duty(self.speed_voltage).to_bits().saturating_add(c.dead_time);
-        let plain = duty >= c.duty_min && duty > c.dead_time && duty <= duty_max;
-        if !plain || duty.abs_diff(before) >= c.slew {
+        let duty = measurement.plain_duty(self.speed_voltage)? as i32 + i32::from(c.dead_time);
+        if !duties.contains(duty) || duty.abs_diff(before.into()) >= u32::from(c.slew) {
             return None;
         }
-        self.output.duty = Duty::from_bits(duty);
+        self.output.duty = Duty::from_bits(duty as u16);
         Some(self.output.duty)
     }
 

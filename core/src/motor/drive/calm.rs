@@ -6,14 +6,16 @@
 
 use super::pattern::Pattern;
 use super::{Drive, place};
+use crate::motor::band::Band;
 use crate::motor::commutation::Step;
 use crate::motor::control::Demand;
 use crate::motor::hall::HallEvents;
 use crate::motor::measurement::Measured;
 use crate::motor::protection::Seen;
 use crate::motor::pwm::{Commutations, PwmCommand, Rectification};
-use crate::motor::samples::Samples;
+use crate::motor::samples::{Lines, Samples};
 use crate::motor::state::State;
+use crate::units::Amps;
 use serde::{Deserialize, Serialize};
 
 /// What goes on by itself.
@@ -30,6 +32,21 @@ pub(super) struct Calm {
     /// Estimated speed in the direction of torque, raw I16F16 electrical rev/s, and what the voltage fades by.
     speed: i32,
     fade: u8,
+    /// No state: a recording is without them.
+    #[serde(skip)]
+    bounds: Bounds,
+}
+
+/// What a calm tick stays within, made when coefficients or mode change: nothing does before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Bounds {
+    /// Bus voltage and current, raw I16F16.
+    voltage: Band,
+    current: Band,
+    /// Raw U1F15.
+    duty: Band,
+    /// Digital inputs that end it.
+    lines: Lines,
 }
 
 /// So many ticks may pass without a look; so many of them are left.
@@ -65,6 +82,12 @@ impl Calm {
         self.all.left == 0
     }
 
+    /// What it keeps asking for.
+    #[inline]
+    const fn demand(&self) -> Demand {
+        Demand::Speed { measured: self.speed, fade: self.fade }
+    }
+
     /// In this tick, too, time alone changes no state.
     pub(super) const fn is_told_to_rest(&self) -> bool {
         self.others > self.all.granted.wrapping_sub(self.all.left)
@@ -74,16 +97,19 @@ impl Calm {
 impl Drive {
     /// Nothing that this tick measures asks for a look, and but for a commutation nothing is due. Then the floating terminal's sample has been taken.
     #[inline]
-    pub(super) fn is_calm(&mut self, samples: &Samples, measured: &Measured) -> bool {
+    pub(super) fn is_calm(&mut self, samples: &Samples, current: Amps) -> bool {
         let rests = self.calm.all.left > 0 || self.calm.is_told_to_rest();
-        let (c, current) = (&self.coefficients.protection, measured.bus_current.to_bits());
-        if !rests || !self.protection.stays_calm(c, measured.bus_voltage.to_bits(), current, samples.lines) {
+        let (bounds, bus_voltage) = (&self.calm.bounds, self.measurement.bus_voltage());
+        let calm = rests
+            && bounds.voltage.contains(bus_voltage)
+            && bounds.current.contains(current.to_bits())
+            && !samples.lines.intersects(bounds.lines);
+        if !calm {
             return false;
         }
         if !self.listens {
             return samples.hall == self.calm.hall && samples.edges.is_empty();
         }
-        let bus_voltage = measured.bus_voltage.to_bits();
         let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
         if !self.sensorless.passes(c, samples, bus_voltage, &self.applied, torque) {
             return false;
@@ -106,34 +132,49 @@ impl Drive {
 
     /// A calm tick.
     #[inline]
-    pub(super) fn goes_on(&mut self, place: u16, samples: &Samples, measured: &Measured) -> PwmCommand {
+    pub(super) fn goes_on(&mut self, place: u16, samples: &Samples, current: Amps) {
         self.calm.all.left -= 1;
-        self.open_phase.count(measured.bus_current);
-        let Calm { step, speed, fade, .. } = self.calm;
-        let demand = Demand::Speed { measured: speed, fade };
-        if place <= place::LAST {
-            self.rest_of_millisecond(place, demand, samples, measured.bus_current);
+        self.open_phase.count(current);
+        if place > place::LAST
+            && self.calm.fade == 0
+            && self.cruises(self.calm.step, Commutations::NONE, current)
+        {
+            return;
         }
-        if !self.cruises(demand, step, Commutations::NONE, measured) {
-            self.finish(&Pattern::hold(demand, step), measured);
-        }
-        self.applied
+        self.goes_on_with_care(place, samples, current);
+    }
+
+    /// A calm tick with more to do than to cruise.
+    #[inline(never)]
+    fn goes_on_with_care(&mut self, place: u16, samples: &Samples, current: Amps) {
+        let pattern = Pattern::hold(self.calm.demand(), self.calm.step);
+        self.conclude(place, &pattern, samples, current);
+    }
+
+    /// What a calm stays within.
+    pub(super) fn settle_calm(&mut self) {
+        let c = &self.coefficients;
+        self.calm.bounds = Bounds {
+            voltage: c.protection.bus_voltage(),
+            current: c.protection.bus_current(),
+            duty: c.control.duties(c.mode(self.listens).duty_max),
+            lines: c.protection.lines(),
+        };
     }
 
     /// A commutation is due, and nothing else.
     #[inline(never)]
-    pub(super) fn commutate(&mut self, measured: &Measured) -> Pattern {
-        self.open_phase.count(measured.bus_current);
+    pub(super) fn commutate(&mut self, place: u16, samples: &Samples, current: Amps) {
+        self.open_phase.count(current);
         self.calm.all.granted = self.calm.all.granted.wrapping_add(1);
         self.tell();
-        let Calm { speed, fade, .. } = self.calm;
-        let pattern = self.turn_on(Demand::Speed { measured: speed, fade });
+        let pattern = self.turn_on(self.calm.demand());
         // The estimator expects another crossing now.
         if self.listens {
             self.calm.others = self.calm.others.min(self.estimator_calm());
         }
         self.grant();
-        pattern
+        self.conclude(place, &pattern, samples, current);
     }
 
     /// The hall sensors. In a drive that has no use for them they sleep apart from the other stations.
@@ -215,20 +256,9 @@ impl Drive {
 
     /// The tick of a settled loop, in full: true if nothing came near a limit.
     #[inline]
-    pub(super) fn cruises(
-        &mut self,
-        demand: Demand,
-        step: Step,
-        commutations: Commutations,
-        measured: &Measured,
-    ) -> bool {
-        if !matches!(demand, Demand::Speed { fade: 0, .. }) {
-            return false;
-        }
-        let mode =
-            if self.listens { &self.coefficients.sensorless_mode } else { &self.coefficients.hall_mode };
-        let c = &self.coefficients.control;
-        let Some(duty) = self.control.cruise(c, mode.duty_max, measured, &self.measurement) else {
+    pub(super) fn cruises(&mut self, step: Step, commutations: Commutations, current: Amps) -> bool {
+        let (c, duties) = (&self.coefficients.control, self.calm.bounds.duty);
+        let Some(duty) = self.control.cruise(c, duties, current, &self.measurement) else {
             return false;
         };
         let (sample_at, sample_mode) = self.sampling(duty.to_bits());
@@ -268,6 +298,9 @@ impl Drive {
     /// How long nothing but the loops has to be looked at.
     #[inline]
     pub(super) fn calm_down(&mut self, samples: &Samples, demand: Demand) {
+        if self.calm.bounds.voltage.is_empty() {
+            self.settle_calm();
+        }
         let c = &self.coefficients;
         let Demand::Speed { measured: speed, fade } = demand else { return };
         if !self.protection.is_quiet() {

@@ -1,0 +1,28 @@
+//! A range of values, told by one subtraction and one comparison.
+
+/// From a lowest value, so many.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Band {
+    low: i32,
+    count: u32,
+}
+
+impl Band {
+    /// `low..=high`, less than 2^32 values; nothing if `high` is below `low`.
+    pub const fn new(low: i32, high: i32) -> Self {
+        let count = if low <= high { high.wrapping_sub(low) as u32 } else { return Self { low, count: 0 } };
+        Self { low, count: count.wrapping_add(1) }
+    }
+
+    /// `value` lies in it.
+    #[inline]
+    pub const fn contains(self, value: i32) -> bool {
+        (value.wrapping_sub(self.low) as u32) < self.count
+    }
+
+    /// No value does.
+    #[inline]
+    pub const fn is_empty(self) -> bool {
+        self.count == 0
+    }
+}
