@@ -1,6 +1,7 @@
 //! Gains, PI, ramp and the volts-to-duty division against exact arithmetic.
 
 use narx_core::motor::Samples;
+use narx_core::motor::band::Band;
 use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::{Gain, SIGNIFICANT_BITS};
 use narx_core::motor::measurement::{ChannelScale, Measurement, MeasurementScales};
@@ -187,7 +188,27 @@ fn assert_duty(measurement: &Measurement, bus: i32, voltage: i32) -> Result<(), 
     let found = measurement.duty(voltage).to_bits() as f64;
     let allowed = 1.0 + exact * 1e-4;
     prop_assert!((found - exact).abs() <= allowed, "{voltage} of {bus}: {found}, exact {exact}");
+    // Without the limits of either, it is the same.
+    let plain = voltage > 0 && measurement.bus_voltage() > voltage.max(4 << 16);
+    prop_assert_eq!(measurement.plain_duty(voltage).is_some(), plain, "{} of {}", voltage, bus);
+    prop_assert!(!plain || measurement.plain_duty(voltage) == Some(found as u32), "{voltage} of {bus}");
     Ok(())
+}
+
+/// A band is what two comparisons are.
+#[test]
+fn a_band_holds_what_lies_between_its_ends() {
+    let values = [i32::MIN, -65_537, -1, 0, 1, 65_536, i32::MAX];
+    for low in values {
+        for high in values.into_iter().filter(|high| i64::from(*high) - i64::from(low) < i64::from(u32::MAX))
+        {
+            let band = Band::new(low, high);
+            assert_eq!(band.is_empty(), low > high, "{low}..={high}");
+            for value in values {
+                assert_eq!(band.contains(value), (low..=high).contains(&value), "{value} in {low}..={high}");
+            }
+        }
+    }
 }
 
 proptest! {
@@ -206,9 +227,9 @@ proptest! {
         for (step, jump) in walk {
             volts = jump.unwrap_or((volts * (1.0 + step)).clamp(4.0, 79.0));
             let samples = Samples { bus_voltage: (volts * 65_536.0 / 80.0) as u16, ..Samples::default() };
-            let measured = measurement.step(&scales, &samples, false);
+            measurement.step(&scales, &samples, false);
             for voltage in &voltages {
-                assert_duty(&measurement, measured.bus_voltage.to_bits().max(4 << 16), *voltage)?;
+                assert_duty(&measurement, measurement.bus_voltage().max(4 << 16), *voltage)?;
             }
         }
     }

@@ -155,7 +155,7 @@ pub struct BackEmf {
 impl BackEmf {
     /// The ordinary tick of a step that goes on: takes its sample and answers true, if that says nothing new to the estimator. Else
     /// nothing is taken, and [`step`](Self::step) is to look.
-    #[inline]
+    #[inline(always)]
     pub fn passes(
         &mut self,
         c: &BackEmfCoefficients,
@@ -172,21 +172,47 @@ impl BackEmf {
             return self.edges_pass(samples, watch, age);
         }
         let blanked = age.saturating_add(applied.sample_at.into()) < self.blank;
-        if !blanked && !self.demagnetises(c, samples, bus_voltage, age, watch) {
-            let threshold = self.threshold(samples, watch);
-            let mean = self.mean(signal(c, samples, watch));
-            match self.passage {
-                Passage::Found if mean.value >= threshold - self.noise => {}
-                Passage::Healthy if mean.value < threshold => {}
-                Passage::Unseen if mean.value < threshold - self.noise => {
-                    (self.passage, self.after_run) = (Passage::Healthy, 0);
-                }
-                _ => return false,
+        if !blanked
+            && !(self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, age, watch))
+        {
+            let (signal, threshold) = (signal(c, samples, watch), self.threshold(samples, watch));
+            let passes = if self.shift == 0 {
+                self.mean_passes(signal, threshold, applied.sample_at)
+            } else {
+                self.sample_passes(signal, threshold, applied.sample_at)
+            };
+            if !passes {
+                return false;
             }
-            self.keep(mean, applied.sample_at);
         }
         self.age = age;
         true
+    }
+
+    /// This mean is no news; then it is the last one.
+    #[inline]
+    fn mean_passes(&mut self, mean: i32, threshold: i32, sample_at: u16) -> bool {
+        match self.passage {
+            Passage::Found if mean >= threshold - self.noise => {}
+            Passage::Healthy if mean < threshold => {}
+            Passage::Unseen if mean < threshold - self.noise => {
+                (self.passage, self.after_run) = (Passage::Healthy, 0);
+            }
+            _ => return false,
+        }
+        (self.previous, self.sampled_at) = (mean, sample_at);
+        true
+    }
+
+    /// The same of the mean that this signal makes in a slow step.
+    #[inline(never)]
+    fn sample_passes(&mut self, signal: i32, threshold: i32, sample_at: u16) -> bool {
+        let mean = self.mean(signal);
+        let passes = self.mean_passes(mean.value, threshold, sample_at);
+        if passes {
+            self.keep(mean, sample_at);
+        }
+        passes
     }
 
     /// What was applied in the period that has ended begins another step.
@@ -234,7 +260,8 @@ impl BackEmf {
             // At rest a comparator's output says nothing.
             sight.late &= point.interval > 0;
         } else if self.age.saturating_add(applied.sample_at.into()) >= self.blank {
-            if !self.demagnetises(c, samples, bus_voltage, self.age, watch) {
+            let unseen = self.passage == Passage::Unseen;
+            if !(unseen && self.demagnetises(c, samples, bus_voltage, self.age, watch)) {
                 self.sample(c, samples, applied.sample_at, watch, &mut sight);
             }
         }
@@ -372,7 +399,7 @@ impl BackEmf {
     /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
     /// anew. So for a rotor that nothing is known of however long it takes; one that turns may cross behind it, and from three eighths of the
     /// step on that is a late crossing.
-    #[inline]
+    #[inline(never)]
     fn demagnetises(
         &mut self,
         c: &BackEmfCoefficients,
@@ -382,7 +409,7 @@ impl BackEmf {
         watch: Watch,
     ) -> bool {
         let overdue = self.interval > 0 && i64::from(age) > i64::from(self.interval / 8 * 3);
-        let held = self.passage == Passage::Unseen && !overdue && is_held(c, samples, bus_voltage, watch);
+        let held = !overdue && is_held(c, samples, bus_voltage, watch);
         if held {
             (self.count, self.sum) = (0, 0);
         }

@@ -55,7 +55,7 @@ pub struct Control {
     /// Output and error of the speed loop, held between milliseconds.
     speed_voltage: i32,
     speed_error: i32,
-    millisecond: u16,
+    millisecond: u32,
     /// Share of a speed loop's turn that has been earned, electrical rev/s.
     turn: i32,
     phase_current: i32,
@@ -106,9 +106,9 @@ impl Control {
 
     /// A tick begins. Its place in the millisecond, from 0: what needs no tick of its own is spread over these.
     #[inline]
-    pub const fn tick(&mut self, c: &ControlCoefficients) -> u16 {
+    pub const fn tick(&mut self, c: &ControlCoefficients) -> u32 {
         self.millisecond += 1;
-        if self.millisecond >= c.ticks_per_ms {
+        if self.millisecond >= c.ticks_per_ms as u32 {
             self.millisecond = 0;
         }
         self.millisecond

@@ -67,11 +67,11 @@ pub struct Drive {
 
 /// The places in a millisecond of what needs no tick of its own.
 mod place {
-    pub(super) const RATINGS: u16 = 0;
-    pub(super) const SPEED_LOOP: u16 = 1;
-    pub(super) const RAILS: u16 = 2;
-    pub(super) const REPORT: u16 = 3;
-    pub(super) const LAST: u16 = REPORT;
+    pub(super) const RATINGS: u32 = 0;
+    pub(super) const SPEED_LOOP: u32 = 1;
+    pub(super) const RAILS: u32 = 2;
+    pub(super) const REPORT: u32 = 3;
+    pub(super) const LAST: u32 = REPORT;
 }
 
 impl Drive {
@@ -159,7 +159,8 @@ impl Drive {
     }
 
     /// From what is wanted to what is applied, with what is due in this `place` of the millisecond before it.
-    fn conclude(&mut self, place: u16, pattern: &Pattern, samples: &Samples, current: Amps) {
+    #[inline(never)]
+    fn conclude(&mut self, place: u32, pattern: &Pattern, samples: &Samples, current: Amps) {
         if place <= place::LAST {
             self.rest_of_millisecond(place, pattern.demand, samples, current);
         }
@@ -180,7 +181,7 @@ impl Drive {
 
     /// The whole tick.
     #[inline(never)]
-    fn look(&mut self, place: u16, samples: &Samples, current: Amps) {
+    fn look(&mut self, place: u32, samples: &Samples, current: Amps) {
         let pattern = self.survey(samples, &self.measurement.measured(current));
         self.conclude(place, &pattern, samples, current);
     }
@@ -227,19 +228,20 @@ impl Drive {
 
     /// What is done once a millisecond, spread over its ticks.
     #[inline(never)]
-    fn rest_of_millisecond(&mut self, place: u16, demand: Demand, samples: &Samples, current: Amps) {
-        if self.coefficients.control.ticks_per_ms > place::LAST {
+    fn rest_of_millisecond(&mut self, place: u32, demand: Demand, samples: &Samples, current: Amps) {
+        let ticks = u32::from(self.coefficients.control.ticks_per_ms);
+        if ticks > place::LAST {
             return self.do_task(place, demand, samples, current);
         }
         // A board with fewer ticks does more in its last.
-        let last = self.coefficients.control.ticks_per_ms.max(1) - 1;
+        let last = ticks.max(1) - 1;
         for task in place..=if place == last { place::LAST } else { place } {
             self.do_task(task, demand, samples, current);
         }
     }
 
     #[inline]
-    fn do_task(&mut self, task: u16, demand: Demand, samples: &Samples, current: Amps) {
+    fn do_task(&mut self, task: u32, demand: Demand, samples: &Samples, current: Amps) {
         match task {
             place::RATINGS => {
                 let turns = !matches!(demand, Demand::Speed { measured: 0, .. });

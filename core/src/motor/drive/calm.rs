@@ -114,7 +114,9 @@ impl Drive {
         if !self.sensorless.passes(c, samples, bus_voltage, &self.applied, torque) {
             return false;
         }
-        self.sense_halls(samples);
+        if !self.halls_sleep(samples) {
+            self.attend_halls(samples);
+        }
         true
     }
 
@@ -132,23 +134,15 @@ impl Drive {
 
     /// A calm tick.
     #[inline]
-    pub(super) fn goes_on(&mut self, place: u16, samples: &Samples, current: Amps) {
+    pub(super) fn goes_on(&mut self, place: u32, samples: &Samples, current: Amps) {
         self.calm.all.left -= 1;
         self.open_phase.count(current);
-        if place > place::LAST
-            && self.calm.fade == 0
-            && self.cruises(self.calm.step, Commutations::NONE, current)
-        {
-            return;
+        if place <= place::LAST {
+            self.rest_of_millisecond(place, self.calm.demand(), samples, current);
         }
-        self.goes_on_with_care(place, samples, current);
-    }
-
-    /// A calm tick with more to do than to cruise.
-    #[inline(never)]
-    fn goes_on_with_care(&mut self, place: u16, samples: &Samples, current: Amps) {
-        let pattern = Pattern::hold(self.calm.demand(), self.calm.step);
-        self.conclude(place, &pattern, samples, current);
+        if self.calm.fade > 0 || !self.cruises(self.calm.step, Commutations::NONE, current) {
+            self.finish(&Pattern::hold(self.calm.demand(), self.calm.step), current);
+        }
     }
 
     /// What a calm stays within.
@@ -164,7 +158,7 @@ impl Drive {
 
     /// A commutation is due, and nothing else.
     #[inline(never)]
-    pub(super) fn commutate(&mut self, place: u16, samples: &Samples, current: Amps) {
+    pub(super) fn commutate(&mut self, place: u32, samples: &Samples, current: Amps) {
         self.open_phase.count(current);
         self.calm.all.granted = self.calm.all.granted.wrapping_add(1);
         self.tell();
@@ -180,12 +174,20 @@ impl Drive {
     /// The hall sensors. In a drive that has no use for them they sleep apart from the other stations.
     #[inline]
     pub(super) fn sense_halls(&mut self, samples: &Samples) -> HallEvents {
-        let same = samples.hall == self.calm.hall && samples.edges.is_empty();
-        if self.listens && same && self.calm.halls.left > 0 {
-            self.calm.halls.left -= 1;
+        if self.listens && self.halls_sleep(samples) {
             return HallEvents::default();
         }
         self.attend_halls(samples)
+    }
+
+    /// Hall sensors that nothing depends on show nothing new.
+    #[inline]
+    fn halls_sleep(&mut self, samples: &Samples) -> bool {
+        let sleeps = samples.hall == self.calm.hall && samples.edges.is_empty() && self.calm.halls.left > 0;
+        if sleeps {
+            self.calm.halls.left -= 1;
+        }
+        sleeps
     }
 
     #[inline(never)]

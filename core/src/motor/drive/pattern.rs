@@ -164,11 +164,8 @@ impl Drive {
     /// limit the mode stays.
     #[inline]
     pub(super) fn sampling(&self, duty: u16) -> (u16, SampleMode) {
-        let on = match self.applied.sample_mode {
-            SampleMode::OnTime => duty >= self.on_time.1,
-            SampleMode::OffTime => duty >= self.on_time.0,
-        };
-        if on {
+        let (begins, lasts) = self.on_time;
+        if duty >= begins || (duty >= lasts && self.applied.sample_mode == SampleMode::OnTime) {
             (0, SampleMode::OnTime)
         } else {
             // The pulse ends at D/2 of the period: duty (1/32 768) is that many 1/65 536.
