@@ -15,7 +15,7 @@ use super::hall_calibration::HallCalibrator;
 use super::machine::Machine;
 use super::measurement::{Measured, Measurement};
 use super::open_phase::OpenPhase;
-use super::protection::{Evidence, Protection, Seen};
+use super::protection::{Evidence, Protection};
 use super::pwm::PwmCommand;
 use super::ramp::Ramp;
 use super::rotor::Rotor;
@@ -191,6 +191,9 @@ impl Drive {
     fn survey(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
         let rests = self.calm.is_told_to_rest();
         self.wake();
+        if self.calm.is_unbounded() {
+            self.settle_calm();
+        }
         let hall = self.sense_halls(samples);
         if self.listens {
             self.listen(samples, measured);
@@ -292,16 +295,11 @@ impl Drive {
             self.open_phase.is_found(&self.coefficients.open_phase)
         };
         let sensors = state == State::HallClosedLoop && self.minds(hall);
-        let seen = Seen {
-            bus_voltage: measured.bus_voltage.to_bits(),
-            bus_current: measured.bus_current.to_bits(),
-            speed: if driving { self.speed() } else { 0 },
-            lines: samples.lines,
-        };
+        let speed = if driving { self.speed() } else { 0 };
         let quiet = !sensors
             && !open_phase
             && self.sensorless.fault().is_none()
-            && self.protection.stays_quiet(&self.coefficients.protection, &seen);
+            && self.is_quiet(samples, measured.bus_current, speed);
         !quiet && self.judge(samples, measured, hall, open_phase)
     }
 

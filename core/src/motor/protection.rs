@@ -157,19 +157,6 @@ pub struct Evidence {
     pub sensorless: Option<Cause>,
 }
 
-/// What every tick measures for the fault logic, raw I16F16.
-#[derive(Clone, Copy, Debug)]
-pub struct Seen {
-    /// Bus voltage.
-    pub bus_voltage: i32,
-    /// Mean DC-link current.
-    pub bus_current: i32,
-    /// Speed magnitude while the bridge is on, electrical rev/s; else 0.
-    pub speed: i32,
-    /// Digital inputs.
-    pub lines: Lines,
-}
-
 /// Plausibility counts of the hall sensors: each glitch adds, time takes away.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct HallCounts {
@@ -225,14 +212,12 @@ impl Protection {
         self.quiet = false;
     }
 
-    /// With everything at rest, would what a tick measures move anything? Most ticks need no more than this.
+    /// Everything is at rest, and `speed` (while the bridge is on, else 0; a magnitude, raw I16F16 electrical rev/s) does not stir it. Within
+    /// [`bus_voltage`](ProtectionCoefficients::bus_voltage), [`bus_current`](ProtectionCoefficients::bus_current) and without
+    /// [`lines`](ProtectionCoefficients::lines) most ticks need no more than this.
     #[inline]
-    pub fn stays_quiet(&self, c: &ProtectionCoefficients, seen: &Seen) -> bool {
-        self.quiet
-            && c.bus_voltage().contains(seen.bus_voltage)
-            && c.bus_current().contains(seen.bus_current)
-            && !seen.lines.intersects(c.lines())
-            && seen.speed <= self.overspeed_trip
+    pub const fn stays_quiet(&self, speed: i32) -> bool {
+        self.quiet && speed <= self.overspeed_trip
     }
 
     /// No edge backward is remembered, which one forward would make up for.

@@ -11,7 +11,6 @@ use crate::motor::commutation::Step;
 use crate::motor::control::Demand;
 use crate::motor::hall::HallEvents;
 use crate::motor::measurement::Measured;
-use crate::motor::protection::Seen;
 use crate::motor::pwm::{Commutations, PwmCommand, Rectification};
 use crate::motor::samples::{Lines, Samples};
 use crate::motor::state::State;
@@ -88,6 +87,11 @@ impl Calm {
         Demand::Speed { measured: self.speed, fade: self.fade }
     }
 
+    /// Its bounds have not been made yet: it comes out of a recording.
+    pub(super) const fn is_unbounded(&self) -> bool {
+        self.bounds.voltage.is_empty()
+    }
+
     /// In this tick, too, time alone changes no state.
     pub(super) const fn is_told_to_rest(&self) -> bool {
         self.others > self.all.granted.wrapping_sub(self.all.left)
@@ -99,19 +103,14 @@ impl Drive {
     #[inline]
     pub(super) fn is_calm(&mut self, samples: &Samples, current: Amps) -> bool {
         let rests = self.calm.all.left > 0 || self.calm.is_told_to_rest();
-        let (bounds, bus_voltage) = (&self.calm.bounds, self.measurement.bus_voltage());
-        let calm = rests
-            && bounds.voltage.contains(bus_voltage)
-            && bounds.current.contains(current.to_bits())
-            && !samples.lines.intersects(bounds.lines);
-        if !calm {
+        if !rests || !self.stays_within_bounds(samples, current) {
             return false;
         }
         if !self.listens {
             return samples.hall == self.calm.hall && samples.edges.is_empty();
         }
         let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
-        if !self.sensorless.passes(c, samples, bus_voltage, &self.applied, torque) {
+        if !self.sensorless.passes(c, samples, self.measurement.bus_voltage(), &self.applied, torque) {
             return false;
         }
         if !self.halls_sleep(samples) {
@@ -120,16 +119,19 @@ impl Drive {
         true
     }
 
-    /// Voltage, current, `speed` (a magnitude, raw I16F16 electrical rev/s) and digital inputs are within all limits, as before.
+    /// Voltage, current and digital inputs are no fault.
     #[inline]
-    fn is_quiet(&self, samples: &Samples, measured: &Measured, speed: i32) -> bool {
-        let seen = Seen {
-            bus_voltage: measured.bus_voltage.to_bits(),
-            bus_current: measured.bus_current.to_bits(),
-            speed,
-            lines: samples.lines,
-        };
-        self.protection.stays_quiet(&self.coefficients.protection, &seen)
+    fn stays_within_bounds(&self, samples: &Samples, current: Amps) -> bool {
+        let bounds = &self.calm.bounds;
+        bounds.voltage.contains(self.measurement.bus_voltage())
+            && bounds.current.contains(current.to_bits())
+            && !samples.lines.intersects(bounds.lines)
+    }
+
+    /// Nothing qualifies or waits to clear, and neither these nor `speed` (a magnitude, raw I16F16 electrical rev/s) would change that.
+    #[inline]
+    pub(super) fn is_quiet(&self, samples: &Samples, current: Amps, speed: i32) -> bool {
+        self.protection.stays_quiet(speed) && self.stays_within_bounds(samples, current)
     }
 
     /// A calm tick.
@@ -214,7 +216,7 @@ impl Drive {
         measured: &Measured,
         hall: HallEvents,
     ) -> Option<Pattern> {
-        if !self.is_quiet(samples, measured, self.speed()) {
+        if !self.is_quiet(samples, measured.bus_current, self.speed()) {
             return None;
         }
         let demand = if self.listens {
@@ -300,9 +302,6 @@ impl Drive {
     /// How long nothing but the loops has to be looked at.
     #[inline]
     pub(super) fn calm_down(&mut self, samples: &Samples, demand: Demand) {
-        if self.calm.bounds.voltage.is_empty() {
-            self.settle_calm();
-        }
         let c = &self.coefficients;
         let Demand::Speed { measured: speed, fade } = demand else { return };
         if !self.protection.is_quiet() {
