@@ -47,7 +47,7 @@ impl Commutator {
         speed: i32,
         torque: Direction,
     ) -> (Step, Commutations) {
-        let left = if speed < 0 { angle.wrapping_sub(self.until) } else { self.until.wrapping_sub(angle) };
+        let left = distance(angle, self.until, speed);
         if left < self.span && speed == self.speed && torque == self.torque {
             (self.step, Commutations::NONE)
         } else {
@@ -68,8 +68,7 @@ impl Commutator {
         let backward = speed < 0;
         let next = neighbour(sector, backward);
         let boundary = entry(next, speed);
-        let ahead = if backward { angle.wrapping_sub(boundary) } else { boundary.wrapping_sub(angle) };
-        let ahead = ahead.wrapping_sub(c.advance);
+        let ahead = distance(angle, boundary, speed).wrapping_sub(c.advance);
         let per_tick = speed.unsigned_abs();
         let blind = part_of(per_tick as i32, c.earliest.into());
         let seen = per_tick.saturating_add(blind / 2);
@@ -83,7 +82,7 @@ impl Commutator {
             self.go_on(c, sector, (boundary, seen), speed, torque);
             return (first, Commutations::NONE);
         }
-        let instant = if ahead >= per_tick { u16::MAX } else { part(ahead, per_tick).max(c.earliest) };
+        let instant = instant_of(c, ahead, per_tick);
         self.go_on(c, next, (entry(neighbour(next, backward), speed), seen), speed, torque);
         let mut commutations = Commutations::NONE;
         commutations.push(Commutation { instant, step: self.step });
@@ -115,7 +114,7 @@ impl Commutator {
     /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick. It may begin in this period.
     pub fn calm(&self, angle: u32, speed: i32) -> u32 {
         let next = angle.wrapping_add(speed as u32);
-        let left = if speed < 0 { next.wrapping_sub(self.until) } else { self.until.wrapping_sub(next) };
+        let left = distance(next, self.until, speed);
         if left >= self.span || speed != self.speed {
             return 0;
         }
@@ -175,6 +174,12 @@ fn entry(sector: u8, speed: i32) -> u32 {
     if speed < 0 { start.wrapping_add(SIXTH) } else { start }
 }
 
+/// From `angle` to `place` in the direction of motion, u32 turn.
+#[inline]
+const fn distance(angle: u32, place: u32, speed: i32) -> u32 {
+    if speed < 0 { angle.wrapping_sub(place) } else { place.wrapping_sub(angle) }
+}
+
 /// The sector after this one, in the direction of motion.
 const fn neighbour(sector: u8, backward: bool) -> u8 {
     match (sector, backward) {
@@ -201,14 +206,15 @@ fn instant_of_next(c: &CommutatorCoefficients, angle: u32, speed: i32, sector: u
         return None;
     }
     let boundary = entry(neighbour(sector, speed < 0), speed);
-    let ahead = if speed > 0 { boundary.wrapping_sub(angle) } else { angle.wrapping_sub(boundary) };
+    let ahead = distance(angle, boundary, speed);
     // More than half a turn ahead is behind: due at once.
     let ahead = if ahead > u32::MAX / 2 { 0 } else { ahead };
-    let per_tick = speed.unsigned_abs();
-    if ahead >= window(c, speed) {
-        return None;
-    }
-    if ahead >= per_tick { Some(u16::MAX) } else { Some(part(ahead, per_tick).max(c.earliest)) }
+    (ahead < window(c, speed)).then(|| instant_of(c, ahead, speed.unsigned_abs()))
+}
+
+/// When within this period a boundary that lies `ahead` is taken: what it does not reach, at its end.
+fn instant_of(c: &CommutatorCoefficients, ahead: u32, per_tick: u32) -> u16 {
+    if ahead >= per_tick { u16::MAX } else { part(ahead, per_tick).max(c.earliest) }
 }
 
 /// `ahead / per_tick` of a period in 1/65 536, in 32 bits: both scaled until the divisor has 16. `ahead` is less than `per_tick`.
