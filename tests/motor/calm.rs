@@ -14,21 +14,30 @@ fn watched(supply: f64) -> Closed {
     closed
 }
 
+/// Other set-points and loads, the first one from standstill for `start` ticks.
+fn drive_around(closed: &mut Closed, start: u64) {
+    for (set_point, load, ticks) in
+        [(800.0, 0.0, start), (2_500.0, 0.02, 8_000), (1_200.0, 0.0, 8_000), (1_200.0, 0.05, 5_000)]
+    {
+        closed.set_point = set_point;
+        closed.plant.set_load(LoadConfig { constant: load, ..LoadConfig::default() });
+        closed.ask(Request::Drive);
+        assert_eq!(closed.run(ticks), Outcome::Running, "{set_point} rpm");
+    }
+}
+
+fn turn_back(closed: &mut Closed) {
+    closed.ask(Request::Reverse);
+    assert_eq!(closed.run(25_000), Outcome::Running);
+    assert!(closed.rpm() < -1_000.0, "{} rpm", closed.rpm());
+}
+
 #[test]
 fn a_calm_tick_is_a_whole_tick() {
     for supply in [18.0, 24.0, 60.0] {
         let mut closed = watched(supply);
-        for (set_point, load, ticks) in
-            [(800.0, 0.0, 6_000), (2_500.0, 0.02, 8_000), (1_200.0, 0.0, 8_000), (1_200.0, 0.05, 5_000)]
-        {
-            closed.set_point = set_point;
-            closed.plant.set_load(LoadConfig { constant: load, ..LoadConfig::default() });
-            closed.ask(Request::Drive);
-            assert_eq!(closed.run(ticks), Outcome::Running, "{supply} V, {set_point} rpm");
-        }
-        closed.ask(Request::Reverse);
-        assert_eq!(closed.run(25_000), Outcome::Running, "{supply} V");
-        assert!(closed.rpm() < -1_000.0, "{} rpm", closed.rpm());
+        drive_around(&mut closed, 6_000);
+        turn_back(&mut closed);
         closed.plant.inject(Injection::HallGlitches(200.0));
         closed.run(5_000);
         closed.plant.clear(Injection::HallGlitches(200.0));
@@ -52,18 +61,9 @@ fn a_calm_tick_without_sensors_is_a_whole_tick() {
         }
         closed.watch();
         closed.boot();
-        for (set_point, load, ticks) in
-            [(800.0, 0.0, 12_000), (2_500.0, 0.02, 8_000), (1_200.0, 0.0, 8_000), (1_200.0, 0.05, 5_000)]
-        {
-            closed.set_point = set_point;
-            closed.plant.set_load(LoadConfig { constant: load, ..LoadConfig::default() });
-            closed.ask(Request::Drive);
-            assert_eq!(closed.run(ticks), Outcome::Running, "{supply} V, {set_point} rpm");
-        }
+        drive_around(&mut closed, 12_000);
         closed.plant.set_load(LoadConfig::default());
-        closed.ask(Request::Reverse);
-        assert_eq!(closed.run(25_000), Outcome::Running, "{supply} V");
-        assert!(closed.rpm() < -1_000.0, "{} rpm", closed.rpm());
+        turn_back(&mut closed);
         // Blocked, it gives up, each try watched.
         closed.plant.inject(Injection::BlockedRotor);
         closed.run(40_000);

@@ -1,5 +1,6 @@
 //! Phase current while a heavy rotor accelerates as fast as the limits let it.
 
+use crate::support::commanded_tick;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
@@ -43,11 +44,7 @@ fn peak(preset: &Preset, supply: f64, mode: Mode) -> f64 {
         if tick == 6_000 {
             master.start(rpm as i32);
         }
-        while let Some(frame) = master.poll_frame(bench.now_ns() / 1000) {
-            bench.send(frame).unwrap();
-        }
-        bench.step();
-        while bench.receive().is_some() || bench.overhear().is_some() {}
+        commanded_tick(&mut bench, &mut master);
         let seen = bench.plant().observe();
         peak = peak.max(seen.peak_current);
         if seen.speed * 60.0 / core::f64::consts::TAU > 0.97 * rpm {

@@ -1,5 +1,6 @@
 //! Every motor that comes with narx runs as commissioned, at any supply, with and without load.
 
+use crate::support::commanded_tick;
 use narx_core::bus::narmotion::MotorMode;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
@@ -51,11 +52,7 @@ fn spin(preset: &Preset, supply: f64, share_of_range: f64, share_of_torque: f64)
         if tick == 6_000 {
             master.start(rpm);
         }
-        while let Some(frame) = master.poll_frame(bench.now_ns() / 1000) {
-            bench.send(frame).unwrap();
-        }
-        bench.step();
-        while bench.receive().is_some() || bench.overhear().is_some() {}
+        commanded_tick(&mut bench, &mut master);
         let seen = bench.plant().observe();
         peak_current = peak_current.max(seen.peak_current);
         bus_highest = bus_highest.max(seen.bus_voltage);

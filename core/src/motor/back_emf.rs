@@ -171,10 +171,9 @@ impl BackEmf {
         if c.comparator {
             return self.edges_pass(samples, watch, age);
         }
-        let blanked = age.saturating_add(applied.sample_at.into()) < self.blank;
-        if !blanked
-            && !(self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, age, watch))
-        {
+        let hidden = age.saturating_add(applied.sample_at.into()) < self.blank
+            || (self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, age, watch));
+        if !hidden {
             let (signal, threshold) = (signal(c, samples, watch), self.threshold(samples, watch));
             let passes = if self.shift == 0 {
                 self.mean_passes(signal, threshold, applied.sample_at)
