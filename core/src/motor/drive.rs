@@ -26,7 +26,7 @@ use crate::units::Amps;
 use calm::Calm;
 use pattern::Pattern;
 use reports::Reports;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
 pub const LAYOUT_VERSION: u16 = 4;
@@ -36,6 +36,7 @@ pub const BEHAVIOUR_VERSION: u16 = 4;
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Drive {
     coefficients: Coefficients,
     parameters_fit: bool,
@@ -72,6 +73,21 @@ mod place {
     pub(super) const RAILS: u32 = 2;
     pub(super) const REPORT: u32 = 3;
     pub(super) const LAST: u32 = REPORT;
+}
+
+impl Serialize for Drive {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// What follows from the coefficients is not recorded, but made anew.
+impl<'de> Deserialize<'de> for Drive {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut drive = Self::deserialize(deserializer)?;
+        drive.settle_calm();
+        Ok(drive)
+    }
 }
 
 impl Drive {
@@ -191,9 +207,6 @@ impl Drive {
     fn survey(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
         let rests = self.calm.is_told_to_rest();
         self.wake();
-        if self.calm.is_unbounded() {
-            self.settle_calm();
-        }
         let hall = self.sense_halls(samples);
         if self.listens {
             self.listen(samples, measured);

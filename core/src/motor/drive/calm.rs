@@ -31,12 +31,12 @@ pub(super) struct Calm {
     /// Estimated speed in the direction of torque, raw I16F16 electrical rev/s, and what the voltage fades by.
     speed: i32,
     fade: u8,
-    /// No state: a recording is without them.
+    /// They follow from the coefficients: a recording is without them.
     #[serde(skip)]
     bounds: Bounds,
 }
 
-/// What a calm tick stays within, made when coefficients or mode change: nothing does before.
+/// What a calm tick stays within, made when coefficients or mode change, or a drive comes out of a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Bounds {
     /// Bus voltage and current, raw I16F16.
@@ -85,11 +85,6 @@ impl Calm {
     #[inline]
     const fn demand(&self) -> Demand {
         Demand::Speed { measured: self.speed, fade: self.fade }
-    }
-
-    /// Its bounds have not been made yet: it comes out of a recording.
-    pub(super) const fn is_unbounded(&self) -> bool {
-        self.bounds.voltage.is_empty()
     }
 
     /// In this tick, too, time alone changes no state.
