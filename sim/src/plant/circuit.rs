@@ -68,6 +68,10 @@ pub(crate) struct Circuit {
     pub(crate) has_diodes: bool,
     /// Where, and in which direction.
     pub(crate) diodes: [f64; 3],
+    /// The leg of the only diode, or of the first where two legs conduct and end together; 3 if there is none such.
+    pub(crate) lone: usize,
+    /// Parts of `s` and `d` in its current, positive where it would flow backwards.
+    pub(crate) against: [f64; 2],
     /// Diode drops along the coordinates, and at the terminal of the one idle leg beside two that conduct, V.
     pub(crate) drop_s: f64,
     pub(crate) drop_d: f64,
@@ -78,18 +82,34 @@ impl Circuit {
     /// The circuit of these legs with diodes that drop `drop` volts.
     pub(crate) fn new(legs: &[Leg; 3], drop: f64) -> Self {
         let wiring = Wiring::of(legs);
-        let has_diodes = legs.iter().any(|leg| leg.is_diode());
-        if !has_diodes {
-            return Self { wiring, has_diodes, diodes: [0.0; 3], drop_s: 0.0, drop_d: 0.0, drop_idle: 0.0 };
-        }
         let diodes = [legs[0].diode_sign(), legs[1].diode_sign(), legs[2].diode_sign()];
-        Self {
+        let mut circuit = Self {
             wiring,
-            has_diodes,
+            has_diodes: legs[0].is_diode() || legs[1].is_diode() || legs[2].is_diode(),
             diodes,
-            drop_s: drop * dot(&wiring.along, &diodes),
-            drop_d: drop * dot(&wiring.across, &diodes),
-            drop_idle: drop * dot(&wiring.mean, &diodes),
+            lone: 3,
+            against: [0.0; 2],
+            drop_s: 0.0,
+            drop_d: 0.0,
+            drop_idle: 0.0,
+        };
+        if circuit.has_diodes {
+            circuit.add_diodes(legs, drop);
+        }
+        circuit
+    }
+
+    fn add_diodes(&mut self, legs: &[Leg; 3], drop: f64) {
+        let Self { wiring, diodes, .. } = self;
+        self.drop_s = drop * dot(&wiring.along, diodes);
+        self.drop_d = drop * dot(&wiring.across, diodes);
+        self.drop_idle = drop * dot(&wiring.mean, diodes);
+        let mut with = (0..3).filter(|x| legs[*x].is_diode());
+        if let Some(x) = with.next()
+            && (wiring.conducting == 2 || with.next().is_none())
+        {
+            self.lone = x;
+            self.against = [diodes[x] * wiring.along[x], diodes[x] * wiring.across[x]];
         }
     }
 

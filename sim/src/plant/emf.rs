@@ -29,8 +29,8 @@ pub(crate) struct EmfShape {
 #[derive(Clone, Copy, Debug, Default)]
 struct Mix {
     s: [f64; 2],
-    d: [f64; 2],
-    idle: [f64; 2],
+    /// Of `d` where three legs conduct, of the idle leg beside two that do.
+    aside: [f64; 2],
 }
 
 /// A quantity that runs linearly over an interval: `start + slope t`.
@@ -45,6 +45,13 @@ impl Line {
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.start + self.slope * t
     }
+}
+
+/// The same, told from the middle of the interval: `middle + slope (t - h / 2)`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Chord {
+    pub(crate) middle: f64,
+    pub(crate) slope: f64,
 }
 
 impl EmfShape {
@@ -100,31 +107,27 @@ impl EmfShape {
     pub(crate) fn along(&self, wiring: &Wiring, three: bool, middle: &Rotation, rate: f64, h: f64) -> Shape {
         let (value, per_second) = self.gauss(rate, h);
         let mix = &self.mixes[wiring.index & 31];
-        let (sin, cos) = (value * middle.sin, value * middle.cos);
-        let (sin_slope, cos_slope) = (per_second * middle.cos, per_second * middle.sin);
-        let line = |mix: &[f64; 2]| {
-            let slope = mix[0] * sin_slope - mix[1] * cos_slope;
-            Line { start: mix[0] * sin + mix[1] * cos - 0.5 * h * slope, slope }
+        let chord = |mix: &[f64; 2]| Chord {
+            middle: value * (mix[0] * middle.sin + mix[1] * middle.cos),
+            slope: per_second * (mix[0] * middle.cos - mix[1] * middle.sin),
         };
-        let mut shape = Shape { s: line(&mix.s), ..Shape::default() };
-        if three {
-            shape.d = line(&mix.d);
-        } else {
-            shape.idle = line(&mix.idle);
-        }
-        shape
+        let (s, aside) = (chord(&mix.s), chord(&mix.aside));
+        let none = Chord::default();
+        if three { Shape { s, d: aside, idle: none } } else { Shape { s, d: none, idle: aside } }
     }
 
     /// The same of every leg of a motor of any shape; `angle` is the middle in turns.
-    pub(crate) fn legs(&self, angle: f64, middle: &Rotation, rate: f64, h: f64) -> [Line; 3] {
+    pub(crate) fn legs(&self, angle: f64, middle: &Rotation, rate: f64, h: f64) -> [Chord; 3] {
         if self.flank != 0.0 {
-            return self.trapezoids(angle, rate, h);
+            return self.trapezoids(angle, rate);
         }
         let (value, per_second) = self.gauss(rate, h);
         [0, 1, 2].map(|leg| {
             let (sin, cos) = (self.lag_cos[leg], -self.lag_sin[leg]);
-            let slope = per_second * (sin * middle.cos - cos * middle.sin);
-            Line { start: value * (sin * middle.sin + cos * middle.cos) - 0.5 * h * slope, slope }
+            Chord {
+                middle: value * (sin * middle.sin + cos * middle.cos),
+                slope: per_second * (sin * middle.cos - cos * middle.sin),
+            }
         })
     }
 
@@ -132,16 +135,16 @@ impl EmfShape {
     /// times the angular speed.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn gauss(&self, rate: f64, h: f64) -> (f64, f64) {
-        let half = 0.5 * rate * h;
-        let y = half * half * (1.0 / 3.0);
+        let span = rate * h;
+        let y = span * span;
         // The next terms are below 1e-6.
-        (self.peak * (1.0 - 0.5 * y), self.peak * rate * (1.0 - y * (1.0 / 6.0)))
+        (self.peak * (1.0 - y * (1.0 / 24.0)), self.peak * rate * (1.0 - y * (1.0 / 72.0)))
     }
 
     /// Values of every leg at an angle in turns, whose sine and cosine are `rotation`.
     pub(crate) fn now(&self, angle: f64, rotation: &Rotation) -> [f64; 3] {
         if self.flank != 0.0 {
-            return self.trapezoids(angle, 0.0, 0.0).map(|line| line.start);
+            return self.trapezoids(angle, 0.0).map(|chord| chord.middle);
         }
         let Rotation { sin, cos } = rotation;
         [0, 1, 2].map(|leg| self.peak * (self.lag_cos[leg] * sin - self.lag_sin[leg] * cos))
@@ -166,14 +169,14 @@ impl EmfShape {
     /// Values along the coordinates of `wiring` of a trapezoid, which is straight between its corners; `angle` is the middle in
     /// turns.
     #[inline(never)]
-    pub(crate) fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64, h: f64) -> Shape {
-        let legs = self.trapezoids(angle, rate, h);
-        let (start, slope) = (legs.map(|line| line.start), legs.map(|line| line.slope));
-        let line = |parts: &[f64; 3]| Line { start: dot(parts, &start), slope: dot(parts, &slope) };
-        Shape { s: line(&wiring.along), d: line(&wiring.across), idle: line(&wiring.aside) }
+    pub(crate) fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64) -> Shape {
+        let legs = self.trapezoids(angle, rate);
+        let (middle, slope) = (legs.map(|chord| chord.middle), legs.map(|chord| chord.slope));
+        let chord = |parts: &[f64; 3]| Chord { middle: dot(parts, &middle), slope: dot(parts, &slope) };
+        Shape { s: chord(&wiring.along), d: chord(&wiring.across), idle: chord(&wiring.aside) }
     }
 
-    fn trapezoids(&self, middle: f64, rate: f64, h: f64) -> [Line; 3] {
+    fn trapezoids(&self, middle: f64, rate: f64) -> [Chord; 3] {
         let scale = 1.0 / self.flank;
         self.lag.map(|lag| {
             let x = fraction(middle - lag);
@@ -186,7 +189,7 @@ impl EmfShape {
             };
             let value = ramp * scale;
             let slope = if value.abs() < 1.0 { self.peak * sign * scale * rate * (0.5 / PI) } else { 0.0 };
-            Line { start: self.peak * value.clamp(-1.0, 1.0) - 0.5 * h * slope, slope }
+            Chord { middle: self.peak * value.clamp(-1.0, 1.0), slope }
         })
     }
 }
@@ -194,7 +197,10 @@ impl EmfShape {
 impl Mix {
     fn new(wiring: &Wiring, lag_cos: &[f64; 3], lag_sin: &[f64; 3]) -> Self {
         let mix = |parts: &[f64; 3]| [dot(parts, lag_cos), -dot(parts, lag_sin)];
-        Self { s: mix(&wiring.along), d: mix(&wiring.across), idle: mix(&wiring.aside) }
+        Self {
+            s: mix(&wiring.along),
+            aside: mix(if wiring.conducting == 3 { &wiring.across } else { &wiring.aside }),
+        }
     }
 }
 

@@ -14,6 +14,7 @@
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 
 mod angle;
+mod booking;
 mod circuit;
 mod comparator;
 mod config;

@@ -115,7 +115,7 @@ impl Stage {
         }
         let speed = course.speed();
         let (turns, rotation) =
-            (course.turns(&self.shaft, course.elapsed), course.rotation(&self.shaft, course.elapsed));
+            (course.turns(&self.shaft, course.elapsed), course.rotation(course.elapsed));
         self.shape.now(turns, &rotation).map(|shape| shape * speed)
     }
 
