@@ -1,7 +1,7 @@
 //! The shaft's way from one stop of the plant to the next: predicted, so that the circuit can be solved along it, and then
 //! settled with the torque that came of it.
 
-use super::angle::{Rotation, Sweep};
+use super::angle::{Rotation, Sweep, Track};
 use super::booking::Book;
 use super::emf::{Chord, EmfShape};
 use super::mechanics::{Motion, Push, Shaft};
@@ -42,6 +42,7 @@ pub(crate) struct Course {
     rate: f64,
     half_gain: f64,
     sweep: Sweep,
+    track: Track,
     pub(crate) book: Book,
 }
 
@@ -58,6 +59,7 @@ impl Course {
             rate: 0.0,
             half_gain: 0.0,
             sweep: Sweep::new(&Rotation::of(0.0), 0.0),
+            track: Track::new(&Rotation::of(0.0), 0.0, 0.0),
             book: Book::default(),
         }
     }
@@ -100,21 +102,15 @@ impl Course {
         emf.legs(self.turns(shaft, t), &self.rotation(t), rate, h)
     }
 
-    /// Electrical angle after `t` seconds of the course, rad from its start.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn radians(&self, t: f64) -> f64 {
-        t * (self.rate + self.half_gain * t)
-    }
-
     /// Electrical angle after `t` seconds of the course, turns.
     pub(crate) fn turns(&self, shaft: &Shaft, t: f64) -> f64 {
-        shaft.angle + self.radians(t) * (0.5 / core::f64::consts::PI)
+        shaft.angle + t * (self.rate + self.half_gain * t) * (0.5 / core::f64::consts::PI)
     }
 
     /// Its sine and cosine.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn rotation(&self, t: f64) -> Rotation {
-        self.sweep.middle.and(&Rotation::by_little(self.radians(t) - 0.5 * self.sweep.span))
+        self.track.at(t - 0.5 * self.length)
     }
 }
 
@@ -132,7 +128,15 @@ impl Stage {
         (course.motion, course.rate, course.half_gain) = (motion, rate, half_gain);
         // Its mean is weighted as it acts on the way travelled: a third, not a half.
         course.lean = self.network.per_l * motion.per_inertia * (1.0 / 3.0);
-        course.sweep = Sweep::new(&self.rotation, (rate + half_gain * length) * length);
+        if self.shape.is_sine() {
+            course.sweep = Sweep::new(&self.rotation, (rate + half_gain * length) * length);
+            // Half way in time, the angle lies a little before half of the span.
+            let gain = 2.0 * half_gain;
+            let late = 0.25 * half_gain * length * length;
+            let Rotation { sin, cos } = course.sweep.middle;
+            let middle = Rotation { sin: sin - late * cos, cos: cos + late * sin };
+            course.track = Track::new(&middle, rate + half_gain * length, gain);
+        }
         course.book = Book::default();
         length
     }

@@ -11,6 +11,15 @@ const PASSED: f64 = 1e-5;
 /// Shorter times are none, s.
 const INSTANT: f64 = 1e-13;
 
+/// Whether the source changes within an interval.
+pub(crate) enum Change {
+    Never,
+    /// After so many seconds, in this state.
+    At(f64, Reduced),
+    /// It may.
+    Unclear,
+}
+
 impl Stage {
     /// Turns the diode on that is most in need of it, or a currentless one off. False if all agree.
     #[inline(never)]
@@ -88,21 +97,23 @@ impl Stage {
         }
     }
 
-    /// When the source stops or starts, if that is in the next `h` seconds and plain to see, and the state then.
+    /// When the source stops or starts in the next `h` seconds, which lead to `end`.
     #[inline(never)]
-    pub(crate) fn source_changes(&self, h: f64) -> Option<(f64, Reduced)> {
-        let segment = self.segment(h);
+    pub(crate) fn source_changes(&self, segment: &Segment, h: f64, end: &Reduced) -> Change {
         let network = &self.network;
         // The bus is to come to a little beyond its edge.
         let sign = if self.source_on { 1.0 } else { -1.0 };
         let beyond = |at: &Reduced| sign * (at.v - network.source_v) - 0.5 * PASSED;
         let slope = |t: f64, at: &Reduced| sign * segment.slopes(network, t, at).v;
         let start = &segment.start;
-        let (f0, f1, first) = (beyond(start), beyond(&segment.at(network, h)), slope(0.0, start));
+        let (f0, f1, first) = (beyond(start), beyond(end), slope(0.0, start));
+        if f1 <= 0.0 && beyond(&segment.at(network, 0.5 * h)) <= 0.0 {
+            return Change::Never;
+        }
         let second = (f1 - f0 - first * h) / (h * h);
         let root = first * first - 4.0 * second * f0;
         if f0 >= 0.0 || f1 <= 0.0 || root <= 0.0 {
-            return None;
+            return Change::Unclear;
         }
         // Where the parabola with the slope at the start rises through zero, then Newton's method on the solution.
         let mut t = if first > 0.0 {
@@ -112,16 +123,16 @@ impl Stage {
         };
         for _ in 0..8 {
             if !(t > INSTANT && t < h) {
-                return None;
+                break;
             }
             let at = segment.at(network, t);
             let f = beyond(&at);
             if f.abs() < 0.4 * PASSED {
-                return Some((t, at));
+                return Change::At(t, at);
             }
             t -= f / slope(t, &at);
         }
-        None
+        Change::Unclear
     }
 
     /// Looks closely at an interval in which something may happen: what happens first, and when.

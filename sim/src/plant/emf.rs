@@ -25,12 +25,12 @@ pub(crate) struct EmfShape {
     mixes: [Mix; wiring::COUNT],
 }
 
-/// Parts of the angle's sine and cosine in a sinusoidal motor's back-EMF along the coordinates of a wiring.
+/// Parts of the angle's sine and cosine in a sinusoidal motor's back-EMF along two coordinates of a wiring: `s`, and `d` where
+/// three legs conduct or the idle leg beside two that do.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mix {
-    s: [f64; 2],
-    /// Of `d` where three legs conduct, of the idle leg beside two that do.
-    aside: [f64; 2],
+    sin: [f64; 2],
+    cos: [f64; 2],
 }
 
 /// A quantity that runs linearly over an interval: `start + slope t`.
@@ -106,13 +106,11 @@ impl EmfShape {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn along(&self, wiring: &Wiring, three: bool, middle: &Rotation, rate: f64, h: f64) -> Shape {
         let (value, per_second) = self.gauss(rate, h);
-        let mix = &self.mixes[wiring.index & 31];
-        let chord = |mix: &[f64; 2]| Chord {
-            middle: value * (mix[0] * middle.sin + mix[1] * middle.cos),
-            slope: per_second * (mix[0] * middle.cos - mix[1] * middle.sin),
-        };
-        let (s, aside) = (chord(&mix.s), chord(&mix.aside));
-        let none = Chord::default();
+        let Mix { sin, cos } = &self.mixes[wiring.index & 31];
+        let middles = [0, 1].map(|n| value * (sin[n] * middle.sin + cos[n] * middle.cos));
+        let slopes = [0, 1].map(|n| per_second * (sin[n] * middle.cos - cos[n] * middle.sin));
+        let s = Chord { middle: middles[0], slope: slopes[0] };
+        let (aside, none) = (Chord { middle: middles[1], slope: slopes[1] }, Chord::default());
         if three { Shape { s, d: aside, idle: none } } else { Shape { s, d: none, idle: aside } }
     }
 
@@ -196,11 +194,8 @@ impl EmfShape {
 
 impl Mix {
     fn new(wiring: &Wiring, lag_cos: &[f64; 3], lag_sin: &[f64; 3]) -> Self {
-        let mix = |parts: &[f64; 3]| [dot(parts, lag_cos), -dot(parts, lag_sin)];
-        Self {
-            s: mix(&wiring.along),
-            aside: mix(if wiring.conducting == 3 { &wiring.across } else { &wiring.aside }),
-        }
+        let pair = [&wiring.along, if wiring.conducting == 3 { &wiring.across } else { &wiring.aside }];
+        Self { sin: pair.map(|parts| dot(parts, lag_cos)), cos: pair.map(|parts| -dot(parts, lag_sin)) }
     }
 }
 

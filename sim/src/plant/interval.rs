@@ -1,13 +1,12 @@
 //! One interval between two switching events: the circuit along the shaft's course.
 
-use super::circuit::Reduced;
+use super::circuit::{Leg, Reduced};
+use super::diodes::Change;
 use super::event::Event;
 use super::network::{Loop, Network};
 use super::segment::{Kind, Pace, Segment, Sums};
 use super::stage::{Stage, VOLTAGE_EDGE};
 
-/// Longest interval in time constants L / R: losses are good to 1e-4 then.
-const TIME_CONSTANTS_MAX: f64 = 0.35;
 /// Each pass changes one diode: six are more than three legs can need.
 const PASSES_MAX: u32 = 6;
 /// Shorter intervals are none, s.
@@ -26,66 +25,132 @@ pub(crate) struct Solved {
     event: Option<Event>,
 }
 
+/// What an attempt at an interval came to.
+enum Attempt {
+    /// It is done, and took so many seconds.
+    Done(f64),
+    /// The terminal of the one idle leg beside two that conduct is beyond its diode: +1 above the bus, -1 below ground.
+    Starts(f64),
+    /// It needs a closer look.
+    Unclear,
+}
+
 impl Stage {
     /// Advances by `limit` seconds or less on the present course, to the next event at most. Returns by how much.
     #[inline(never)]
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
-        self.intervals += 1;
         self.settle_source();
-        let rest = self.course.rest();
-        let most = TIME_CONSTANTS_MAX * self.network.time_constant;
-        let h = if limit < rest { limit } else { rest };
-        let h = if h < most { h } else { most };
-        let mut passes = 0;
-        loop {
-            self.refresh();
-            // One by one, so that the compiler makes code for each that does nothing which it does not need.
-            let done = match (self.circuit.wiring.topology, self.circuit.wiring.conducting) {
-                (Loop::Open, 3) => self.solve(h, Loop::Open, true, passes),
-                (Loop::Open, _) => self.solve(h, Loop::Open, false, passes),
-                (Loop::TwoLegs, _) => self.solve(h, Loop::TwoLegs, false, passes),
-                (Loop::ThreeLegs, _) => self.solve(h, Loop::ThreeLegs, true, passes),
-            };
-            if let Some(h) = done {
-                return h;
-            }
-            self.diode_events += 1;
-            passes += 1;
+        let h = self.longest_interval(limit);
+        self.refresh();
+        // One by one, so that the compiler makes code for each that does nothing which it does not need.
+        let attempt = match (self.circuit.wiring.topology, self.circuit.wiring.conducting) {
+            (Loop::Open, 3) => self.attempt(h, Loop::Open, true),
+            (Loop::Open, _) => self.attempt(h, Loop::Open, false),
+            (Loop::TwoLegs, _) => self.attempt(h, Loop::TwoLegs, false),
+            (Loop::ThreeLegs, _) => self.attempt(h, Loop::ThreeLegs, true),
+        };
+        match attempt {
+            Attempt::Done(h) => h,
+            Attempt::Starts(sign) => self.start_idle_leg(sign, limit),
+            Attempt::Unclear => self.interval_closely(h),
         }
     }
 
-    /// Solves the circuit for `h` seconds or up to an event; `three` says that all legs conduct. None if a diode had to change
-    /// first.
+    /// Solves the circuit for `h` seconds or up to the end of the only diode's current, where nothing else can happen; `three`
+    /// says that all legs conduct. Calls nothing before all is told, so that it can keep its many numbers in registers.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn solve(&mut self, h: f64, topology: Loop, three: bool, passes: u32) -> Option<f64> {
-        let segment = self.segment_of(h, topology, three);
-        // Diodes turn on or off until they agree with the voltages.
-        if passes < PASSES_MAX && self.is_unsettled(&segment) && self.change_diode() {
-            return None;
+    fn attempt(&mut self, h: f64, topology: Loop, three: bool) -> Attempt {
+        let circuit = &self.circuit;
+        let several = circuit.has_diodes && circuit.lone == 3;
+        let modes = self.network.modes(topology, self.source_on);
+        if modes.is_long(h)
+            || several
+            || (circuit.lone < 3 && self.electric.i[circuit.lone] == 0.0 && !self.just_started)
+        {
+            return Attempt::Unclear;
         }
+        let segment = self.segment_of(h, topology, three);
+        if !three {
+            let (v, edge) = (self.reduced.v, self.network.drop + VOLTAGE_EDGE);
+            let terminal = segment.idle.start + circuit.wiring.high_share * v;
+            if circuit.wiring.conducting < 2 {
+                return Attempt::Unclear;
+            } else if terminal < -edge {
+                return Attempt::Starts(-1.0);
+            } else if terminal > v + edge {
+                return Attempt::Starts(1.0);
+            }
+        }
+        let stop = if circuit.lone < 3 { self.stop(&segment, h) } else { None };
+        let (h, end, event) = match stop {
+            Some((t, end)) => (t, end, Some(Event::Stops(circuit.lone))),
+            None => (h, segment.at(&self.network, h), None),
+        };
+        let solved = Solved::of(&self.network, &segment, h, end, event);
+        let (source, low) = self.keeps_source(&segment, &solved);
+        if !source || !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, h, low) {
+            return Attempt::Unclear;
+        }
+        self.commit(&segment, &solved);
+        Attempt::Done(h)
+    }
+
+    /// `limit` seconds, or less if the course ends before or the approximations would not hold.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn longest_interval(&self, limit: f64) -> f64 {
+        let (rest, most) = (self.course.rest(), self.network.longest);
+        let h = if limit < rest { limit } else { rest };
+        if h < most { h } else { most }
+    }
+
+    /// The same for any circuit, whatever happens.
+    #[inline(never)]
+    fn interval_closely(&mut self, limit: f64) -> f64 {
+        let h = self.longest_interval(limit);
+        for _ in 0..PASSES_MAX {
+            // Diodes turn on or off until they agree with the voltages.
+            if !(self.is_unsettled(h) && self.change_diode()) {
+                break;
+            }
+            self.diode_events += 1;
+        }
+        let segment = self.segment(h);
         let stop = if self.circuit.lone < 3 { self.stop(&segment, h) } else { None };
-        let (t, end, mut event) = match stop {
+        let (mut t, mut end, mut event) = match stop {
             Some((t, end)) => (t, end, Some(Event::Stops(self.circuit.lone))),
             None => (h, segment.at(&self.network, h), None),
         };
         let mut solved = Solved::of(&self.network, &segment, t, end, event);
-        if !self.keeps_diodes(&segment, &solved) {
-            return Some(self.search_and_commit(h));
-        }
-        let (mut source, mut low) = self.keeps_source(&segment, &solved);
+        let (source, low) = self.keeps_source(&segment, &solved);
         if !source {
-            let Some((t, end)) = self.source_changes(t) else {
-                return Some(self.search_and_commit(h));
-            };
-            event = Some(if segment.source_on() { Event::SourceStops } else { Event::SourceStarts });
-            solved = Solved::of(&self.network, &segment, t, end, event);
-            (source, low) = self.keeps_source(&segment, &solved);
+            match self.source_changes(&segment, t, &end) {
+                Change::Never => {}
+                Change::Unclear => return self.search_and_commit(&segment, h),
+                Change::At(earlier, state) => {
+                    (t, end) = (earlier, state);
+                    event = Some(if self.source_on { Event::SourceStops } else { Event::SourceStarts });
+                    solved = Solved::of(&self.network, &segment, t, end, event);
+                }
+            }
         }
-        if !source || !self.keeps_idle_legs(&segment, h, low) {
-            return Some(self.search_and_commit(h));
+        if !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, t, low) {
+            return self.search_and_commit(&segment, h);
         }
         self.commit(&segment, &solved);
-        Some(solved.h)
+        t
+    }
+
+    /// Lets the idle leg beside two that conduct begin to, if it can: through the high-side diode for +1, the low-side one for -1.
+    /// Then the interval begins anew; not in a loop there, before which the compiler would load all constants.
+    #[inline(never)]
+    fn start_idle_leg(&mut self, sign: f64, limit: f64) -> f64 {
+        let Some(x) = (0..3).find(|x| self.legs[*x] == Leg::Idle && !self.open[*x] && !self.held[*x]) else {
+            return self.interval_closely(limit);
+        };
+        self.set_leg(x, if sign > 0.0 { Leg::HighDiode } else { Leg::LowDiode });
+        self.diode_events += 1;
+        self.just_started = true;
+        self.interval(limit)
     }
 
     /// The circuit for the next `h` seconds.
@@ -104,15 +169,14 @@ impl Stage {
         Segment::new(network, circuit, kind, self.reduced, shape, pace, h)
     }
 
-    /// Where something may happen that is not the plain end of a diode's current.
+    /// Where something may happen that is neither the plain end of a diode's current nor of the source's.
     #[inline(never)]
-    fn search_and_commit(&mut self, h: f64) -> f64 {
-        let segment = self.segment(h);
+    fn search_and_commit(&mut self, segment: &Segment, h: f64) -> f64 {
         let end = segment.at(&self.network, h);
-        match self.search(&segment, h, end) {
+        match self.search(segment, h, end) {
             None => {
-                let solved = Solved::of(&self.network, &segment, h, end, None);
-                self.commit(&segment, &solved);
+                let solved = Solved::of(&self.network, segment, h, end, None);
+                self.commit(segment, &solved);
                 h
             }
             Some((event, t)) if t <= INSTANT => {
@@ -121,8 +185,8 @@ impl Stage {
             }
             Some((event, t)) => {
                 let end = segment.at(&self.network, t);
-                let solved = Solved::of(&self.network, &segment, t, end, Some(event));
-                self.commit(&segment, &solved);
+                let solved = Solved::of(&self.network, segment, t, end, Some(event));
+                self.commit(segment, &solved);
                 t
             }
         }
@@ -138,18 +202,17 @@ impl Stage {
         }
     }
 
-    /// True if some diode may have to turn on or off at the start of the interval.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn is_unsettled(&self, segment: &Segment) -> bool {
+    /// True if some diode may have to turn on or off now, at the start of `h` seconds.
+    fn is_unsettled(&self, h: f64) -> bool {
         let circuit = &self.circuit;
-        if circuit.has_diodes && (0..3).any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
+        if (0..3).any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
             return true;
         }
         let (v, edge) = (self.electric.v, self.network.drop + VOLTAGE_EDGE);
         match circuit.wiring.conducting {
-            _ if segment.has_difference() => false,
+            3 => false,
             2 => {
-                let terminal = segment.idle.start + circuit.wiring.high_share * v;
+                let terminal = self.segment(h).idle.start + circuit.wiring.high_share * v;
                 terminal < -edge || terminal > v + edge
             }
             0 => self.shape.line_peak() * self.course.speed().abs() > v + edge,
@@ -179,7 +242,7 @@ impl Stage {
     /// voltage at which the source gives what the motor takes, and never passes it.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn keeps_source(&self, segment: &Segment, solved: &Solved) -> (bool, f64) {
-        let Solved { per_h, end, sums, .. } = solved;
+        let Solved { h, per_h, end, sums, .. } = solved;
         let (start, from, to) = (&segment.start, segment.start.v, end.v);
         let below = if from < to { from } else { to };
         let source_v = self.network.source_v;
@@ -196,7 +259,10 @@ impl Stage {
         let lowest = modes.rest - most * modes.per_g;
         let low = if from < lowest { from } else { lowest };
         if segment.source_on() {
-            let rises = least < 0.0 && modes.rest - least * modes.per_g > source_v + VOLTAGE_EDGE;
+            let top = source_v + VOLTAGE_EDGE;
+            let may_rise = least < 0.0 && modes.rest - least * modes.per_g > top;
+            // The bound tells little where the bus is still low: then the way tells, half way and at the end.
+            let rises = may_rise && (to > top || segment.at(&self.network, 0.5 * h).v > top);
             return (self.may_sink || (stays_below && !rises), low);
         }
         // Nothing but the motor at the bus: a current that does not turn round moves it one way.
@@ -260,11 +326,21 @@ impl Stage {
         }
         self.course.elapsed += h;
         self.reduced = *end;
-        self.electric.i = self.circuit.wiring.currents(end.s, end.d);
         self.electric.v = end.v;
-        // Between two switching events currents hardly bend: their extremes are at the events.
-        self.see_peak();
-        self.held = [false; 3];
+        let wiring = self.circuit.wiring;
+        // Between two switching events currents hardly bend: their extremes are at the events. Where three legs conduct, two share
+        // `s` and differ by `d`.
+        let peak = if segment.has_difference() {
+            self.electric.i = wiring.currents(end.s, end.d);
+            let shared = 0.5 * end.s.abs() + end.d.abs();
+            if shared > end.s.abs() { shared } else { end.s.abs() }
+        } else {
+            self.electric.i = wiring.along.map(|part| part * end.s);
+            end.s.abs()
+        };
+        self.peak = if peak > self.peak { peak } else { self.peak };
+        self.intervals += 1;
+        (self.held, self.just_started) = ([false; 3], false);
         if self.watched {
             self.against_mean[1] = self.less_mean();
         }

@@ -15,8 +15,12 @@ use super::config::SupplyConfig;
 use super::exponential::{falling, falling_little};
 use super::segment::{Segment, Sums};
 
+/// Longest interval in time constants: losses are good to 1e-4 then.
+const TIME_CONSTANTS_MAX: f64 = 0.35;
 /// Eigenvalues are close together if half their distance is less than this part of their mean.
 const CLOSE: f64 = 0.1;
+/// Largest argument of the series for those: they are good to 1e-7.
+const SERIES_MAX: f64 = 0.25;
 
 /// Values of the elements, all in SI units.
 #[derive(Clone, Debug)]
@@ -33,6 +37,8 @@ pub(crate) struct Network {
     pub(crate) per_r: f64,
     pub(crate) per_l: f64,
     pub(crate) time_constant: f64,
+    /// Longest interval, s.
+    pub(crate) longest: f64,
     /// One phase, H.
     pub(crate) l: f64,
     /// Bus, F.
@@ -57,9 +63,10 @@ pub(crate) struct Network {
 pub(crate) struct Modes {
     middle: f64,
     distance: f64,
-    /// The eigenvalues are complex or close together.
-    rare: bool,
-    complex: bool,
+    /// Half their distance squared: negative if they are complex.
+    square: f64,
+    /// They are complex or close together: their exponentials' difference would lose digits.
+    close: bool,
     /// The real eigenvalues, 1/s, and 1 / (slow - fast).
     slow: f64,
     fast: f64,
@@ -117,6 +124,7 @@ impl Network {
             per_r: 0.0,
             per_l: 1.0 / l,
             time_constant: 0.0,
+            longest: 0.0,
             l,
             c,
             drop,
@@ -136,11 +144,17 @@ impl Network {
         self.rate = self.r / self.l;
         self.per_r = 1.0 / self.r;
         self.time_constant = self.l / self.r;
+        let mut fastest = self.rate;
         for source_on in [false, true] {
             for topology in [Loop::Open, Loop::TwoLegs, Loop::ThreeLegs] {
-                self.modes[usize::from(source_on)][topology as usize] = self.solve(topology, source_on);
+                let modes = self.solve(topology, source_on);
+                if !modes.close && topology != Loop::Open {
+                    fastest = fastest.max(-modes.slow);
+                }
+                self.modes[usize::from(source_on)][topology as usize] = modes;
             }
         }
+        self.longest = TIME_CONSTANTS_MAX / fastest;
     }
 
     fn solve(&self, topology: Loop, source_on: bool) -> Modes {
@@ -156,8 +170,8 @@ impl Network {
         Modes {
             middle,
             distance,
-            rare: square < 0.0 || distance < CLOSE * middle.abs(),
-            complex: square < 0.0,
+            square,
+            close: square < 0.0 || distance < CLOSE * middle.abs(),
             // From the product of both, because their sum cancels.
             slow: det / fast,
             fast,
@@ -233,33 +247,40 @@ impl Modes {
     /// exp(A t) = `alpha` + `beta` A.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn transition(&self, t: f64) -> (f64, f64) {
-        if self.rare {
-            return self.rare_transition(t);
+        if !self.close {
+            let (e_slow, e_fast) = (falling_little(self.slow * t), falling(self.fast * t));
+            let beta = (e_slow - e_fast) * self.per_distance;
+            return (e_slow - beta * self.slow, beta);
         }
-        let (e_slow, e_fast) = (falling_little(self.slow * t), falling(self.fast * t));
-        let beta = (e_slow - e_fast) * self.per_distance;
-        (e_slow - beta * self.slow, beta)
+        if self.is_long(t) {
+            return self.long_transition(t);
+        }
+        // Hyperbolic cosine and sine of a square that may be negative.
+        let (envelope, y) = (falling(self.middle * t), self.square * t * t);
+        let cosh = 1.0 + y * (1.0 / 2.0 + y * (1.0 / 24.0 + y * (1.0 / 720.0)));
+        let sinh = 1.0 + y * (1.0 / 6.0 + y * (1.0 / 120.0 + y * (1.0 / 5040.0)));
+        let beta = envelope * t * sinh;
+        (envelope * cosh - self.middle * beta, beta)
     }
 
-    /// Complex eigenvalues, or close ones, whose exponentials' difference would lose digits.
+    /// True if the series for complex or close eigenvalues would not do for `t` seconds.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn is_long(&self, t: f64) -> bool {
+        self.close && self.square.abs() * t * t > SERIES_MAX
+    }
+
+    /// Complex or close eigenvalues, and a time in which they go far.
     #[cold]
     #[inline(never)]
-    fn rare_transition(&self, t: f64) -> (f64, f64) {
-        let envelope = falling(self.middle * t);
-        if self.complex {
-            let Rotation { sin, cos } = Rotation::by(self.distance * t);
-            let beta = 2.0 * self.per_distance * envelope * sin;
-            return (envelope * cos - self.middle * beta, beta);
-        }
-        let x = self.distance * t;
-        if x > CLOSE {
+    fn long_transition(&self, t: f64) -> (f64, f64) {
+        if self.square > 0.0 {
             let (e_slow, e_fast) = (falling(self.slow * t), falling(self.fast * t));
             let beta = (e_slow - e_fast) * self.per_distance;
             return (e_slow - beta * self.slow, beta);
         }
-        // Hyperbolic cosine and sine.
-        let y = x * x;
-        let beta = envelope * t * (1.0 + y * (1.0 / 6.0 + y * (1.0 / 120.0)));
-        (envelope * (1.0 + y * (0.5 + y * (1.0 / 24.0))) - self.middle * beta, beta)
+        let envelope = falling(self.middle * t);
+        let Rotation { sin, cos } = Rotation::by(self.distance * t);
+        let beta = 2.0 * self.per_distance * envelope * sin;
+        (envelope * cos - self.middle * beta, beta)
     }
 }

@@ -133,7 +133,22 @@ impl Segment {
         };
         let (p, q) = (Reduced { s: p_s, d: p_d, v: p_v }, Reduced { s: q_s, d: q_d, v: q_v });
         let fading = Reduced { s: start.s - p_s, d: start.d - p_d, v: start.v - p_v };
-        Self { kind, speed, middle_speed, acceleration, start, shape, idle, u, f, s_slope, d_slope, p, q, fading }
+        Self {
+            kind,
+            speed,
+            middle_speed,
+            acceleration,
+            start,
+            shape,
+            idle,
+            u,
+            f,
+            s_slope,
+            d_slope,
+            p,
+            q,
+            fading,
+        }
     }
 
     /// State `t` seconds after the start.
