@@ -69,7 +69,7 @@ impl Stage {
         {
             return Attempt::Unclear;
         }
-        let segment = self.segment_of(h, topology, three);
+        let mut segment = self.segment_of(h, topology, three);
         if !three {
             let (v, edge) = (self.reduced.v, self.network.drop + VOLTAGE_EDGE);
             let terminal = segment.idle.start + circuit.wiring.high_share * v;
@@ -83,7 +83,10 @@ impl Stage {
         }
         let stop = if circuit.lone < 3 { self.stop(&segment, h) } else { None };
         let (h, end, event) = match stop {
-            Some((t, end)) => (t, end, Some(Event::Stops(circuit.lone))),
+            Some((t, end)) => {
+                segment.end_at(t);
+                (t, end, Some(Event::Stops(circuit.lone)))
+            }
             None => (h, segment.at(&self.network, h), None),
         };
         let solved = Solved::of(&self.network, &segment, h, end, event);
@@ -114,7 +117,7 @@ impl Stage {
             }
             self.diode_events += 1;
         }
-        let segment = self.segment(h);
+        let mut segment = self.segment(h);
         let stop = if self.circuit.lone < 3 { self.stop(&segment, h) } else { None };
         let (mut t, mut end, mut event) = match stop {
             Some((t, end)) => (t, end, Some(Event::Stops(self.circuit.lone))),
@@ -136,6 +139,7 @@ impl Stage {
         if !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, t, low) {
             return self.search_and_commit(&segment, h);
         }
+        segment.end_at(t);
         self.commit(&segment, &solved);
         t
     }
@@ -186,7 +190,9 @@ impl Stage {
             Some((event, t)) => {
                 let end = segment.at(&self.network, t);
                 let solved = Solved::of(&self.network, segment, t, end, Some(event));
-                self.commit(segment, &solved);
+                let mut segment = *segment;
+                segment.end_at(t);
+                self.commit(&segment, &solved);
                 t
             }
         }

@@ -44,6 +44,8 @@ pub(crate) struct Pace {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment {
     kind: Kind,
+    /// Length, s: `shape` and `middle_speed` are told from its middle.
+    h: f64,
     /// Mechanical speed at the start and half way, rad/s, and acceleration, rad/s2.
     pub(crate) speed: f64,
     pub(crate) middle_speed: f64,
@@ -135,6 +137,7 @@ impl Segment {
         let fading = Reduced { s: start.s - p_s, d: start.d - p_d, v: start.v - p_v };
         Self {
             kind,
+            h,
             speed,
             middle_speed,
             acceleration,
@@ -149,6 +152,17 @@ impl Segment {
             q,
             fading,
         }
+    }
+
+    /// Ends it earlier, `h` seconds after the start.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn end_at(&mut self, h: f64) {
+        let later = 0.5 * (h - self.h);
+        for chord in [&mut self.shape.s, &mut self.shape.d] {
+            chord.middle += later * chord.slope;
+        }
+        self.middle_speed += later * self.acceleration;
+        self.h = h;
     }
 
     /// State `t` seconds after the start.
