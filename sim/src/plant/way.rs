@@ -103,7 +103,9 @@ impl Plant {
     /// Sets the gates for the time from now on.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn switch(&mut self, goal: f64) {
-        if let Some((leg, gate, over)) = self.gates.side_change(self.t)
+        // A step that changes together with the edge sets `gates_until` to 0: then more than one leg may change.
+        if self.gates_until == self.t
+            && let Some((leg, gate, over)) = self.gates.side_change(self.t)
             && self.may_skip_dead_time(leg, gate, DEAD_TIME_MARGIN * (over - self.t), over, goal)
         {
             self.gates_until = self.gates.change_sides(leg, gate, self.t);
