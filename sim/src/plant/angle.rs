@@ -33,6 +33,16 @@ impl Rotation {
         Self { sin, cos }
     }
 
+    /// Of an angle up to an eighth of a radian, to 1e-10.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn by_little(x: f64) -> Self {
+        let y = x * x;
+        Self {
+            sin: x - x * y * (1.0 / 6.0 - y * (1.0 / 120.0)),
+            cos: 1.0 - y * (0.5 - y * (1.0 / 24.0 - y * (1.0 / 720.0))),
+        }
+    }
+
     #[cold]
     #[inline(never)]
     fn by_much(x: f64) -> Self {
@@ -63,7 +73,17 @@ impl Sweep {
     /// From `start` on by `span` rad.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn new(start: &Rotation, span: f64) -> Self {
-        let half = Rotation::by(0.5 * span);
+        Self::by_halves(start, span, Rotation::by(0.5 * span))
+    }
+
+    /// The same of a quarter of a radian or less.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn little(start: &Rotation, span: f64) -> Self {
+        Self::by_halves(start, span, Rotation::by_little(0.5 * span))
+    }
+
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn by_halves(start: &Rotation, span: f64, half: Rotation) -> Self {
         Self { span, half, middle: start.and(&half) }
     }
 

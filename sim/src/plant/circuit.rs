@@ -104,7 +104,11 @@ impl Circuit {
                 (false, false, true) => 2,
                 _ => 3,
             };
-            self.follow_diodes(legs, drop);
+            if has_diodes {
+                self.follow_diodes(legs, drop);
+            } else {
+                (self.diodes, self.drop_s, self.drop_d, self.drop_idle) = ([0.0; 3], 0.0, 0.0, 0.0);
+            }
         }
     }
 
@@ -123,7 +127,7 @@ impl Circuit {
         }
     }
 
-    /// Several diodes, or none.
+    /// Several diodes.
     #[inline(never)]
     fn follow_several(&mut self, legs: &[Leg; 3], drop: f64) {
         let (wiring, diodes) = (self.wiring, legs.map(Leg::diode_sign));
@@ -131,7 +135,7 @@ impl Circuit {
         self.drop_s = drop * dot(&wiring.along, &diodes);
         self.drop_d = drop * dot(&wiring.across, &diodes);
         self.drop_idle = drop * dot(&wiring.mean, &diodes);
-        if self.has_diodes && wiring.conducting == 2 {
+        if wiring.conducting == 2 {
             self.lone = if diodes[0] != 0.0 { 0 } else { 1 };
             self.against = [diodes[self.lone] * wiring.along[self.lone], 0.0];
         }

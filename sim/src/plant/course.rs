@@ -129,7 +129,7 @@ impl Stage {
         // Its mean is weighted as it acts on the way travelled: a third, not a half.
         course.lean = self.network.per_l * motion.per_inertia * (1.0 / 3.0);
         if self.shape.is_sine() {
-            course.sweep = Sweep::new(&self.rotation, (rate + half_gain * length) * length);
+            course.sweep = Sweep::little(&self.rotation, (rate + half_gain * length) * length);
             // Half way in time, the angle lies a little before half of the span.
             let gain = 2.0 * half_gain;
             let late = 0.25 * half_gain * length * length;

@@ -148,6 +148,12 @@ impl EmfShape {
         [0, 1, 2].map(|leg| self.peak * (self.lag_cos[leg] * sin - self.lag_sin[leg] * cos))
     }
 
+    /// Of a sine: the value of the idle leg beside two that conduct, less the mean of theirs.
+    pub(crate) fn aside(&self, wiring: &Wiring, rotation: &Rotation) -> f64 {
+        let Mix { sin, cos } = &self.mixes[wiring.index & 31];
+        self.peak * (sin[1] * rotation.sin + cos[1] * rotation.cos)
+    }
+
     /// Turns from `angle` to the shape's next corner in the direction of `sign`; none for a sine.
     pub(crate) fn turns_to_corner(&self, angle: f64, sign: f64) -> Option<f64> {
         if self.flank == 0.0 {

@@ -98,6 +98,26 @@ impl Stage {
         Attempt::Done(h)
     }
 
+    /// Ends what was solved where the source stops or starts, if it does. Returns when; nothing if something else may happen before.
+    fn change_source(&mut self, segment: &Segment, solved: &Solved, low: f64) -> Option<f64> {
+        let (mut segment, mut solved) = (*segment, *solved);
+        match self.source_changes(&segment, solved.h, &solved.end) {
+            Change::Never => {}
+            Change::Unclear => return None,
+            Change::At(t, end) => {
+                let event = if self.source_on { Event::SourceStops } else { Event::SourceStarts };
+                solved = Solved::of(&self.network, &segment, t, end, Some(event));
+            }
+        }
+        let h = solved.h;
+        if !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, h, low) {
+            return None;
+        }
+        segment.end_at(h);
+        self.commit(&segment, &solved);
+        Some(h)
+    }
+
     /// `limit` seconds, or less if the course ends before or the approximations would not hold.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn longest_interval(&self, limit: f64) -> f64 {
@@ -110,31 +130,25 @@ impl Stage {
     #[inline(never)]
     fn interval_closely(&mut self, limit: f64) -> f64 {
         let h = self.longest_interval(limit);
+        let mut segment = self.segment(h);
         for _ in 0..PASSES_MAX {
             // Diodes turn on or off until they agree with the voltages.
-            if !(self.is_unsettled(h) && self.change_diode()) {
+            if !(self.is_unsettled(&segment) && self.change_diode()) {
                 break;
             }
             self.diode_events += 1;
+            segment = self.segment(h);
         }
-        let mut segment = self.segment(h);
         let stop = if self.circuit.lone < 3 { self.stop(&segment, h) } else { None };
-        let (mut t, mut end, mut event) = match stop {
+        let (t, end, event) = match stop {
             Some((t, end)) => (t, end, Some(Event::Stops(self.circuit.lone))),
             None => (h, segment.at(&self.network, h), None),
         };
-        let mut solved = Solved::of(&self.network, &segment, t, end, event);
+        let solved = Solved::of(&self.network, &segment, t, end, event);
         let (source, low) = self.keeps_source(&segment, &solved);
         if !source {
-            match self.source_changes(&segment, t, &end) {
-                Change::Never => {}
-                Change::Unclear => return self.search_and_commit(&segment, h),
-                Change::At(earlier, state) => {
-                    (t, end) = (earlier, state);
-                    event = Some(if self.source_on { Event::SourceStops } else { Event::SourceStarts });
-                    solved = Solved::of(&self.network, &segment, t, end, event);
-                }
-            }
+            let ended = self.change_source(&segment, &solved, low);
+            return ended.unwrap_or_else(|| self.search_and_commit(&segment, h));
         }
         if !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, t, low) {
             return self.search_and_commit(&segment, h);
@@ -208,8 +222,8 @@ impl Stage {
         }
     }
 
-    /// True if some diode may have to turn on or off now, at the start of `h` seconds.
-    fn is_unsettled(&self, h: f64) -> bool {
+    /// True if some diode may have to turn on or off now, at the start of `segment`.
+    fn is_unsettled(&self, segment: &Segment) -> bool {
         let circuit = &self.circuit;
         if (0..3).any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
             return true;
@@ -218,7 +232,7 @@ impl Stage {
         match circuit.wiring.conducting {
             3 => false,
             2 => {
-                let terminal = self.segment(h).idle.start + circuit.wiring.high_share * v;
+                let terminal = segment.idle.start + circuit.wiring.high_share * v;
                 terminal < -edge || terminal > v + edge
             }
             0 => self.shape.line_peak() * self.course.speed().abs() > v + edge,
@@ -239,7 +253,8 @@ impl Stage {
         let (s, d) = (middle(sums.s, segment.start.s, end.s), middle(sums.d, segment.start.d, end.d));
         if circuit.lone < 3 {
             let against = |s: f64, d: f64| circuit.against[0] * s + circuit.against[1] * d > 0.0;
-            return !(against(s, d) || (event.is_none() && against(end.s, end.d)));
+            let ends = matches!(event, Some(Event::Stops(_)));
+            return !(against(s, d) || (!ends && against(end.s, end.d)));
         }
         !(circuit.is_against_a_diode(end.s, end.d) || circuit.is_against_a_diode(s, d))
     }

@@ -173,6 +173,17 @@ impl Stage {
     #[inline(never)]
     fn add_idle(&self, terminals: &mut [f64; 3]) {
         let (v, drop) = (self.electric.v, self.network.drop);
+        let wiring = self.circuit.wiring;
+        if !self.changed && wiring.conducting == 2 && self.shape.is_sine() && self.course.elapsed == 0.0 {
+            let emf = self.shape.aside(wiring, &self.rotation) * self.shaft.speed;
+            let terminal = (wiring.high_share * v + self.circuit.drop_idle + emf).max(-drop).min(v + drop);
+            for x in 0..3 {
+                if self.legs[x] == Leg::Idle && !self.open[x] {
+                    terminals[x] = terminal;
+                }
+            }
+            return;
+        }
         let emf = self.legs_emf();
         let neutral = if self.changed {
             Circuit::new(&self.legs, drop).neutral(&emf, v, drop)
@@ -264,21 +275,24 @@ impl Stage {
 
     /// What the drop of a diode in `leg`, beside the switch `gate`, does to the currents in a dead time of `h` seconds: it
     /// is much shorter than L / R, so that it acts as a whole.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn drop_of_dead_time(&mut self, leg: usize, gate: Gate, h: f64) {
-        let sign = if gate == Gate::High { 1.0 } else { -1.0 };
         self.refresh();
         let wiring = self.circuit.wiring;
         if wiring.conducting < 2 {
             return;
         }
-        let flux = sign * self.network.drop * h;
+        let flux = if gate == Gate::High { self.network.drop * h } else { -self.network.drop * h };
         let step = flux * self.network.per_l;
-        let before = self.electric.i[leg];
+        let i = &mut self.electric.i;
+        let before = i[leg];
         // Of a unit step in one leg the mean is taken off all that conduct, because currents sum to zero.
-        self.reduced.s += step * wiring.k * wiring.along[leg];
-        self.reduced.d += step * 0.5 * wiring.across[leg];
-        self.electric.i = wiring.currents(self.reduced.s, self.reduced.d);
-        self.ledger.diodes -= flux * 0.5 * (before + self.electric.i[leg]);
+        for x in 0..3 {
+            i[x] -= step * wiring.mean[x];
+        }
+        i[leg] += step;
+        self.ledger.diodes -= flux * 0.5 * (before + i[leg]);
+        self.changed = true;
     }
 
     /// Breaks or mends cables.

@@ -109,8 +109,8 @@ impl Plant {
             && self.may_skip_dead_time(leg, gate, DEAD_TIME_MARGIN * (over - self.t), over, goal)
         {
             self.gates_until = self.gates.change_sides(leg, gate, self.t);
-            self.stage.turn_on(leg, gate);
             self.stage.drop_of_dead_time(leg, gate, over - self.t);
+            self.stage.turn_on(leg, gate);
         } else {
             self.switch_all();
         }
