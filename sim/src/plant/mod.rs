@@ -85,13 +85,12 @@ pub struct Plant {
     copper_loss_seen: f64,
     last_sample: f64,
     last_charge: f64,
-    period_start: Marks,
-    bus_current: f64,
+    /// At the start of this period, and of the one before.
+    marks: [Marks; 2],
     peak_current: f64,
-    torque: f64,
 }
 
-/// Sums at the start of the period.
+/// Sums at the start of a period.
 #[derive(Clone, Copy, Debug, Default)]
 struct Marks {
     charge: f64,
@@ -157,10 +156,8 @@ impl Plant {
             copper_loss_seen: 0.0,
             last_sample: 0.0,
             last_charge: 0.0,
-            period_start: Marks::default(),
-            bus_current: 0.0,
+            marks: [Marks::default(); 2],
             peak_current: 0.0,
-            torque: 0.0,
             config: config.clone(),
         };
         plant.apply_drift();
@@ -215,12 +212,8 @@ impl Plant {
     }
 
     fn start_next_period(&mut self, command: &PwmCommand) {
-        let charge = self.stage.shunt_charge;
-        let impulse = self.stage.impulse;
         self.peak_current = core::mem::replace(&mut self.stage.peak, 0.0);
-        self.bus_current = (charge - self.period_start.charge) / self.period;
-        self.torque = (impulse - self.period_start.impulse) / self.period;
-        self.period_start = Marks { charge, impulse };
+        self.marks = [Marks { charge: self.stage.shunt_charge, impulse: self.stage.impulse }, self.marks[0]];
         self.tick += 1;
         self.t = 0.0;
         self.gates_until = self.gates.latch(command);
@@ -243,6 +236,7 @@ impl Plant {
     /// The true values now.
     pub fn observe(&self) -> Observation {
         let stage = &self.stage;
+        let [start, before] = self.marks;
         Observation {
             time: self.tick as f64 * self.period + self.t,
             speed: stage.shaft.speed,
@@ -252,9 +246,9 @@ impl Plant {
             terminal: stage.terminals(),
             neutral: stage.neutral(),
             bus_voltage: stage.electric.v,
-            bus_current: self.bus_current,
+            bus_current: (start.charge - before.charge) / self.period,
             peak_current: self.peak_current,
-            torque: self.torque,
+            torque: (start.impulse - before.impulse) / self.period,
             winding_temperature: self.winding_temperature,
             ledger: Ledger { stored: stage.stored(), ..stage.ledger },
             diode_events: stage.diode_events,
