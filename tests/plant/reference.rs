@@ -253,12 +253,12 @@ fn difference(config: &PlantConfig, truth: &PlantConfig, ideal: Ideal, rated: f6
     let fine = reference(truth, &commands, 0.5 * dt);
     let mut squares = 0.0;
     let mut doubt = 0.0;
-    for k in 0..1000 {
-        for x in 0..3 {
+    for (seen, (coarse, fine)) in currents.iter().zip(coarse.iter().zip(&fine)) {
+        for (amp, (coarse, fine)) in seen.iter().zip(coarse.0.iter().zip(fine.0)) {
             // Backward Euler's error is of first order: two runs extrapolate it away.
-            let exact = 2.0 * fine[k].0[x] - coarse[k].0[x];
-            squares += (currents[k][x] - exact).powi(2);
-            doubt += (fine[k].0[x] - exact).powi(2);
+            let exact = 2.0 * fine - coarse;
+            squares += (amp - exact).powi(2);
+            doubt += (fine - exact).powi(2);
         }
     }
     let rms = |sum: f64| (sum / 3000.0).sqrt() / rated;
@@ -328,12 +328,12 @@ fn largest(
     let coarse = reference(config, &commands, 40e-9);
     let fine = reference(config, &commands, 20e-9);
     let (mut amps, mut volts, mut above) = (0.0_f64, 0.0_f64, 0);
-    for k in 0..periods {
-        for x in 0..3 {
-            amps = amps.max((seen[k].current[x] - (2.0 * fine[k].0[x] - coarse[k].0[x])).abs());
+    for (seen, (coarse, fine)) in seen.iter().zip(coarse.iter().zip(&fine)) {
+        for (amp, (coarse, fine)) in seen.current.iter().zip(coarse.0.iter().zip(fine.0)) {
+            amps = amps.max((amp - (2.0 * fine - coarse)).abs());
         }
-        volts = volts.max((seen[k].bus_voltage - (2.0 * fine[k].1 - coarse[k].1)).abs());
-        above += i32::from(seen[k].bus_voltage > config.supply.voltage + 0.01);
+        volts = volts.max((seen.bus_voltage - (2.0 * fine.1 - coarse.1)).abs());
+        above += i32::from(seen.bus_voltage > config.supply.voltage + 0.01);
     }
     println!("{amps:.2e} A, {volts:.2e} V, {above} of {periods} periods above the source");
     (amps, volts, above)
