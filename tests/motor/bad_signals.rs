@@ -12,25 +12,29 @@ use narx_sim::presets::PRESETS;
 use narx_sim::random::Random;
 use xtask::bench::map;
 
-/// Converter noise: three times the 0.7 codes that the front end may have is held, from the start, idle and loaded; four times and more
-/// ends with a name.
+/// Converter noise: twice the 0.7 codes that the front end may have is held whatever the seed, from the start, idle and loaded; at three
+/// times two starts in five are tried again (16 of 40 seeds), and that and more ends with a name.
 #[test]
 fn converter_noise() {
     let mut table = Table::new("converter noise");
     for rpm in [500.0, 2000.0, 4000.0] {
         for noise in [0.0, 0.7, 1.4, 2.0, 3.0, 4.0, 8.0, 12.0] {
-            let mut config = config(24.0);
-            config.converter.noise = noise;
-            let mut closed = started(&config, &[], rpm);
-            closed.run(14_000);
-            closed.plant.set_load(load(if rpm > 500.0 { 0.1 } else { 0.03 }));
-            closed.run(if noise > 2.0 { RESTART } else { 5_000 });
-            let found = end(&mut closed);
-            let name = format!("{noise} codes, {rpm} rpm");
-            if noise <= 2.0 {
-                table.holds(&name, found, closed.peak);
-            } else {
-                table.named(&name, found, closed.peak);
+            let holds = noise <= 1.4;
+            for seed in 1..=if noise > 0.0 && holds { 4 } else { 1 } {
+                let mut config = config(24.0);
+                config.converter.noise = noise;
+                config.seed = seed;
+                let mut closed = started(&config, &[], rpm);
+                closed.run(14_000);
+                closed.plant.set_load(load(if rpm > 500.0 { 0.1 } else { 0.03 }));
+                closed.run(if holds { 5_000 } else { RESTART });
+                let found = end(&mut closed);
+                let name = format!("{noise} codes, {rpm} rpm, seed {seed}");
+                if holds {
+                    table.holds(&name, found, closed.peak);
+                } else {
+                    table.named(&name, found, closed.peak);
+                }
             }
         }
     }
@@ -213,7 +217,11 @@ fn false_crossings() {
                     }
                 }
             });
-            closed.run(if interrupted { RESTART } else { 2_000 });
+            closed.run(2_000);
+            // What the last spikes did may show only now.
+            if interrupted || closed.drive.state() != State::SensorlessClosedLoop {
+                closed.run(RESTART);
+            }
             let found = end(&mut closed);
             let name = format!("{rpm} rpm, {codes} codes in {share} %");
             if holds {

@@ -3,7 +3,7 @@
 //! voltage is found by Newton's method at every step, and time goes on in backward Euler steps of nanoseconds.
 
 use crate::driving::Ideal;
-use narx_core::motor::{Leg, PwmCommand, Rectification, Step};
+use narx_core::motor::{Commutation, Leg, PwmCommand, Rectification, Step};
 use narx_sim::plant::{BackEmf, MotorConfig, Plant, PlantConfig};
 use narx_sim::presets::preset;
 use std::f64::consts::{PI, TAU};
@@ -199,8 +199,8 @@ impl Reference<'_> {
     }
 }
 
-/// Currents at the end of every period.
-fn reference(config: &PlantConfig, commands: &[PwmCommand], dt: f64) -> Vec<[f64; 3]> {
+/// Currents and bus voltage at the end of every period.
+fn reference(config: &PlantConfig, commands: &[PwmCommand], dt: f64) -> Vec<([f64; 3], f64)> {
     let period = 1.0 / f64::from(config.board.tick_rate);
     let timing = Timing {
         commands,
@@ -222,7 +222,7 @@ fn reference(config: &PlantConfig, commands: &[PwmCommand], dt: f64) -> Vec<[f64
     };
     let mut gates = [Gate::Off; 3];
     let mut t = 0.0;
-    let mut currents = Vec::new();
+    let mut ends = Vec::new();
     for (stop, change) in stops {
         let steps = ((stop - t) / dt).ceil();
         for _ in 0..steps as usize {
@@ -231,10 +231,10 @@ fn reference(config: &PlantConfig, commands: &[PwmCommand], dt: f64) -> Vec<[f64
         t = stop;
         match change {
             Some(next) => gates = next,
-            None => currents.push(state.i),
+            None => ends.push((state.i, state.v)),
         }
     }
-    currents
+    ends
 }
 
 /// RMS difference of all phase currents over 100 ms, in parts of `rated`; the reference may have another `truth`.
@@ -253,12 +253,12 @@ fn difference(config: &PlantConfig, truth: &PlantConfig, ideal: Ideal, rated: f6
     let fine = reference(truth, &commands, 0.5 * dt);
     let mut squares = 0.0;
     let mut doubt = 0.0;
-    for k in 0..1000 {
-        for x in 0..3 {
+    for (seen, (coarse, fine)) in currents.iter().zip(coarse.iter().zip(&fine)) {
+        for (amp, (coarse, fine)) in seen.iter().zip(coarse.0.iter().zip(fine.0)) {
             // Backward Euler's error is of first order: two runs extrapolate it away.
-            let exact = 2.0 * fine[k][x] - coarse[k][x];
-            squares += (currents[k][x] - exact).powi(2);
-            doubt += (fine[k][x] - exact).powi(2);
+            let exact = 2.0 * fine - coarse;
+            squares += (amp - exact).powi(2);
+            doubt += (fine - exact).powi(2);
         }
     }
     let rms = |sum: f64| (sum / 3000.0).sqrt() / rated;
@@ -306,5 +306,80 @@ fn the_comparison_notices_a_small_error() {
         let mut truth = config.clone();
         change(&mut truth);
         assert!(difference(&config, &truth, ideal, 3.68, 200e-9) > 1e-4);
+    }
+}
+
+/// The largest differences of any phase current and of the bus voltage at the ends of all periods, A and V, and in how many
+/// of them the bus stands above its source.
+fn largest(
+    config: &PlantConfig,
+    periods: usize,
+    next: impl Fn(usize, &Plant) -> PwmCommand,
+) -> (f64, f64, i32) {
+    let mut plant = Plant::new(config);
+    let (mut commands, mut seen) = (Vec::new(), Vec::new());
+    for k in 0..periods {
+        plant.sample();
+        let command = next(k, &plant);
+        plant.finish_period(&command);
+        commands.push(command);
+        seen.push(plant.observe());
+    }
+    let coarse = reference(config, &commands, 40e-9);
+    let fine = reference(config, &commands, 20e-9);
+    let (mut amps, mut volts, mut above) = (0.0_f64, 0.0_f64, 0);
+    for (seen, (coarse, fine)) in seen.iter().zip(coarse.iter().zip(&fine)) {
+        for (amp, (coarse, fine)) in seen.current.iter().zip(coarse.0.iter().zip(fine.0)) {
+            amps = amps.max((amp - (2.0 * fine - coarse)).abs());
+        }
+        volts = volts.max((seen.bus_voltage - (2.0 * fine.1 - coarse.1)).abs());
+        above += i32::from(seen.bus_voltage > config.supply.voltage + 0.01);
+    }
+    println!("{amps:.2e} A, {volts:.2e} V, {above} of {periods} periods above the source");
+    (amps, volts, above)
+}
+
+/// A source that takes nothing back, and a motor that feeds the bus again and again: what it returns stays in the capacitor until it
+/// is drawn again. Less duty for a while lets the synchronous bridge return energy, more draws it; commutation returns some too.
+#[test]
+fn agrees_with_the_reference_while_the_motor_feeds_the_bus() {
+    for (name, duty, swing) in [("bly172s-24v", 0.5, 0.02), ("bldc-1-25-058-201-24v", 0.3, 0.03)] {
+        let preset = preset(name).unwrap();
+        let motor = MotorConfig { thermal_resistance: 0.0, cogging_torque: 0.0, ..preset.motor };
+        let mut config = PlantConfig::new(motor, 60.0);
+        config.inverter.own_conductance = 0.0;
+        config.load.inertia = 4.0 * motor.inertia;
+        // About the speed at which the middle duty holds the motor.
+        config.speed = 0.96 * duty * 60.0 / motor.torque_constant;
+        let (amps, volts, above) = largest(&config, 600, |k, plant| {
+            let swing = if k / 5 % 2 == 0 { swing } else { -swing };
+            Ideal::forward(duty + swing).command(&plant.observe(), plant)
+        });
+        assert!((100..500).contains(&above), "{name}: {above} periods above the source");
+        assert!(amps < 0.03, "{name}: {amps:.2e} A");
+        assert!(volts < 5e-3, "{name}: {volts:.2e} V");
+    }
+}
+
+/// A commutation in the very instant in which the on-time ends: the leg that it leaves turns off although another one changes sides.
+#[test]
+fn agrees_with_the_reference_where_a_commutation_meets_an_edge() {
+    let preset = preset("bly172s-24v").unwrap();
+    let motor = MotorConfig { thermal_resistance: 0.0, cogging_torque: 0.0, ..preset.motor };
+    let mut config = PlantConfig::new(motor, 24.0);
+    config.inverter.own_conductance = 0.0;
+    config.speed = 100.0;
+    for (before, after) in [(Step::AB, Step::AC), (Step::AB, Step::CB), (Step::CB, Step::CA)] {
+        // Half of the on-time and an instant have the same unit: 1/65 536 of a period.
+        let meeting = 20_000;
+        let ideal = Ideal::forward(f64::from(meeting) / 32_768.0);
+        let (amps, volts, _) = largest(&config, 20, |k, _| {
+            let mut command = ideal.hold(if k <= 8 { before } else { after });
+            if k == 8 {
+                command.commutations.push(Commutation { instant: meeting, step: after });
+            }
+            command
+        });
+        assert!(amps < 1e-4 && volts < 1e-4, "{before:?} to {after:?}: {amps:.2e} A, {volts:.2e} V");
     }
 }

@@ -6,6 +6,7 @@ use narx_core::units::Duty;
 use narx_sim::plant::{
     ComparatorConfig, HallConfig, Injection, InverterConfig, MotorConfig, Phase, Plant, PlantConfig,
 };
+use narx_sim::random::Random;
 use std::f64::consts::TAU;
 
 /// Code of each sector: A; A and B; B; B and C; C; C and A.
@@ -283,4 +284,32 @@ fn comparators_see_the_zero_crossings_late_by_delay_and_hysteresis() {
     let turned = degrees_per_second * 0.2 / 60.0;
     assert!((f64::from(count) - turned).abs() <= 3.0, "{count} edges in {turned} sectors");
     assert!(worst < 0.05, "{worst} degrees off");
+}
+
+/// Noise is as long in the tails as it should be, and what comes of one draw is independent of each other and of what comes later.
+#[test]
+fn noise_is_gaussian_and_white() {
+    const COUNT: usize = 4_000_000;
+    let mut random = Random::new(7);
+    let samples: Vec<f64> = (0..COUNT / 2).flat_map(|_| random.gaussians()).collect();
+    let mean_of = |of: &dyn Fn(f64) -> f64| samples.iter().map(|x| of(*x)).sum::<f64>() / COUNT as f64;
+    let (mean, square) = (mean_of(&|x| x), mean_of(&|x| x * x));
+    let (third, fourth) = (mean_of(&|x| x.powi(3)), mean_of(&|x| x.powi(4)));
+    let beyond = [1.0, 2.0, 3.0, 4.0].map(|edge| mean_of(&|x| f64::from(u8::from(x.abs() > edge))));
+    println!("mean {mean:.1e}, square {square:.5}, third {third:.1e}, fourth {fourth:.4}, beyond {beyond:?}");
+    // Three standard errors of so many samples: 1.5e-3 of the mean, 2.1e-3 of the square.
+    assert!(mean.abs() < 1.5e-3 && (square - 1.0).abs() < 2.1e-3 && third.abs() < 6e-3);
+    assert!((fourth - 3.0).abs() < 0.12);
+    for (found, gaussian) in beyond.into_iter().zip([0.3173, 0.0455, 2.7e-3, 6.33e-5]) {
+        assert!((0.3..1.1).contains(&(found / gaussian)), "{found:.2e} instead of {gaussian:.2e}");
+    }
+    // At odd distances from one half of a draw to the other, at even ones within a half; five samples make a tick.
+    for lag in (1..=12).chain([5 * 7, 5 * 128]) {
+        let product =
+            samples.iter().zip(&samples[lag..]).map(|(x, y)| x * y).sum::<f64>() / (COUNT - lag) as f64;
+        let squares =
+            samples.iter().zip(&samples[lag..]).map(|(x, y)| (x * x - 1.0) * (y * y - 1.0)).sum::<f64>();
+        let squares = squares / (COUNT - lag) as f64;
+        assert!(product.abs() < 2e-3 && squares.abs() < 4e-3, "{lag} apart: {product:.1e}, {squares:.1e}");
+    }
 }

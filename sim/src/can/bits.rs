@@ -80,8 +80,13 @@ impl WireBits {
 
     /// The bits before stuffing, in the order sent, true = recessive.
     pub fn unstuffed(&self) -> impl Iterator<Item = bool> + use<> {
-        let bits = self.bits;
-        (0..self.length).rev().map(move |place| bits >> place & 1 == 1)
+        // Left-aligned; there is always a start of frame.
+        let mut bits = self.bits << (128 - u32::from(self.length));
+        (0..self.length).map(move |_| {
+            let bit = bits >> 127 == 1;
+            bits <<= 1;
+            bit
+        })
     }
 
     /// All bits of the frame in the order sent, true = recessive: stuffed to the CRC, then delimiters, an

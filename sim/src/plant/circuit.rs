@@ -19,29 +19,24 @@ pub(crate) enum Leg {
 }
 
 impl Leg {
+    #[inline]
     pub(crate) const fn is_diode(self) -> bool {
-        matches!(self, Self::HighDiode | Self::LowDiode)
+        self as u8 >= Self::HighDiode as u8
     }
 
     /// 0 idle, 1 tied to the bus, 2 tied to ground.
     #[inline]
     pub(crate) const fn side(self) -> usize {
-        match self {
-            Self::Idle => 0,
-            Self::HighSwitch | Self::HighDiode => 1,
-            Self::LowSwitch | Self::LowDiode => 2,
-        }
+        const SIDES: [u8; 8] = [0, 1, 2, 1, 2, 0, 0, 0];
+        SIDES[self as usize] as usize
     }
 
     /// Sign of the diode's drop at the terminal: +1 above the bus, -1 below ground, 0 without a diode. Also the sign of the
     /// current that it does not let through.
     #[inline]
     pub(crate) const fn diode_sign(self) -> f64 {
-        match self {
-            Self::HighDiode => 1.0,
-            Self::LowDiode => -1.0,
-            _ => 0.0,
-        }
+        const SIGNS: [f64; 8] = [0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0];
+        SIGNS[self as usize]
     }
 }
 
@@ -68,6 +63,10 @@ pub(crate) struct Circuit {
     pub(crate) has_diodes: bool,
     /// Where, and in which direction.
     pub(crate) diodes: [f64; 3],
+    /// The leg of the only diode, or of the first where two legs conduct and end together; 3 if there is none such.
+    pub(crate) lone: usize,
+    /// Parts of `s` and `d` in its current, positive where it would flow backwards.
+    pub(crate) against: [f64; 2],
     /// Diode drops along the coordinates, and at the terminal of the one idle leg beside two that conduct, V.
     pub(crate) drop_s: f64,
     pub(crate) drop_d: f64,
@@ -77,26 +76,76 @@ pub(crate) struct Circuit {
 impl Circuit {
     /// The circuit of these legs with diodes that drop `drop` volts.
     pub(crate) fn new(legs: &[Leg; 3], drop: f64) -> Self {
-        let wiring = Wiring::of(legs);
-        let has_diodes = legs.iter().any(|leg| leg.is_diode());
-        if !has_diodes {
-            return Self { wiring, has_diodes, diodes: [0.0; 3], drop_s: 0.0, drop_d: 0.0, drop_idle: 0.0 };
+        let mut circuit = Self {
+            wiring: Wiring::of(legs),
+            has_diodes: true,
+            diodes: [0.0; 3],
+            lone: 3,
+            against: [0.0; 2],
+            drop_s: 0.0,
+            drop_d: 0.0,
+            drop_idle: 0.0,
+        };
+        circuit.follow(legs, drop);
+        circuit
+    }
+
+    /// Becomes the circuit of these legs.
+    #[inline]
+    pub(crate) fn follow(&mut self, legs: &[Leg; 3], drop: f64) {
+        self.wiring = Wiring::of(legs);
+        let [a, b, c] = legs.map(Leg::is_diode);
+        let has_diodes = a | b | c;
+        if has_diodes | self.has_diodes {
+            self.has_diodes = has_diodes;
+            self.lone = match (a, b, c) {
+                (true, false, false) => 0,
+                (false, true, false) => 1,
+                (false, false, true) => 2,
+                _ => 3,
+            };
+            if has_diodes {
+                self.follow_diodes(legs, drop);
+            } else {
+                (self.diodes, self.drop_s, self.drop_d, self.drop_idle) = ([0.0; 3], 0.0, 0.0, 0.0);
+            }
         }
-        let diodes = [legs[0].diode_sign(), legs[1].diode_sign(), legs[2].diode_sign()];
-        Self {
-            wiring,
-            has_diodes,
-            diodes,
-            drop_s: drop * dot(&wiring.along, &diodes),
-            drop_d: drop * dot(&wiring.across, &diodes),
-            drop_idle: drop * dot(&wiring.mean, &diodes),
+    }
+
+    #[inline]
+    fn follow_diodes(&mut self, legs: &[Leg; 3], drop: f64) {
+        let (wiring, x) = (self.wiring, self.lone);
+        self.diodes = [0.0; 3];
+        if x < 3 {
+            let sign = legs[x].diode_sign();
+            self.diodes[x] = sign;
+            self.against = [sign * wiring.along[x], sign * wiring.across[x]];
+            (self.drop_s, self.drop_d) = (drop * self.against[0], drop * self.against[1]);
+            self.drop_idle = drop * sign * wiring.mean[x];
+        } else {
+            self.follow_several(legs, drop);
+        }
+    }
+
+    /// Several diodes.
+    #[inline(never)]
+    fn follow_several(&mut self, legs: &[Leg; 3], drop: f64) {
+        let (wiring, diodes) = (self.wiring, legs.map(Leg::diode_sign));
+        self.diodes = diodes;
+        self.drop_s = drop * dot(&wiring.along, &diodes);
+        self.drop_d = drop * dot(&wiring.across, &diodes);
+        self.drop_idle = drop * dot(&wiring.mean, &diodes);
+        if wiring.conducting == 2 {
+            self.lone = if diodes[0] != 0.0 { 0 } else { 1 };
+            self.against = [diodes[self.lone] * wiring.along[self.lone], 0.0];
         }
     }
 
     /// A state in the circuit's coordinates.
     #[inline]
     pub(crate) fn reduce(&self, electric: &Electric) -> Reduced {
-        Reduced { s: self.wiring.s_of(&electric.i), d: self.wiring.d_of(&electric.i), v: electric.v }
+        let d = if self.wiring.conducting == 3 { self.wiring.d_of(&electric.i) } else { 0.0 };
+        Reduced { s: self.wiring.s_of(&electric.i), d, v: electric.v }
     }
 
     /// True while any leg is tied to bus or ground.

@@ -13,6 +13,13 @@ pub(crate) struct Converter {
     bus_current: Scale,
 }
 
+/// What was converted.
+pub(crate) struct Codes {
+    pub(crate) bus_voltage: u16,
+    pub(crate) phase_voltage: [u16; 3],
+    pub(crate) bus_current: u16,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Scale {
     zero: f64,
@@ -39,22 +46,24 @@ impl Converter {
         self.config.skew
     }
 
-    pub(crate) fn bus_voltage(&self, volts: f64, random: &mut Random) -> u16 {
-        self.code(self.bus_voltage, volts, self.config.bus_voltage_offset, random)
+    /// Codes of bus voltage, three phase voltages and bus current, of volts and amperes.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn convert(&self, bus: f64, phases: &[f64; 3], amps: f64, random: &mut Random) -> Codes {
+        let [[first, second], [third, fourth], [fifth, _]] = [(); 3].map(|()| random.gaussians());
+        let offset = &self.config.phase_voltage_offset;
+        let phase = |x: usize, noise: f64| self.code(self.phase_voltage, phases[x], offset[x], noise);
+        Codes {
+            bus_voltage: self.code(self.bus_voltage, bus, self.config.bus_voltage_offset, first),
+            phase_voltage: [phase(0, second), phase(1, third), phase(2, fourth)],
+            bus_current: self.code(self.bus_current, amps, self.config.bus_current_offset, fifth),
+        }
     }
 
-    pub(crate) fn phase_voltage(&self, phase: usize, volts: f64, random: &mut Random) -> u16 {
-        self.code(self.phase_voltage, volts, self.config.phase_voltage_offset[phase], random)
-    }
-
-    pub(crate) fn bus_current(&self, amps: f64, random: &mut Random) -> u16 {
-        self.code(self.bus_current, amps, self.config.bus_current_offset, random)
-    }
-
-    fn code(&self, scale: Scale, value: f64, offset: f64, random: &mut Random) -> u16 {
-        let noise = self.config.noise * random.gaussian();
+    /// `noise` has a standard deviation of 1.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn code(&self, scale: Scale, value: f64, offset: f64, noise: f64) -> u16 {
         // Rounded to nearest by the cast, which truncates and saturates.
-        let code = scale.zero + value * scale.codes_per_unit + offset + noise + 0.5;
+        let code = scale.zero + value * scale.codes_per_unit + offset + self.config.noise * noise + 0.5;
         (code as u16).min(FrontEnd::CODE_MAX)
     }
 }

@@ -1,8 +1,9 @@
 //! The shaft's way from one stop of the plant to the next: predicted, so that the circuit can be solved along it, and then
 //! settled with the torque that came of it.
 
-use super::angle::{Rotation, Sweep};
-use super::emf::{EmfShape, Line};
+use super::angle::{Rotation, Sweep, Track};
+use super::booking::Book;
+use super::emf::{Chord, EmfShape};
 use super::mechanics::{Motion, Push, Shaft};
 use super::segment::Shape;
 use super::stage::Stage;
@@ -34,23 +35,15 @@ pub(crate) struct Course {
     length_max: f64,
     /// The same at its best.
     ceiling: f64,
-    pub(crate) motion: Motion,
-    /// Acceleration at its start, rad/s2.
-    acceleration: f64,
+    motion: Motion,
+    /// What the electrical torque's slope, as [`super::segment::Pace`] tells it, does to the acceleration.
+    pub(crate) lean: f64,
+    /// Electrical angular speed at its start as predicted, rad/s, and half of what it gains, rad/s2.
+    rate: f64,
+    half_gain: f64,
     sweep: Sweep,
-    /// Torque impulse, N m s.
-    pub(crate) impulse: f64,
-    /// Way travelled as the circuit was told, rad.
-    pub(crate) path: f64,
-    /// Moment of the impulse about the start of the course, N m s2.
-    pub(crate) moment: f64,
-    /// Integral of the squares of all currents, A2 s.
-    pub(crate) squares: f64,
-    /// Integrals of the voltage across the source resistance, V s, and of its square, V2 s, while the source is on.
-    pub(crate) fall: f64,
-    pub(crate) fall_squared: f64,
-    /// Integral of the square of the bus voltage, V2 s.
-    pub(crate) volts_squared: f64,
+    track: Track,
+    pub(crate) book: Book,
 }
 
 impl Course {
@@ -62,15 +55,12 @@ impl Course {
             length_max: LENGTH_MAX,
             ceiling: LENGTH_MAX,
             motion: Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 },
-            acceleration: 0.0,
+            lean: 0.0,
+            rate: 0.0,
+            half_gain: 0.0,
             sweep: Sweep::new(&Rotation::of(0.0), 0.0),
-            impulse: 0.0,
-            path: 0.0,
-            moment: 0.0,
-            squares: 0.0,
-            fall: 0.0,
-            fall_squared: 0.0,
-            volts_squared: 0.0,
+            track: Track::new(&Rotation::of(0.0), 0.0, 0.0),
+            book: Book::default(),
         }
     }
 
@@ -78,7 +68,7 @@ impl Course {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn speed(&self) -> f64 {
         let Motion { speed, drift, per_inertia } = self.motion;
-        speed + drift * self.elapsed + per_inertia * self.impulse
+        speed + drift * self.elapsed + per_inertia * self.book.impulse
     }
 
     /// Acceleration under an electrical torque in N m, rad/s2.
@@ -97,37 +87,30 @@ impl Course {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn shape(&self, emf: &EmfShape, shaft: &Shaft, wiring: &Wiring, three: bool, h: f64) -> Shape {
         let t = self.elapsed + 0.5 * h;
-        let rate = shaft.pole_pairs() * (self.motion.speed + self.acceleration * t);
+        let rate = self.rate + 2.0 * self.half_gain * t;
         if emf.is_sine() {
-            emf.along(wiring, three, &self.rotation(shaft, t), rate, h)
+            emf.along(wiring, three, &self.rotation(t), rate, h)
         } else {
-            emf.trapezoids_along(wiring, self.turns(shaft, t), rate, h)
+            emf.trapezoids_along(wiring, self.turns(shaft, t), rate)
         }
     }
 
     /// The same of every leg.
-    pub(crate) fn legs(&self, emf: &EmfShape, shaft: &Shaft, h: f64) -> [Line; 3] {
+    pub(crate) fn legs(&self, emf: &EmfShape, shaft: &Shaft, h: f64) -> [Chord; 3] {
         let t = self.elapsed + 0.5 * h;
-        let rate = shaft.pole_pairs() * (self.motion.speed + self.acceleration * t);
-        emf.legs(self.turns(shaft, t), &self.rotation(shaft, t), rate, h)
-    }
-
-    /// Electrical angle after `t` seconds of the course, rad from its start.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn radians(&self, shaft: &Shaft, t: f64) -> f64 {
-        shaft.pole_pairs() * t * (self.motion.speed + 0.5 * self.acceleration * t)
+        let rate = self.rate + 2.0 * self.half_gain * t;
+        emf.legs(self.turns(shaft, t), &self.rotation(t), rate, h)
     }
 
     /// Electrical angle after `t` seconds of the course, turns.
     pub(crate) fn turns(&self, shaft: &Shaft, t: f64) -> f64 {
-        shaft.angle + self.radians(shaft, t) * (0.5 / core::f64::consts::PI)
+        shaft.angle + t * (self.rate + self.half_gain * t) * (0.5 / core::f64::consts::PI)
     }
 
     /// Its sine and cosine.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn rotation(&self, shaft: &Shaft, t: f64) -> Rotation {
-        let from_middle = self.radians(shaft, t) - 0.5 * self.sweep.span;
-        self.sweep.middle.and(&Rotation::by_little(from_middle))
+    pub(crate) fn rotation(&self, t: f64) -> Rotation {
+        self.track.at(t - 0.5 * self.length)
     }
 }
 
@@ -138,23 +121,23 @@ impl Stage {
         let length = self.longest(limit).max(PROGRESS).min(limit);
         let motion = self.shaft.predict(self.torque, length);
         let acceleration = motion.drift + motion.per_inertia * self.torque;
-        let rate = (motion.speed + 0.5 * acceleration * length) * self.shaft.pole_pairs();
-        self.course = Course {
-            length,
-            elapsed: 0.0,
-            length_max: self.course.length_max,
-            ceiling: self.course.ceiling,
-            motion,
-            acceleration,
-            sweep: Sweep::new(&self.rotation, rate * length),
-            impulse: 0.0,
-            path: 0.0,
-            moment: 0.0,
-            squares: 0.0,
-            fall: 0.0,
-            fall_squared: 0.0,
-            volts_squared: 0.0,
-        };
+        let (rate, half_gain) =
+            (motion.speed * self.shaft.pole_pairs(), 0.5 * acceleration * self.shaft.pole_pairs());
+        let course = &mut self.course;
+        (course.length, course.elapsed) = (length, 0.0);
+        (course.motion, course.rate, course.half_gain) = (motion, rate, half_gain);
+        // Its mean is weighted as it acts on the way travelled: a third, not a half.
+        course.lean = self.network.per_l * motion.per_inertia * (1.0 / 3.0);
+        if self.shape.is_sine() {
+            course.sweep = Sweep::little(&self.rotation, (rate + half_gain * length) * length);
+            // Half way in time, the angle lies a little before half of the span.
+            let gain = 2.0 * half_gain;
+            let late = 0.25 * half_gain * length * length;
+            let Rotation { sin, cos } = course.sweep.middle;
+            let middle = Rotation { sin: sin - late * cos, cos: cos + late * sin };
+            course.track = Track::new(&middle, rate + half_gain * length, gain);
+        }
+        course.book = Book::default();
         length
     }
 
@@ -193,8 +176,8 @@ impl Stage {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn arrive(&mut self) {
         let course = &self.course;
-        let Course { length: h, impulse, moment, squares, fall, fall_squared, .. } = *course;
-        let expected = course.path / h;
+        let (h, Book { impulse, moment, path, .. }) = (course.length, course.book);
+        let expected = path / h;
         let turn = self.shaft.turn(&Push {
             h,
             per_h: 1.0 / h,
@@ -202,7 +185,7 @@ impl Stage {
             lead: 0.5 * impulse * h - moment,
             speed: expected,
         });
-        let more = turn.path - course.path;
+        let more = turn.path - path;
         let error = more.abs() / h * self.shape.peak();
         let allowed = EMF_ERROR.0 + EMF_ERROR.1 * self.shape.peak() * expected.abs();
         if error > allowed {
@@ -217,14 +200,9 @@ impl Stage {
         self.course.elapsed = 0.0;
         self.course.length = 0.0;
         self.impulse += impulse;
-        let (network, ledger) = (&self.network, &mut self.ledger);
-        ledger.copper += network.copper * squares;
-        ledger.switches += network.switch * squares;
-        ledger.source += network.source_v * network.source_g * fall;
-        ledger.source_loss += network.source_g * fall_squared;
-        ledger.leak += network.leak_g * self.course.volts_squared;
-        ledger.shaft += impulse * turn.mean;
-        ledger.friction += turn.friction;
-        ledger.load += turn.load;
+        self.shunt_charge += self.course.book.enter(&self.network, &mut self.ledger);
+        self.ledger.shaft += impulse * turn.mean;
+        self.ledger.friction += turn.friction;
+        self.ledger.load += turn.load;
     }
 }

@@ -1,17 +1,24 @@
 //! Which diodes conduct, and when that changes: the rare part of an interval.
 
-use super::circuit::{Circuit, Leg, Reduced};
+use super::circuit::{Leg, Reduced};
 use super::emf::Line;
 use super::event::{Event, First, Scene};
 use super::segment::Segment;
 use super::stage::{Stage, VOLTAGE_EDGE};
 
-/// A diode's current below this has ended, A.
-const STOPPED: f64 = 1e-6;
 /// The source stops or starts between its edge and this far beyond, V.
 const PASSED: f64 = 1e-5;
 /// Shorter times are none, s.
 const INSTANT: f64 = 1e-13;
+
+/// Whether the source changes within an interval.
+pub(crate) enum Change {
+    Never,
+    /// After so many seconds, in this state.
+    At(f64, Reduced),
+    /// It may.
+    Unclear,
+}
 
 impl Stage {
     /// Turns the diode on that is most in need of it, or a currentless one off. False if all agree.
@@ -90,39 +97,23 @@ impl Stage {
         }
     }
 
-    /// A plain event in the next `h` seconds: the only diode's current ends, or else the source stops or starts. None if it is
-    /// not as plain as that.
+    /// When the source stops or starts in the next `h` seconds, which lead to `end`.
     #[inline(never)]
-    pub(crate) fn plain_event(&self, h: f64, of_a_diode: bool) -> Option<(Event, f64, Reduced)> {
-        let segment = self.segment(h);
-        let Circuit { wiring, diodes, .. } = &self.circuit;
+    pub(crate) fn source_changes(&self, segment: &Segment, h: f64, end: &Reduced) -> Change {
         let network = &self.network;
-        let x = match diodes.map(|sign| sign != 0.0) {
-            [true, false, false] => 0,
-            [false, true, false] => 1,
-            [false, false, true] => 2,
-            _ if of_a_diode => return None,
-            _ => 0,
-        };
-        // What is to come to zero, in parts of s, d and v: a current, or the bus a little beyond its edge.
-        let (event, parts, level, close) = if of_a_diode {
-            (Event::Stops(x), [diodes[x] * wiring.along[x], diodes[x] * wiring.across[x], 0.0], 0.0, STOPPED)
-        } else {
-            let sign = if self.source_on { 1.0 } else { -1.0 };
-            let event = if self.source_on { Event::SourceStops } else { Event::SourceStarts };
-            (event, [0.0, 0.0, sign], sign * network.source_v + 0.5 * PASSED, 0.4 * PASSED)
-        };
-        let value = |at: &Reduced| parts[0] * at.s + parts[1] * at.d + parts[2] * at.v - level;
-        let slope = |t: f64, at: &Reduced| {
-            let Reduced { s, d, v } = segment.slopes(network, t, at);
-            parts[0] * s + parts[1] * d + parts[2] * v
-        };
+        // The bus is to come to a little beyond its edge.
+        let sign = if self.source_on { 1.0 } else { -1.0 };
+        let beyond = |at: &Reduced| sign * (at.v - network.source_v) - 0.5 * PASSED;
+        let slope = |t: f64, at: &Reduced| sign * segment.slopes(network, t, at).v;
         let start = &segment.start;
-        let (f0, f1, first) = (value(start), value(&segment.at(network, h)), slope(0.0, start));
+        let (f0, f1, first) = (beyond(start), beyond(end), slope(0.0, start));
+        if f1 <= 0.0 && beyond(&segment.at(network, 0.5 * h)) <= 0.0 {
+            return Change::Never;
+        }
         let second = (f1 - f0 - first * h) / (h * h);
         let root = first * first - 4.0 * second * f0;
         if f0 >= 0.0 || f1 <= 0.0 || root <= 0.0 {
-            return None;
+            return Change::Unclear;
         }
         // Where the parabola with the slope at the start rises through zero, then Newton's method on the solution.
         let mut t = if first > 0.0 {
@@ -132,16 +123,16 @@ impl Stage {
         };
         for _ in 0..8 {
             if !(t > INSTANT && t < h) {
-                return None;
+                break;
             }
             let at = segment.at(network, t);
-            let f = value(&at);
-            if f.abs() < close {
-                return Some((event, t, at));
+            let f = beyond(&at);
+            if f.abs() < 0.4 * PASSED {
+                return Change::At(t, at);
             }
             t -= f / slope(t, &at);
         }
-        None
+        Change::Unclear
     }
 
     /// Looks closely at an interval in which something may happen: what happens first, and when.
@@ -150,11 +141,10 @@ impl Stage {
         let (circuit, network) = (&self.circuit, &self.network);
         let mut emf = [Line::default(); 3];
         if circuit.wiring.conducting < 2 {
-            let (speed, acceleration) = (segment.speed, segment.acceleration);
-            let middle = speed + 0.5 * acceleration * h;
+            let Segment { speed, middle_speed, acceleration, .. } = *segment;
             emf = self.course.legs(&self.shape, &self.shaft, h).map(|shape| Line {
-                start: shape.start * speed,
-                slope: shape.slope * middle + (shape.start + 0.5 * h * shape.slope) * acceleration,
+                start: (shape.middle - 0.5 * h * shape.slope) * speed,
+                slope: shape.slope * middle_speed + shape.middle * acceleration,
             });
         }
         let scene = Scene { segment, circuit, network, emf };

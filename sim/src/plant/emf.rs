@@ -25,12 +25,12 @@ pub(crate) struct EmfShape {
     mixes: [Mix; wiring::COUNT],
 }
 
-/// Parts of the angle's sine and cosine in a sinusoidal motor's back-EMF along the coordinates of a wiring.
+/// Parts of the angle's sine and cosine in a sinusoidal motor's back-EMF along two coordinates of a wiring: `s`, and `d` where
+/// three legs conduct or the idle leg beside two that do.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mix {
-    s: [f64; 2],
-    d: [f64; 2],
-    idle: [f64; 2],
+    sin: [f64; 2],
+    cos: [f64; 2],
 }
 
 /// A quantity that runs linearly over an interval: `start + slope t`.
@@ -45,6 +45,13 @@ impl Line {
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.start + self.slope * t
     }
+}
+
+/// The same, told from the middle of the interval: `middle + slope (t - h / 2)`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Chord {
+    pub(crate) middle: f64,
+    pub(crate) slope: f64,
 }
 
 impl EmfShape {
@@ -99,32 +106,26 @@ impl EmfShape {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn along(&self, wiring: &Wiring, three: bool, middle: &Rotation, rate: f64, h: f64) -> Shape {
         let (value, per_second) = self.gauss(rate, h);
-        let mix = &self.mixes[wiring.index & 31];
-        let (sin, cos) = (value * middle.sin, value * middle.cos);
-        let (sin_slope, cos_slope) = (per_second * middle.cos, per_second * middle.sin);
-        let line = |mix: &[f64; 2]| {
-            let slope = mix[0] * sin_slope - mix[1] * cos_slope;
-            Line { start: mix[0] * sin + mix[1] * cos - 0.5 * h * slope, slope }
-        };
-        let mut shape = Shape { s: line(&mix.s), ..Shape::default() };
-        if three {
-            shape.d = line(&mix.d);
-        } else {
-            shape.idle = line(&mix.idle);
-        }
-        shape
+        let Mix { sin, cos } = &self.mixes[wiring.index & 31];
+        let middles = [0, 1].map(|n| value * (sin[n] * middle.sin + cos[n] * middle.cos));
+        let slopes = [0, 1].map(|n| per_second * (sin[n] * middle.cos - cos[n] * middle.sin));
+        let s = Chord { middle: middles[0], slope: slopes[0] };
+        let (aside, none) = (Chord { middle: middles[1], slope: slopes[1] }, Chord::default());
+        if three { Shape { s, d: aside, idle: none } } else { Shape { s, d: none, idle: aside } }
     }
 
     /// The same of every leg of a motor of any shape; `angle` is the middle in turns.
-    pub(crate) fn legs(&self, angle: f64, middle: &Rotation, rate: f64, h: f64) -> [Line; 3] {
+    pub(crate) fn legs(&self, angle: f64, middle: &Rotation, rate: f64, h: f64) -> [Chord; 3] {
         if self.flank != 0.0 {
-            return self.trapezoids(angle, rate, h);
+            return self.trapezoids(angle, rate);
         }
         let (value, per_second) = self.gauss(rate, h);
         [0, 1, 2].map(|leg| {
             let (sin, cos) = (self.lag_cos[leg], -self.lag_sin[leg]);
-            let slope = per_second * (sin * middle.cos - cos * middle.sin);
-            Line { start: value * (sin * middle.sin + cos * middle.cos) - 0.5 * h * slope, slope }
+            Chord {
+                middle: value * (sin * middle.sin + cos * middle.cos),
+                slope: per_second * (sin * middle.cos - cos * middle.sin),
+            }
         })
     }
 
@@ -132,19 +133,25 @@ impl EmfShape {
     /// times the angular speed.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn gauss(&self, rate: f64, h: f64) -> (f64, f64) {
-        let half = 0.5 * rate * h;
-        let y = half * half * (1.0 / 3.0);
+        let span = rate * h;
+        let y = span * span;
         // The next terms are below 1e-6.
-        (self.peak * (1.0 - 0.5 * y), self.peak * rate * (1.0 - y * (1.0 / 6.0)))
+        (self.peak * (1.0 - y * (1.0 / 24.0)), self.peak * rate * (1.0 - y * (1.0 / 72.0)))
     }
 
     /// Values of every leg at an angle in turns, whose sine and cosine are `rotation`.
     pub(crate) fn now(&self, angle: f64, rotation: &Rotation) -> [f64; 3] {
         if self.flank != 0.0 {
-            return self.trapezoids(angle, 0.0, 0.0).map(|line| line.start);
+            return self.trapezoids(angle, 0.0).map(|chord| chord.middle);
         }
         let Rotation { sin, cos } = rotation;
         [0, 1, 2].map(|leg| self.peak * (self.lag_cos[leg] * sin - self.lag_sin[leg] * cos))
+    }
+
+    /// Of a sine: the value of the idle leg beside two that conduct, less the mean of theirs.
+    pub(crate) fn aside(&self, wiring: &Wiring, rotation: &Rotation) -> f64 {
+        let Mix { sin, cos } = &self.mixes[wiring.index & 31];
+        self.peak * (sin[1] * rotation.sin + cos[1] * rotation.cos)
     }
 
     /// Turns from `angle` to the shape's next corner in the direction of `sign`; none for a sine.
@@ -166,14 +173,14 @@ impl EmfShape {
     /// Values along the coordinates of `wiring` of a trapezoid, which is straight between its corners; `angle` is the middle in
     /// turns.
     #[inline(never)]
-    pub(crate) fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64, h: f64) -> Shape {
-        let legs = self.trapezoids(angle, rate, h);
-        let (start, slope) = (legs.map(|line| line.start), legs.map(|line| line.slope));
-        let line = |parts: &[f64; 3]| Line { start: dot(parts, &start), slope: dot(parts, &slope) };
-        Shape { s: line(&wiring.along), d: line(&wiring.across), idle: line(&wiring.aside) }
+    pub(crate) fn trapezoids_along(&self, wiring: &Wiring, angle: f64, rate: f64) -> Shape {
+        let legs = self.trapezoids(angle, rate);
+        let (middle, slope) = (legs.map(|chord| chord.middle), legs.map(|chord| chord.slope));
+        let chord = |parts: &[f64; 3]| Chord { middle: dot(parts, &middle), slope: dot(parts, &slope) };
+        Shape { s: chord(&wiring.along), d: chord(&wiring.across), idle: chord(&wiring.aside) }
     }
 
-    fn trapezoids(&self, middle: f64, rate: f64, h: f64) -> [Line; 3] {
+    fn trapezoids(&self, middle: f64, rate: f64) -> [Chord; 3] {
         let scale = 1.0 / self.flank;
         self.lag.map(|lag| {
             let x = fraction(middle - lag);
@@ -186,15 +193,15 @@ impl EmfShape {
             };
             let value = ramp * scale;
             let slope = if value.abs() < 1.0 { self.peak * sign * scale * rate * (0.5 / PI) } else { 0.0 };
-            Line { start: self.peak * value.clamp(-1.0, 1.0) - 0.5 * h * slope, slope }
+            Chord { middle: self.peak * value.clamp(-1.0, 1.0), slope }
         })
     }
 }
 
 impl Mix {
     fn new(wiring: &Wiring, lag_cos: &[f64; 3], lag_sin: &[f64; 3]) -> Self {
-        let mix = |parts: &[f64; 3]| [dot(parts, lag_cos), -dot(parts, lag_sin)];
-        Self { s: mix(&wiring.along), d: mix(&wiring.across), idle: mix(&wiring.aside) }
+        let pair = [&wiring.along, if wiring.conducting == 3 { &wiring.across } else { &wiring.aside }];
+        Self { sin: pair.map(|parts| dot(parts, lag_cos)), cos: pair.map(|parts| -dot(parts, lag_sin)) }
     }
 }
 

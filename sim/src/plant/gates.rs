@@ -15,6 +15,18 @@ pub(crate) enum Gate {
     Low,
 }
 
+impl Gate {
+    /// The other switch of the leg.
+    #[inline]
+    pub(crate) const fn other(self) -> Self {
+        match self {
+            Self::Off => Self::Off,
+            Self::High => Self::Low,
+            Self::Low => Self::High,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 struct Driver {
     /// The switch that was on last.
@@ -96,8 +108,8 @@ impl Gates {
         self.step
     }
 
-    /// At the boundary: what the last command asked for takes effect.
-    pub(crate) fn latch(&mut self, command: &PwmCommand) {
+    /// At the boundary: what the last command asked for takes effect. Returns when the next gate changes: 0 if one may at once.
+    pub(crate) fn latch(&mut self, command: &PwmCommand) -> f64 {
         self.set_duty(command.duty);
         self.rectification = command.rectification;
         self.sample_at = command.sample_at;
@@ -105,6 +117,36 @@ impl Gates {
         for driver in &mut self.drivers {
             driver.off_since -= self.period;
         }
+        let goes_on = match self.only_switched {
+            Some(leg) => self.gates[leg] == Gate::High && self.on_until > 0.0,
+            None => !self.switched,
+        };
+        if goes_on && !self.waits { self.next_change(0.0, f64::INFINITY) } else { 0.0 }
+    }
+
+    /// If at the edge `t` nothing happens but that one leg changes sides: the leg, the switch that is to turn on, and when its
+    /// dead time will be over, s.
+    #[inline]
+    pub(crate) fn side_change(&self, t: f64) -> Option<(usize, Gate, f64)> {
+        let leg = self.only_switched?;
+        if self.waits || self.rectification != Rectification::Synchronous {
+            return None;
+        }
+        let over = t + self.dead_time;
+        match self.gates[leg] {
+            Gate::High if t == self.on_until && over <= self.on_from => Some((leg, Gate::Low, over)),
+            Gate::Low if t == self.on_from => Some((leg, Gate::High, over)),
+            _ => None,
+        }
+    }
+
+    /// `leg` changes sides at `t`, without waiting out its dead time. Returns when the next gate changes.
+    #[inline]
+    pub(crate) fn change_sides(&mut self, leg: usize, gate: Gate, t: f64) -> f64 {
+        self.drivers[leg].last_on = self.gates[leg];
+        self.drivers[leg].off_since = t;
+        self.gates[leg] = gate;
+        if gate == Gate::Low { self.on_from } else { f64::INFINITY }
     }
 
     fn set_duty(&mut self, duty: Duty) {
@@ -122,14 +164,6 @@ impl Gates {
             Gate::Low
         } else {
             Gate::Off
-        }
-    }
-
-    fn wanted(&self, leg: usize, t: f64) -> Gate {
-        match self.legs[leg] {
-            Role::Floating => Gate::Off,
-            Role::Low => Gate::Low,
-            Role::Switched => self.switched_gate(t),
         }
     }
 
@@ -172,46 +206,8 @@ impl Gates {
         }
     }
 
-    /// The one leg that waits out its dead time, what it waits for, and when it will be over, s; only if nothing else switches
-    /// until then.
-    #[inline]
-    pub(crate) fn waiting(&self, t: f64) -> Option<(usize, Gate, f64)> {
-        if !self.waits {
-            return None;
-        }
-        let [a, b, c] = &self.drivers;
-        let leg = match (a.waiting, b.waiting, c.waiting) {
-            (true, false, false) => 0,
-            (false, true, false) => 1,
-            (false, false, true) => 2,
-            _ => return None,
-        };
-        let over = self.drivers[leg].off_since + self.dead_time;
-        (self.next_change(t, over) >= over).then(|| (leg, self.wanted(leg, t), over))
-    }
-
-    /// Turns `leg` on to `gate` without waiting any longer.
-    pub(crate) fn turn_on(&mut self, leg: usize, gate: Gate) {
-        self.gates[leg] = gate;
-        self.drivers[leg].waiting = false;
-        // It was the only one.
-        self.waits = false;
-    }
-
-    /// The leg that will change sides at `edge`, the switch that is on until then, and when its dead time will be over, s.
-    #[inline]
-    pub(crate) fn changing_sides(&self, edge: f64) -> Option<(usize, Gate, f64)> {
-        let leg = self.only_switched?;
-        let gate = self.gates[leg];
-        let crosses =
-            (edge == self.on_until && gate == Gate::High) || (edge == self.on_from && gate == Gate::Low);
-        let over = edge + self.dead_time;
-        (crosses && self.rectification == Rectification::Synchronous && self.next_change(edge, over) >= over)
-            .then_some((leg, gate, over))
-    }
-
-    /// `leg` was turned off at `t`.
-    pub(crate) fn turned_off(&mut self, leg: usize, t: f64) {
+    /// `leg` turned off at `t`, and waits.
+    pub(crate) fn turn_off(&mut self, leg: usize, t: f64) {
         let driver = &mut self.drivers[leg];
         driver.last_on = core::mem::take(&mut self.gates[leg]);
         driver.off_since = t;

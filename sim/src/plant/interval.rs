@@ -1,90 +1,174 @@
 //! One interval between two switching events: the circuit along the shaft's course.
 
-use super::circuit::Reduced;
+use super::circuit::{Leg, Reduced};
+use super::diodes::Change;
 use super::event::Event;
 use super::network::{Loop, Network};
-use super::segment::{Kind, Segment, Sums};
+use super::segment::{Kind, Pace, Segment, Sums};
 use super::stage::{Stage, VOLTAGE_EDGE};
 
-/// Longest interval in time constants L / R: losses are good to 1e-4 then.
-const TIME_CONSTANTS_MAX: f64 = 0.35;
 /// Each pass changes one diode: six are more than three legs can need.
 const PASSES_MAX: u32 = 6;
 /// Shorter intervals are none, s.
 const INSTANT: f64 = 1e-13;
+/// A diode's current below this has ended, A.
+const STOPPED: f64 = 1e-6;
 
 /// What an interval comes to.
 #[derive(Clone, Copy)]
 pub(crate) struct Solved {
-    h: f64,
-    per_h: f64,
+    pub(crate) h: f64,
+    pub(crate) per_h: f64,
     pub(crate) end: Reduced,
-    sums: Sums,
-    /// Lowest and highest bus voltage on the way, V.
-    bus: (f64, f64),
+    pub(crate) sums: Sums,
     /// What ended it early.
     event: Option<Event>,
+}
+
+/// What an attempt at an interval came to.
+enum Attempt {
+    /// It is done, and took so many seconds.
+    Done(f64),
+    /// The terminal of the one idle leg beside two that conduct is beyond its diode: +1 above the bus, -1 below ground.
+    Starts(f64),
+    /// It needs a closer look.
+    Unclear,
 }
 
 impl Stage {
     /// Advances by `limit` seconds or less on the present course, to the next event at most. Returns by how much.
     #[inline(never)]
     pub(crate) fn interval(&mut self, limit: f64) -> f64 {
-        self.intervals += 1;
         self.settle_source();
-        let rest = self.course.rest();
-        let most = TIME_CONSTANTS_MAX * self.network.time_constant;
-        let h = if limit < rest { limit } else { rest };
-        let h = if h < most { h } else { most };
-        let mut passes = 0;
-        loop {
-            self.refresh();
-            // One by one, so that the compiler makes code for each that does nothing which it does not need.
-            let done = match (self.circuit.wiring.topology, self.circuit.wiring.conducting) {
-                (Loop::Open, 3) => self.solve(h, Loop::Open, true, passes),
-                (Loop::Open, _) => self.solve(h, Loop::Open, false, passes),
-                (Loop::TwoLegs, _) => self.solve(h, Loop::TwoLegs, false, passes),
-                (Loop::ThreeLegs, _) => self.solve(h, Loop::ThreeLegs, true, passes),
-            };
-            if let Some(h) = done {
-                return h;
-            }
-            self.diode_events += 1;
-            passes += 1;
+        let h = self.longest_interval(limit);
+        self.refresh();
+        // One by one, so that the compiler makes code for each that does nothing which it does not need.
+        let attempt = match (self.circuit.wiring.topology, self.circuit.wiring.conducting) {
+            (Loop::Open, 3) => self.attempt(h, Loop::Open, true),
+            (Loop::Open, _) => self.attempt(h, Loop::Open, false),
+            (Loop::TwoLegs, _) => self.attempt(h, Loop::TwoLegs, false),
+            (Loop::ThreeLegs, _) => self.attempt(h, Loop::ThreeLegs, true),
+        };
+        match attempt {
+            Attempt::Done(h) => h,
+            Attempt::Starts(sign) => self.start_idle_leg(sign, limit),
+            Attempt::Unclear => self.interval_closely(h),
         }
     }
 
-    /// Solves the circuit for `h` seconds or up to an event; `three` says that all legs conduct. None if a diode had to change
-    /// first.
+    /// Solves the circuit for `h` seconds or up to the end of the only diode's current, where nothing else can happen; `three`
+    /// says that all legs conduct. Calls nothing before all is told, so that it can keep its many numbers in registers.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn solve(&mut self, h: f64, topology: Loop, three: bool, passes: u32) -> Option<f64> {
-        let segment = self.segment_of(h, topology, three);
-        // Diodes turn on or off until they agree with the voltages.
-        if passes < PASSES_MAX && self.is_unsettled(&segment) && self.change_diode() {
-            return None;
+    fn attempt(&mut self, h: f64, topology: Loop, three: bool) -> Attempt {
+        let circuit = &self.circuit;
+        let several = circuit.has_diodes && circuit.lone == 3;
+        let modes = self.network.modes(topology, self.source_on);
+        if modes.is_long(h)
+            || several
+            || (circuit.lone < 3 && self.electric.i[circuit.lone] == 0.0 && !self.just_started)
+        {
+            return Attempt::Unclear;
         }
-        let end = segment.at(&self.network, h);
-        let mut solved = Solved::of(&self.network, &segment, h, end, None);
-        let (diodes, source) = (self.keeps_diodes(&segment, &solved), self.keeps_source(&segment, &solved));
-        if !(diodes && source) {
-            let Some((event, t, end)) = self.plain_event(h, !diodes) else {
-                return Some(self.search_and_commit(h));
-            };
-            solved = Solved::of(&self.network, &segment, t, end, Some(event));
-            let plain = if diodes {
-                self.keeps_diodes(&segment, &solved)
-            } else {
-                self.keeps_source(&segment, &solved)
-            };
-            if !plain {
-                return Some(self.search_and_commit(h));
+        let mut segment = self.segment_of(h, topology, three);
+        if !three {
+            let (v, edge) = (self.reduced.v, self.network.drop + VOLTAGE_EDGE);
+            let terminal = segment.idle.start + circuit.wiring.high_share * v;
+            if circuit.wiring.conducting < 2 {
+                return Attempt::Unclear;
+            } else if terminal < -edge {
+                return Attempt::Starts(-1.0);
+            } else if terminal > v + edge {
+                return Attempt::Starts(1.0);
             }
         }
-        if !self.keeps_idle_legs(&segment, &solved) {
-            return Some(self.search_and_commit(h));
+        let stop = if circuit.lone < 3 { self.stop(&segment, h) } else { None };
+        let (h, end, event) = match stop {
+            Some((t, end)) => {
+                segment.end_at(t);
+                (t, end, Some(Event::Stops(circuit.lone)))
+            }
+            None => (h, segment.at(&self.network, h), None),
+        };
+        let solved = Solved::of(&self.network, &segment, h, end, event);
+        let (source, low) = self.keeps_source(&segment, &solved);
+        if !source || !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, h, low) {
+            return Attempt::Unclear;
         }
         self.commit(&segment, &solved);
-        Some(solved.h)
+        Attempt::Done(h)
+    }
+
+    /// Ends what was solved where the source stops or starts, if it does. Returns when; nothing if something else may happen before.
+    fn change_source(&mut self, segment: &Segment, solved: &Solved, low: f64) -> Option<f64> {
+        let (mut segment, mut solved) = (*segment, *solved);
+        match self.source_changes(&segment, solved.h, &solved.end) {
+            Change::Never => {}
+            Change::Unclear => return None,
+            Change::At(t, end) => {
+                let event = if self.source_on { Event::SourceStops } else { Event::SourceStarts };
+                solved = Solved::of(&self.network, &segment, t, end, Some(event));
+            }
+        }
+        let h = solved.h;
+        if !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, h, low) {
+            return None;
+        }
+        segment.end_at(h);
+        self.commit(&segment, &solved);
+        Some(h)
+    }
+
+    /// `limit` seconds, or less if the course ends before or the approximations would not hold.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn longest_interval(&self, limit: f64) -> f64 {
+        let (rest, most) = (self.course.rest(), self.network.longest);
+        let h = if limit < rest { limit } else { rest };
+        if h < most { h } else { most }
+    }
+
+    /// The same for any circuit, whatever happens.
+    #[inline(never)]
+    fn interval_closely(&mut self, limit: f64) -> f64 {
+        let h = self.longest_interval(limit);
+        let mut segment = self.segment(h);
+        for _ in 0..PASSES_MAX {
+            // Diodes turn on or off until they agree with the voltages.
+            if !(self.is_unsettled(&segment) && self.change_diode()) {
+                break;
+            }
+            self.diode_events += 1;
+            segment = self.segment(h);
+        }
+        let stop = if self.circuit.lone < 3 { self.stop(&segment, h) } else { None };
+        let (t, end, event) = match stop {
+            Some((t, end)) => (t, end, Some(Event::Stops(self.circuit.lone))),
+            None => (h, segment.at(&self.network, h), None),
+        };
+        let solved = Solved::of(&self.network, &segment, t, end, event);
+        let (source, low) = self.keeps_source(&segment, &solved);
+        if !source {
+            let ended = self.change_source(&segment, &solved, low);
+            return ended.unwrap_or_else(|| self.search_and_commit(&segment, h));
+        }
+        if !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, t, low) {
+            return self.search_and_commit(&segment, h);
+        }
+        segment.end_at(t);
+        self.commit(&segment, &solved);
+        t
+    }
+
+    /// Lets the idle leg beside two that conduct begin to, if it can: through the high-side diode for +1, the low-side one for -1.
+    /// Then the interval begins anew; not in a loop there, before which the compiler would load all constants.
+    #[inline(never)]
+    fn start_idle_leg(&mut self, sign: f64, limit: f64) -> f64 {
+        let Some(x) = (0..3).find(|x| self.legs[*x] == Leg::Idle && !self.open[*x] && !self.held[*x]) else {
+            return self.interval_closely(limit);
+        };
+        self.set_leg(x, if sign > 0.0 { Leg::HighDiode } else { Leg::LowDiode });
+        self.diode_events += 1;
+        self.just_started = true;
+        self.interval(limit)
     }
 
     /// The circuit for the next `h` seconds.
@@ -97,20 +181,20 @@ impl Stage {
     fn segment_of(&self, h: f64, topology: Loop, three: bool) -> Segment {
         let Self { network, circuit, course, .. } = self;
         let shape = course.shape(&self.shape, &self.shaft, circuit.wiring, three, h);
-        let motion = (course.speed(), course.acceleration(self.torque), course.motion.per_inertia);
+        let (speed, acceleration) = (course.speed(), course.acceleration(self.torque));
         let kind = Kind { topology, three, source_on: self.source_on };
-        Segment::new(network, circuit, kind, self.reduced, shape, motion, h)
+        let pace = Pace { speed, acceleration, lean: course.lean };
+        Segment::new(network, circuit, kind, self.reduced, shape, pace, h)
     }
 
-    /// Where something may happen that is not the plain end of a diode's current.
+    /// Where something may happen that is neither the plain end of a diode's current nor of the source's.
     #[inline(never)]
-    fn search_and_commit(&mut self, h: f64) -> f64 {
-        let segment = self.segment(h);
+    fn search_and_commit(&mut self, segment: &Segment, h: f64) -> f64 {
         let end = segment.at(&self.network, h);
-        match self.search(&segment, h, end) {
+        match self.search(segment, h, end) {
             None => {
-                let solved = Solved::of(&self.network, &segment, h, end, None);
-                self.commit(&segment, &solved);
+                let solved = Solved::of(&self.network, segment, h, end, None);
+                self.commit(segment, &solved);
                 h
             }
             Some((event, t)) if t <= INSTANT => {
@@ -119,7 +203,9 @@ impl Stage {
             }
             Some((event, t)) => {
                 let end = segment.at(&self.network, t);
-                let solved = Solved::of(&self.network, &segment, t, end, Some(event));
+                let solved = Solved::of(&self.network, segment, t, end, Some(event));
+                let mut segment = *segment;
+                segment.end_at(t);
                 self.commit(&segment, &solved);
                 t
             }
@@ -136,16 +222,15 @@ impl Stage {
         }
     }
 
-    /// True if some diode may have to turn on or off at the start of the interval.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    /// True if some diode may have to turn on or off now, at the start of `segment`.
     fn is_unsettled(&self, segment: &Segment) -> bool {
         let circuit = &self.circuit;
-        if circuit.has_diodes && (0..3).any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
+        if (0..3).any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
             return true;
         }
         let (v, edge) = (self.electric.v, self.network.drop + VOLTAGE_EDGE);
         match circuit.wiring.conducting {
-            _ if segment.has_difference() => false,
+            3 => false,
             2 => {
                 let terminal = segment.idle.start + circuit.wiring.high_share * v;
                 terminal < -edge || terminal > v + edge
@@ -158,7 +243,7 @@ impl Stage {
     /// True if no diode's current ends before the end.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn keeps_diodes(&self, segment: &Segment, solved: &Solved) -> bool {
-        let Solved { per_h, end, sums, .. } = solved;
+        let Solved { per_h, end, sums, event, .. } = solved;
         let circuit = &self.circuit;
         if !circuit.has_diodes {
             return true;
@@ -166,29 +251,56 @@ impl Stage {
         // Half way the parabola through both ends with the known mean is 3/2 of the mean less a quarter of both ends.
         let middle = |sum: f64, a: f64, b: f64| 1.5 * sum * per_h - 0.25 * (a + b);
         let (s, d) = (middle(sums.s, segment.start.s, end.s), middle(sums.d, segment.start.d, end.d));
+        if circuit.lone < 3 {
+            let against = |s: f64, d: f64| circuit.against[0] * s + circuit.against[1] * d > 0.0;
+            let ends = matches!(event, Some(Event::Stops(_)));
+            return !(against(s, d) || (!ends && against(end.s, end.d)));
+        }
         !(circuit.is_against_a_diode(end.s, end.d) || circuit.is_against_a_diode(s, d))
     }
 
-    /// True if the source certainly goes on as it is until the end.
+    /// True if the source certainly goes on as it is until the end, and the lowest bus voltage on the way: the bus follows the
+    /// voltage at which the source gives what the motor takes, and never passes it.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn keeps_source(&self, segment: &Segment, solved: &Solved) -> bool {
-        let (low, high) = solved.bus;
+    fn keeps_source(&self, segment: &Segment, solved: &Solved) -> (bool, f64) {
+        let Solved { h, per_h, end, sums, .. } = solved;
+        let (start, from, to) = (&segment.start, segment.start.v, end.v);
+        let below = if from < to { from } else { to };
         let source_v = self.network.source_v;
-        if segment.source_on() {
-            self.may_sink || high <= source_v + VOLTAGE_EDGE
-        } else {
-            low >= source_v - VOLTAGE_EDGE
+        let stays_below = self.may_sink || from <= source_v + VOLTAGE_EDGE;
+        if segment.topology() == Loop::Open {
+            let keeps = if segment.source_on() { stays_below } else { below >= source_v - VOLTAGE_EDGE };
+            return (keeps, below);
         }
+        // The link current is a parabola, as high above its chord as the mean tells.
+        let bend = (1.5 * sums.s * per_h - 0.75 * (start.s + end.s)).abs();
+        let (least, most) = if start.s < end.s { (start.s, end.s) } else { (end.s, start.s) };
+        let (least, most) = (least - bend, most + bend);
+        let modes = segment.modes(&self.network);
+        let lowest = modes.rest - most * modes.per_g;
+        let low = if from < lowest { from } else { lowest };
+        if segment.source_on() {
+            let top = source_v + VOLTAGE_EDGE;
+            let may_rise = least < 0.0 && modes.rest - least * modes.per_g > top;
+            // The bound tells little where the bus is still low: then the way tells, half way and at the end.
+            let rises = may_rise && (to > top || segment.at(&self.network, 0.5 * h).v > top);
+            return (self.may_sink || (stays_below && !rises), low);
+        }
+        // Nothing but the motor at the bus: a current that does not turn round moves it one way.
+        let above = if from < to { to } else { from };
+        let one_way = least > 0.0 || most + modes.g * above < 0.0;
+        let low = if one_way { below } else { low };
+        (low >= source_v - VOLTAGE_EDGE, low)
     }
 
-    /// True if certainly no idle leg's terminal leaves the rails before the end.
+    /// True if certainly no idle leg's terminal leaves the rails in the next `h` seconds, with the bus at `low` or above.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn keeps_idle_legs(&self, segment: &Segment, solved: &Solved) -> bool {
-        let ((low, _), edge) = (solved.bus, self.network.drop);
+    fn keeps_idle_legs(&self, segment: &Segment, h: f64, low: f64) -> bool {
+        let edge = self.network.drop;
         match self.circuit.wiring.conducting {
             _ if segment.has_difference() => true,
             2 => {
-                let (a, b) = (segment.idle.start, segment.idle.at(solved.h));
+                let (a, b) = (segment.idle.start, segment.idle.at(h));
                 let (least, most) = if a < b { (a, b) } else { (b, a) };
                 let share = self.circuit.wiring.high_share;
                 least + share * low > -edge && most < (1.0 - share) * low + edge
@@ -199,42 +311,25 @@ impl Stage {
         }
     }
 
-    /// Adds up what the interval moved.
+    /// When the current of the only diode ends, if that is within the next `h` seconds, and the state then.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn book(&mut self, segment: &Segment, solved: &Solved) {
-        let Solved { h, per_h, end, sums, .. } = solved;
-        let (network, course, start) = (&self.network, &mut self.course, &segment.start);
-        // Of a parabola between a and b with mean m: mean square m^2 + (b - a)^2 / 12 and less than 1e-4 beside.
-        let square = |sum: f64, a: f64, b: f64| sum * sum * per_h + h * (1.0 / 12.0) * (b - a) * (b - a);
-        // along . along = 1 / k, across . across = 2.
-        if segment.has_difference() {
-            course.squares += 1.5 * square(sums.s, start.s, end.s) + 2.0 * square(sums.d, start.d, end.d);
-        } else {
-            course.squares += 2.0 * square(sums.s, start.s, end.s);
+    fn stop(&self, segment: &Segment, h: f64) -> Option<(f64, Reduced)> {
+        let mut t = segment.expected_zero(&self.network, &self.circuit.against);
+        // Where it does not converge, the end of the interval tells.
+        for _ in 0..4 {
+            if !(t > INSTANT && t < h) {
+                return None;
+            }
+            let at = segment.at(&self.network, t);
+            let [s, d] = self.circuit.against;
+            let value = s * at.s + d * at.d;
+            if value.abs() < STOPPED {
+                return Some((t, at));
+            }
+            let slope = segment.slopes(&self.network, t, &at);
+            t -= value / (s * slope.s + d * slope.d);
         }
-        if self.circuit.has_diodes {
-            // A diode's drop is against its current.
-            self.ledger.diodes -= self.circuit.drop_s * sums.s + self.circuit.drop_d * sums.d;
-        }
-        let is_open = segment.topology() == Loop::Open;
-        self.shunt_charge += network.shunt_g * sums.v;
-        if !is_open {
-            self.shunt_charge += sums.s;
-        }
-        if segment.source_on() {
-            let fall = network.source_v * h - sums.v;
-            let link = if is_open { None } else { Some(([start.s, end.s], sums.s)) };
-            let fall_squared = network.fall_squared((*h, *per_h), (start.v, end.v), fall, link);
-            course.fall += fall;
-            course.fall_squared += fall_squared;
-            course.volts_squared += network.source_v * (network.source_v * h - 2.0 * fall) + fall_squared;
-        } else {
-            course.volts_squared += square(sums.v, start.v, end.v);
-        }
-        let impulse = solved.impulse(segment);
-        course.impulse += impulse;
-        course.path += (segment.speed + 0.5 * segment.acceleration * h) * h;
-        course.moment += impulse * (course.elapsed + 0.5 * h);
+        None
     }
 
     /// Takes over what was solved, and lets the event happen.
@@ -245,15 +340,28 @@ impl Stage {
         if self.watched {
             self.against_mean[0] = self.less_mean();
         }
-        let shape = &segment.shape;
-        self.torque = shape.s.at(*h) * end.s + shape.d.at(*h) * end.d;
+        let (shape, half) = (&segment.shape, 0.5 * h);
+        self.torque = (shape.s.middle + half * shape.s.slope) * end.s;
+        if segment.has_difference() {
+            self.torque += (shape.d.middle + half * shape.d.slope) * end.d;
+        }
         self.course.elapsed += h;
         self.reduced = *end;
-        self.electric.i = self.circuit.wiring.currents(end.s, end.d);
         self.electric.v = end.v;
-        // Between two switching events currents hardly bend: their extremes are at the events.
-        self.see_peak();
-        self.held = [false; 3];
+        let wiring = self.circuit.wiring;
+        // Between two switching events currents hardly bend: their extremes are at the events. Where three legs conduct, two share
+        // `s` and differ by `d`.
+        let peak = if segment.has_difference() {
+            self.electric.i = wiring.currents(end.s, end.d);
+            let shared = 0.5 * end.s.abs() + end.d.abs();
+            if shared > end.s.abs() { shared } else { end.s.abs() }
+        } else {
+            self.electric.i = wiring.along.map(|part| part * end.s);
+            end.s.abs()
+        };
+        self.peak = if peak > self.peak { peak } else { self.peak };
+        self.intervals += 1;
+        (self.held, self.just_started) = ([false; 3], false);
         if self.watched {
             self.against_mean[1] = self.less_mean();
         }
@@ -266,22 +374,6 @@ impl Stage {
 impl Solved {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn of(network: &Network, segment: &Segment, h: f64, end: Reduced, event: Option<Event>) -> Self {
-        let (per_h, sums) = (1.0 / h, segment.sums(network, h, &end));
-        Self { h, per_h, end, sums, bus: segment.bus_range(network, per_h, &end, &sums), event }
-    }
-
-    /// Torque impulse, N m s: back-EMF per speed times current along each coordinate, the current being a parabola of known
-    /// mean.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn impulse(&self, segment: &Segment) -> f64 {
-        let Self { h, end, sums, .. } = self;
-        let (shape, start) = (&segment.shape, &segment.start);
-        let twelfth = h * h * (1.0 / 12.0);
-        let s = shape.s.at(0.5 * h) * sums.s + shape.s.slope * twelfth * (end.s - start.s);
-        if segment.has_difference() {
-            s + shape.d.at(0.5 * h) * sums.d + shape.d.slope * twelfth * (end.d - start.d)
-        } else {
-            s
-        }
+        Self { h, per_h: 1.0 / h, end, sums: segment.sums(network, h, &end), event }
     }
 }

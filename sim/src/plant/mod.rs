@@ -14,6 +14,8 @@
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 
 mod angle;
+mod booking;
+mod changes;
 mod circuit;
 mod comparator;
 mod config;
@@ -33,6 +35,7 @@ mod network;
 mod segment;
 mod slow;
 mod stage;
+mod way;
 mod wiring;
 
 pub use config::{
@@ -48,16 +51,11 @@ use converter::Converter;
 use gates::Gates;
 use hall::{Capture, Halls};
 use injection::Injected;
-use narx_core::motor::{CurrentMode, Lines, PwmCommand, Samples, Step};
+use narx_core::motor::{CurrentMode, Lines, PwmCommand, Samples};
 use stage::Stage;
 
-/// Temperature of the motor's data, degrees Celsius.
-const REFERENCE_TEMPERATURE: f64 = 25.0;
 /// Less than this is no time, s.
 const INSTANT: f64 = 1e-12;
-/// A dead time goes without an interval of its own if the current would outlast so many: a small one stops, and lets other
-/// diodes conduct beside it.
-const DEAD_TIME_MARGIN: f64 = 8.0;
 /// Periods between two updates of what drifts with temperature.
 const DRIFT_PERIODS: u64 = 128;
 
@@ -87,13 +85,12 @@ pub struct Plant {
     copper_loss_seen: f64,
     last_sample: f64,
     last_charge: f64,
-    period_start: Marks,
-    bus_current: f64,
+    /// At the start of this period, and of the one before.
+    marks: [Marks; 2],
     peak_current: f64,
-    torque: f64,
 }
 
-/// Sums at the start of the period.
+/// Sums at the start of a period.
 #[derive(Clone, Copy, Debug, Default)]
 struct Marks {
     charge: f64,
@@ -159,10 +156,8 @@ impl Plant {
             copper_loss_seen: 0.0,
             last_sample: 0.0,
             last_charge: 0.0,
-            period_start: Marks::default(),
-            bus_current: 0.0,
+            marks: [Marks::default(); 2],
             peak_current: 0.0,
-            torque: 0.0,
             config: config.clone(),
         };
         plant.apply_drift();
@@ -174,30 +169,27 @@ impl Plant {
     pub fn sample(&mut self) -> Samples {
         self.advance(self.instant(self.gates.sample_at()));
         let bus = self.stage.electric.v;
-        let first = self.stage.terminals();
+        let mut phases = self.stage.terminals();
         let skew = self.converter.skew();
         if skew > 0 {
             self.advance((self.t + self.instant(skew)).min(self.period));
+            let last = self.stage.terminals();
+            for x in 0..3 {
+                phases[x] += (x + 1) as f64 * (1.0 / 3.0) * (last[x] - phases[x]);
+            }
         }
-        let last = if skew > 0 { self.stage.terminals() } else { first };
         let now = self.tick as f64 * self.period + self.t;
         let charge = self.stage.shunt_charge;
         // The DC-link current is averaged by the amplifier's filter since the last reading.
         let elapsed = now - self.last_sample;
         let current = if elapsed > 0.0 { (charge - self.last_charge) / elapsed } else { 0.0 };
         (self.last_sample, self.last_charge) = (now, charge);
-        let random = &mut self.random;
-        let bus_voltage = self.converter.bus_voltage(bus, random);
-        let mut phase_voltage = [0; 3];
-        for (x, code) in phase_voltage.iter_mut().enumerate() {
-            let part = (x + 1) as f64 * (1.0 / 3.0);
-            *code = self.converter.phase_voltage(x, first[x] + part * (last[x] - first[x]), random);
-        }
+        let codes = self.converter.convert(bus, &phases, current, &mut self.random);
         Samples {
             tick: self.tick,
-            phase_voltage,
-            bus_voltage,
-            bus_current: self.converter.bus_current(current, random),
+            phase_voltage: codes.phase_voltage,
+            bus_voltage: codes.bus_voltage,
+            bus_current: codes.bus_current,
             sample_mode: self.gates.sample_mode(),
             current_mode: CurrentMode::Average,
             skew,
@@ -219,26 +211,12 @@ impl Plant {
         self.start_next_period(command);
     }
 
-    /// A change to the same step needs no stop.
-    fn advance_and_set(&mut self, instant: f64, step: Step) {
-        if step != self.gates.step() {
-            self.advance(instant);
-            self.gates.set_step(step);
-            self.gates_until = 0.0;
-        }
-    }
-
     fn start_next_period(&mut self, command: &PwmCommand) {
-        let charge = self.stage.shunt_charge;
-        let impulse = self.stage.impulse;
         self.peak_current = core::mem::replace(&mut self.stage.peak, 0.0);
-        self.bus_current = (charge - self.period_start.charge) / self.period;
-        self.torque = (impulse - self.period_start.impulse) / self.period;
-        self.period_start = Marks { charge, impulse };
+        self.marks = [Marks { charge: self.stage.shunt_charge, impulse: self.stage.impulse }, self.marks[0]];
         self.tick += 1;
         self.t = 0.0;
-        self.gates.latch(command);
-        self.gates_until = 0.0;
+        self.gates_until = self.gates.latch(command);
         self.command = *command;
         if !self.config.board.hall_capture {
             self.capture = Capture::default();
@@ -258,6 +236,7 @@ impl Plant {
     /// The true values now.
     pub fn observe(&self) -> Observation {
         let stage = &self.stage;
+        let [start, before] = self.marks;
         Observation {
             time: self.tick as f64 * self.period + self.t,
             speed: stage.shaft.speed,
@@ -267,9 +246,9 @@ impl Plant {
             terminal: stage.terminals(),
             neutral: stage.neutral(),
             bus_voltage: stage.electric.v,
-            bus_current: self.bus_current,
+            bus_current: (start.charge - before.charge) / self.period,
             peak_current: self.peak_current,
-            torque: self.torque,
+            torque: (start.impulse - before.impulse) / self.period,
             winding_temperature: self.winding_temperature,
             ledger: Ledger { stored: stage.stored(), ..stage.ledger },
             diode_events: stage.diode_events,
@@ -302,83 +281,6 @@ impl Plant {
         self.injected.pressure.unwrap_or(self.config.pressure)
     }
 
-    /// Changes the supply: voltage, source resistance, whether it takes current back.
-    pub fn set_supply(&mut self, supply: SupplyConfig) {
-        self.config.supply = supply;
-        self.apply_supply();
-    }
-
-    /// Changes the load.
-    pub fn set_load(&mut self, load: LoadConfig) {
-        self.config.load = load;
-        self.stage.set_load(load);
-    }
-
-    /// The load now.
-    pub fn load(&self) -> LoadConfig {
-        self.stage.shaft.load()
-    }
-
-    /// Changes the ambient temperature, degrees Celsius. The winding follows with its time constant.
-    pub fn set_ambient(&mut self, celsius: f64) {
-        self.config.ambient = celsius;
-    }
-
-    /// Changes the output of the pressure bridge, V.
-    pub fn set_pressure(&mut self, volts: f64) {
-        self.config.pressure = volts;
-    }
-
-    /// Brings winding and magnets to this temperature at once, degrees Celsius.
-    pub fn set_winding_temperature(&mut self, celsius: f64) {
-        self.winding_temperature = celsius;
-        self.apply_drift();
-    }
-
-    /// Breaks something.
-    pub fn inject(&mut self, injection: Injection) {
-        self.set_injection(injection, true);
-    }
-
-    /// Mends what `injection` names; its value does not matter.
-    pub fn clear(&mut self, injection: Injection) {
-        self.set_injection(injection, false);
-    }
-
-    /// Mends everything.
-    pub fn clear_all(&mut self) {
-        self.injected = Injected::default();
-        self.apply_injections();
-    }
-
-    fn set_injection(&mut self, injection: Injection, active: bool) {
-        self.injected.set(injection, active);
-        self.apply_injections();
-    }
-
-    fn apply_injections(&mut self) {
-        self.gates_until = 0.0;
-        self.stage.set_open(self.injected.open);
-        self.stage.shaft.blocked = self.injected.blocked;
-        let leak = self.injected.leak.map_or(0.0, |ohm| 1.0 / ohm.max(1e-3));
-        self.stage.network.shunt_g = leak;
-        self.stage.network.leak_g = leak + self.config.inverter.own_conductance;
-        self.halls.rewire(self.t / self.period * 65_536.0, &self.injected, &mut self.capture);
-        self.apply_supply();
-    }
-
-    fn apply_supply(&mut self) {
-        let mut supply = self.config.supply;
-        if let Some(voltage) = self.injected.supply {
-            supply.voltage = voltage;
-        }
-        self.stage.set_supply(&supply);
-    }
-
-    fn instant(&self, part: u16) -> f64 {
-        f64::from(part) * (1.0 / 65_536.0) * self.period
-    }
-
     /// Digital inputs as they stand.
     pub fn lines(&self) -> Lines {
         let mut lines = Lines::empty();
@@ -387,114 +289,5 @@ impl Plant {
         lines.set(Lines::DSI1, self.injected.dsi1);
         lines.set(Lines::DSI2, self.injected.dsi2);
         lines
-    }
-
-    /// Runs to `target`, s from the start of the period; nothing if that has passed.
-    fn advance(&mut self, target: f64) {
-        while target - self.t > INSTANT {
-            let (from, before) = (self.t, self.stage.shaft.angle);
-            let goal = from + self.stage.set_out(target - from);
-            let goal = if target - goal > INSTANT { goal } else { target };
-            while goal - self.t > INSTANT {
-                self.run(goal);
-            }
-            self.stage.arrive();
-            self.follow_halls(before, from);
-        }
-    }
-
-    /// One interval of the stage, to `goal` at most.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn run(&mut self, goal: f64) {
-        if self.t >= self.gates_until {
-            self.switch(goal);
-        }
-        let mut stretched = None;
-        let mut change = goal;
-        if self.gates_until <= goal {
-            change = self.gates_until;
-            if change - self.t <= INSTANT {
-                // A dead time that ends with the period is a rounding error away from its end.
-                self.t = change;
-                return;
-            }
-            stretched = self.gates.changing_sides(change).filter(|&(leg, gate, over)| {
-                over <= goal && !self.injected.driver[leg] && self.stage.stays(leg, gate, over - self.t)
-            });
-        }
-        let until = stretched.map_or(change, |(.., over)| over);
-        let h = self.stage.interval(until - self.t);
-        let from = self.t;
-        self.t = if h >= until - from { until } else { from + h };
-        if let Some((leg, gate, _)) = stretched
-            && self.t > change
-        {
-            self.gates.turned_off(leg, change);
-            self.gates_until = 0.0;
-            self.stage.drop_of_dead_time(leg, gate, self.t - change);
-        }
-        if let Some(comparators) = &mut self.comparators
-            && self.t > from
-        {
-            let [start, end] = &self.stage.against_mean;
-            comparators.follow(&self.gates.floating(), start, end, from, self.t);
-        }
-    }
-
-    /// Sets the gates for the time from now on. During a dead time the current leads through the diode beside the switch
-    /// that was on, or beside the one that will be on: the circuit is then the same as with that switch, but for the
-    /// diode's drop, and where nothing else can happen until `target` the dead time needs no interval of its own.
-    fn switch(&mut self, target: f64) {
-        let mut gates = self.gates.at(self.t, &self.injected.driver);
-        if let Some((leg, gate, over)) = self.gates.waiting(self.t)
-            && over <= target
-            && self.stage.stays(leg, gate, DEAD_TIME_MARGIN * (over - self.t))
-        {
-            self.gates.turn_on(leg, gate);
-            gates[leg] = gate;
-            self.stage.set_gates(&gates);
-            self.stage.drop_of_dead_time(leg, gate, over - self.t);
-        } else {
-            self.stage.set_gates(&gates);
-        }
-        self.gates_until = self.gates.next_change(self.t, f64::INFINITY);
-    }
-
-    fn follow_halls(&mut self, angle_before: f64, from: f64) {
-        let per_period = self.parts_per_second;
-        self.halls.follow(
-            (angle_before, self.stage.shaft.angle),
-            (from * per_period, self.t * per_period),
-            &self.injected,
-            &mut self.random,
-            &mut self.capture,
-        );
-    }
-
-    /// The winding's temperature after `seconds` with the copper loss since the last call.
-    fn warm(&mut self, seconds: f64) {
-        let motor = &self.config.motor;
-        let loss = self.stage.ledger.copper - self.copper_loss_seen;
-        self.copper_loss_seen = self.stage.ledger.copper;
-        let ambient = self.ambient();
-        if motor.thermal_resistance <= 0.0 {
-            if self.winding_temperature == ambient {
-                return;
-            }
-            self.winding_temperature = ambient;
-        } else {
-            let target = ambient + motor.thermal_resistance * loss / seconds;
-            let part = (seconds / motor.thermal_time.max(seconds)).min(1.0);
-            self.winding_temperature += part * (target - self.winding_temperature);
-        }
-        self.apply_drift();
-    }
-
-    fn apply_drift(&mut self) {
-        let motor = &self.config.motor;
-        let rise = self.winding_temperature - REFERENCE_TEMPERATURE;
-        self.stage.network.copper = 0.5 * motor.resistance * (1.0 + motor.copper_drift * rise).max(0.1);
-        self.stage.network.update();
-        self.stage.shape.set_drift((1.0 + motor.magnet_drift * rise).max(0.1));
     }
 }

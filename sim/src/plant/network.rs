@@ -10,8 +10,17 @@
 //! ```
 
 use super::angle::Rotation;
+use super::circuit::Reduced;
 use super::config::SupplyConfig;
-use super::exponential::falling;
+use super::exponential::{falling, falling_little};
+use super::segment::{Segment, Sums};
+
+/// Longest interval in time constants: losses are good to 1e-4 then.
+const TIME_CONSTANTS_MAX: f64 = 0.35;
+/// Eigenvalues are close together if half their distance is less than this part of their mean.
+const CLOSE: f64 = 0.1;
+/// Largest argument of the series for those: they are good to 1e-7.
+const SERIES_MAX: f64 = 0.25;
 
 /// Values of the elements, all in SI units.
 #[derive(Clone, Debug)]
@@ -28,6 +37,8 @@ pub(crate) struct Network {
     pub(crate) per_r: f64,
     pub(crate) per_l: f64,
     pub(crate) time_constant: f64,
+    /// Longest interval, s.
+    pub(crate) longest: f64,
     /// One phase, H.
     pub(crate) l: f64,
     /// Bus, F.
@@ -46,12 +57,16 @@ pub(crate) struct Network {
     modes: [[Modes; 3]; 2],
 }
 
-/// A second-order system: eigenvalues `middle +- distance` or a complex pair, and what its solution needs.
+/// A second-order system: eigenvalues `middle +- distance` or a complex pair, and what its solution needs. The bus is told from
+/// `rest`, the voltage that it has without the motor.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Modes {
     middle: f64,
     distance: f64,
-    complex: bool,
+    /// Half their distance squared: negative if they are complex.
+    square: f64,
+    /// They are complex or close together: their exponentials' difference would lose digits.
+    close: bool,
     /// The real eigenvalues, 1/s, and 1 / (slow - fast).
     slow: f64,
     fast: f64,
@@ -62,13 +77,19 @@ pub(crate) struct Modes {
     pub(crate) a_vs: f64,
     pub(crate) a_vv: f64,
     pub(crate) k: f64,
-    /// Conductance at the bus, and its short-circuit current.
+    /// Conductance at the bus, and its open-circuit voltage.
     pub(crate) g: f64,
-    pub(crate) j: f64,
+    pub(crate) rest: f64,
     /// 1 / g, or 0 if nothing hangs there.
     pub(crate) per_g: f64,
-    /// 1 / (r g + k).
+    /// The inverse of the steady circuit: 1 / (r g + k), and g, k and r times that.
     pub(crate) per_det: f64,
+    pub(crate) g_det: f64,
+    pub(crate) k_det: f64,
+    pub(crate) r_det: f64,
+    /// What a slope of the driving voltage adds to the particular solution.
+    pub(crate) lag_s: f64,
+    pub(crate) lag_v: f64,
 }
 
 /// Which second-order system applies.
@@ -103,6 +124,7 @@ impl Network {
             per_r: 0.0,
             per_l: 1.0 / l,
             time_constant: 0.0,
+            longest: 0.0,
             l,
             c,
             drop,
@@ -122,11 +144,17 @@ impl Network {
         self.rate = self.r / self.l;
         self.per_r = 1.0 / self.r;
         self.time_constant = self.l / self.r;
+        let mut fastest = self.rate;
         for source_on in [false, true] {
             for topology in [Loop::Open, Loop::TwoLegs, Loop::ThreeLegs] {
-                self.modes[usize::from(source_on)][topology as usize] = self.solve(topology, source_on);
+                let modes = self.solve(topology, source_on);
+                if !modes.close && topology != Loop::Open {
+                    fastest = fastest.max(-modes.slow);
+                }
+                self.modes[usize::from(source_on)][topology as usize] = modes;
             }
         }
+        self.longest = TIME_CONSTANTS_MAX / fastest;
     }
 
     fn solve(&self, topology: Loop, source_on: bool) -> Modes {
@@ -138,10 +166,12 @@ impl Network {
         let square = middle * middle - det;
         let distance = libm::sqrt(square.abs());
         let fast = middle - distance;
+        let per_det = 1.0 / (r * g + k).max(f64::MIN_POSITIVE);
         Modes {
             middle,
             distance,
-            complex: square < 0.0,
+            square,
+            close: square < 0.0 || distance < CLOSE * middle.abs(),
             // From the product of both, because their sum cancels.
             slow: det / fast,
             fast,
@@ -152,35 +182,46 @@ impl Network {
             a_vv: -g / c,
             k,
             g,
-            j: if source_on { self.source_g * self.source_v } else { 0.0 },
+            rest: if source_on { self.source_g * self.source_v / g } else { 0.0 },
             per_g: if g > 0.0 { 1.0 / g } else { 0.0 },
-            per_det: 1.0 / (r * g + k).max(f64::MIN_POSITIVE),
+            per_det,
+            g_det: g * per_det,
+            k_det: k * per_det,
+            r_det: r * per_det,
+            // A q = -b1 and A p = q - b0 with b0 = (u / L, 0), b1 = (u' / L, 0).
+            lag_s: (k * c - g * g * l) * per_det * per_det,
+            lag_v: (g * l + r * c) * per_det * per_det,
         }
     }
 
-    /// Integral of y^2, y = source voltage - v, over `h` seconds in which the bus goes from `v0` to `v1`, V2 s. `fall` is the
-    /// integral of y, `link` the link current S at start and end and its integral, if there is any.
-    ///
-    /// y has a fast part (source resistance times bus capacitance), which a quadrature would miss. The bus equation
-    /// C dv/dt = G y - S - g v, multiplied by y, gives the integral of y^2 from that of S y, and S is smooth: it is
-    /// taken as a straight line, and the moment of y that it needs is exact, again from the bus equation.
+    /// Integral of S w over an interval with the source on and the motor at the bus, V A s: S, the link current, is smooth and
+    /// taken as a straight line; w, the bus voltage from its rest, has a fast part (source resistance times bus capacitance)
+    /// which a quadrature would miss. The moment of w that the line needs is exact, from the bus equation
+    /// C dw/dt = -S - g w times the time. The same equation times w gives the integral of g w^2 from that of S w.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn fall_squared(
+    pub(crate) fn link_power(
         &self,
         (h, per_h): (f64, f64),
-        (v0, v1): (f64, f64),
-        fall: f64,
-        link: Option<([f64; 2], f64)>,
+        segment: &Segment,
+        end: &Reduced,
+        sums: &Sums,
     ) -> f64 {
-        let (y0, y1) = (self.source_v - v0, self.source_v - v1);
-        let per_g = self.modes(Loop::Open, true).per_g;
-        let leak = self.leak_g * self.source_v;
-        let alone = 0.5 * self.c * (y0 + y1) * (y0 - y1) + leak * fall;
-        let Some((links, charge)) = link else { return per_g * alone };
-        let rise = links[1] - links[0];
-        let link_moment = h * (0.5 * charge + h * rise * (1.0 / 12.0));
-        let moment = (self.c * (fall - h * y1) + link_moment + 0.5 * leak * h * h) * per_g;
-        per_g * (alone + links[0] * fall + rise * per_h * moment)
+        let rise = end.s - segment.start.s;
+        let link_moment = h * (0.5 * sums.s + h * (1.0 / 12.0) * rise);
+        let moment = (self.c * (sums.w - h * (end.v - self.rest())) - link_moment) * self.per_source_g();
+        segment.start.s * sums.w + rise * per_h * moment
+    }
+
+    /// Bus voltage without the motor, with the source on, V.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn rest(&self) -> f64 {
+        self.modes(Loop::Open, true).rest
+    }
+
+    /// 1 / (all conductance at the bus), with the source on, ohm.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn per_source_g(&self) -> f64 {
+        self.modes(Loop::Open, true).per_g
     }
 
     /// What hangs at the bus.
@@ -189,42 +230,57 @@ impl Network {
         &self.modes[usize::from(source_on)][topology as usize]
     }
 
-    /// What is left after `t` seconds of a current that decays on its own, and of a bus without the motor.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn separate_decay(&self, modes: &Modes, t: f64) -> [f64; 2] {
-        falling([-self.rate * t, modes.a_vv * t])
-    }
-
     /// What is left after `t` seconds of a current that decays on its own.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn leg_decay(&self, t: f64) -> f64 {
-        falling([-self.rate * t; 2])[0]
+        falling_little(-self.rate * t)
     }
 }
 
 impl Modes {
+    /// What is left after `t` seconds of a bus without the motor.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn bus_decay(&self, t: f64) -> f64 {
+        falling(self.a_vv * t)
+    }
+
     /// exp(A t) = `alpha` + `beta` A.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn transition(&self, t: f64) -> (f64, f64) {
-        if self.complex || self.distance * t < 1e-6 {
-            return self.rare_transition(t);
+        if !self.close {
+            let (e_slow, e_fast) = (falling_little(self.slow * t), falling(self.fast * t));
+            let beta = (e_slow - e_fast) * self.per_distance;
+            return (e_slow - beta * self.slow, beta);
         }
-        let [e_slow, e_fast] = falling([self.slow * t, self.fast * t]);
-        let beta = (e_slow - e_fast) * self.per_distance;
-        (e_slow - beta * self.slow, beta)
+        if self.is_long(t) {
+            return self.long_transition(t);
+        }
+        // Hyperbolic cosine and sine of a square that may be negative.
+        let (envelope, y) = (falling(self.middle * t), self.square * t * t);
+        let cosh = 1.0 + y * (1.0 / 2.0 + y * (1.0 / 24.0 + y * (1.0 / 720.0)));
+        let sinh = 1.0 + y * (1.0 / 6.0 + y * (1.0 / 120.0 + y * (1.0 / 5040.0)));
+        let beta = envelope * t * sinh;
+        (envelope * cosh - self.middle * beta, beta)
     }
 
-    /// Complex or nearly equal eigenvalues.
+    /// True if the series for complex or close eigenvalues would not do for `t` seconds.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn is_long(&self, t: f64) -> bool {
+        self.close && self.square.abs() * t * t > SERIES_MAX
+    }
+
+    /// Complex or close eigenvalues, and a time in which they go far.
     #[cold]
     #[inline(never)]
-    fn rare_transition(&self, t: f64) -> (f64, f64) {
-        let [envelope, _] = falling([self.middle * t; 2]);
-        if self.complex {
-            let Rotation { sin, cos } = Rotation::by(self.distance * t);
-            let beta = 2.0 * self.per_distance * envelope * sin;
-            return (envelope * cos - self.middle * beta, beta);
+    fn long_transition(&self, t: f64) -> (f64, f64) {
+        if self.square > 0.0 {
+            let (e_slow, e_fast) = (falling(self.slow * t), falling(self.fast * t));
+            let beta = (e_slow - e_fast) * self.per_distance;
+            return (e_slow - beta * self.slow, beta);
         }
-        let beta = envelope * t;
-        (envelope - self.middle * beta, beta)
+        let envelope = falling(self.middle * t);
+        let Rotation { sin, cos } = Rotation::by(self.distance * t);
+        let beta = 2.0 * self.per_distance * envelope * sin;
+        (envelope * cos - self.middle * beta, beta)
     }
 }

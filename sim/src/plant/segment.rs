@@ -1,16 +1,16 @@
 //! The exact solution between two switching events: which legs conduct is fixed, the back-EMF is linear in time.
 
 use super::circuit::{Circuit, Reduced};
-use super::emf::Line;
+use super::emf::{Chord, Line};
 use super::network::{Loop, Modes, Network};
 
 /// Back-EMF per speed along the coordinates of a circuit, V s/rad; `idle` is that of the one idle leg beside two that conduct,
 /// less the mean of theirs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Shape {
-    pub(crate) s: Line,
-    pub(crate) d: Line,
-    pub(crate) idle: Line,
+    pub(crate) s: Chord,
+    pub(crate) d: Chord,
+    pub(crate) idle: Chord,
 }
 
 /// What tells circuits apart.
@@ -23,18 +23,32 @@ pub(crate) struct Kind {
     pub(crate) source_on: bool,
 }
 
+/// How the shaft moves at the start of an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// Mechanical speed, rad/s.
+    pub(crate) speed: f64,
+    /// rad/s2.
+    pub(crate) acceleration: f64,
+    /// What a slope of the torque, told as L times that of the currents, adds to the acceleration in a second.
+    pub(crate) lean: f64,
+}
+
 /// One interval's circuit and its solution.
 ///
 /// ```text
-///   L ds/dt = -R s + [v k] + u(t)        [ ]: only where some legs are tied to the bus and some to ground
+///   L ds/dt = -R s + [w k] + u(t)        [ ]: only where some legs are tied to the bus and some to ground
 ///   L dd/dt = -R d + f(t)
-///   C dv/dt = [-s] - g v + j
+///   C dw/dt = [-s] - g w                 w: bus voltage from where it rests without the motor
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment {
     kind: Kind,
-    /// Mechanical speed at the start, rad/s, and acceleration, rad/s2.
+    /// Length, s: `shape` and `middle_speed` are told from its middle.
+    h: f64,
+    /// Mechanical speed at the start and half way, rad/s, and acceleration, rad/s2.
     pub(crate) speed: f64,
+    pub(crate) middle_speed: f64,
     pub(crate) acceleration: f64,
     pub(crate) start: Reduced,
     pub(crate) shape: Shape,
@@ -42,6 +56,9 @@ pub(crate) struct Segment {
     pub(crate) idle: Line,
     u: Line,
     f: Line,
+    /// Slopes of `s` and `d` at the start times L, V.
+    s_slope: f64,
+    d_slope: f64,
     /// Particular solution p + q t, and what decays: start - p.
     p: Reduced,
     q: Reduced,
@@ -54,13 +71,12 @@ pub(crate) struct Sums {
     /// Of `s` and `d`, A s.
     pub(crate) s: f64,
     pub(crate) d: f64,
-    /// Of the bus voltage, V s.
-    pub(crate) v: f64,
+    /// Of the bus voltage from where it rests, V s.
+    pub(crate) w: f64,
 }
 
 impl Segment {
-    /// The circuit from `start` on for `h` seconds; `shape` is the back-EMF per speed, `motion` speed (rad/s), acceleration
-    /// (rad/s2) and 1 / inertia (1 / (kg m2)).
+    /// The circuit from `start` on for `h` seconds; `shape` is the back-EMF per speed.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn new(
         network: &Network,
@@ -68,46 +84,85 @@ impl Segment {
         kind: Kind,
         start: Reduced,
         shape: Shape,
-        (speed, acceleration, per_inertia): (f64, f64, f64),
+        pace: Pace,
         h: f64,
     ) -> Self {
-        let k = circuit.wiring.k;
-        // The torque's own slope gives the acceleration's, else a light rotor would outrun its prediction within one interval. Its
-        // mean is weighted as it acts on the way travelled: a third, not a half.
-        let bus = if kind.topology == Loop::Open { 0.0 } else { start.v };
-        let s_slope = k * (bus + circuit.drop_s - shape.s.start * speed) - network.r * start.s;
-        let mut torque_slope = shape.s.start * s_slope;
-        if kind.three {
-            let d_slope = 0.5 * (circuit.drop_d - shape.d.start * speed) - network.r * start.d;
-            torque_slope += shape.d.start * d_slope;
-        }
-        let acceleration = acceleration + torque_slope * network.per_l * per_inertia * h * (1.0 / 3.0);
-        let half = 0.5 * h;
-        let middle = speed + acceleration * half;
-        let slope = |line: &Line| line.slope * middle + (line.start + half * line.slope) * acceleration;
-        // What drives the coordinates: diode drops less back-EMF.
-        let u = Line { start: k * (circuit.drop_s - shape.s.start * speed), slope: -k * slope(&shape.s) };
         let Kind { topology, three, source_on } = kind;
+        let modes = network.modes(topology, source_on);
+        let (speed, half) = (pace.speed, 0.5 * h);
+        // 1 / (along . along); without a current it does not matter.
+        let k = if three { 2.0 / 3.0 } else { 0.5 };
+        // What drives the coordinates: the bus at rest and diode drops less back-EMF.
+        let s_shape = shape.s.middle - half * shape.s.slope;
+        let tied = topology != Loop::Open;
+        let rest = if tied { modes.rest } else { 0.0 };
+        let u_start = k * (rest + circuit.drop_s - s_shape * speed);
+        let s_slope = if tied { u_start + k * (start.v - rest) } else { u_start } - network.r * start.s;
+        let mut torque_slope = s_shape * s_slope;
+        let (mut f_start, mut d_slope) = (0.0, 0.0);
+        if three {
+            let d_shape = shape.d.middle - half * shape.d.slope;
+            f_start = 0.5 * (circuit.drop_d - d_shape * speed);
+            d_slope = f_start - network.r * start.d;
+            torque_slope += d_shape * d_slope;
+        }
+        // The torque's own slope gives the acceleration's, else a light rotor would outrun its prediction within one interval.
+        let acceleration = pace.acceleration + torque_slope * pace.lean * h;
+        let middle_speed = speed + acceleration * half;
+        let slope = |chord: &Chord| chord.slope * middle_speed + chord.middle * acceleration;
+        let u = Line { start: u_start, slope: -k * slope(&shape.s) };
         let (mut f, mut idle) = (Line::default(), Line::default());
         let (mut p_d, mut q_d) = (0.0, 0.0);
         if three {
-            f = Line { start: 0.5 * (circuit.drop_d - shape.d.start * speed), slope: -0.5 * slope(&shape.d) };
+            f = Line { start: f_start, slope: -0.5 * slope(&shape.d) };
             q_d = f.slope * network.per_r;
             p_d = f.start * network.per_r - network.time_constant * q_d;
         } else {
-            idle = Line { start: circuit.drop_idle + shape.idle.start * speed, slope: slope(&shape.idle) };
+            let start = (shape.idle.middle - half * shape.idle.slope) * speed;
+            idle = Line { start: circuit.drop_idle + start, slope: slope(&shape.idle) };
         }
-        let modes = network.modes(topology, source_on);
-        let ((p_s, q_s), (p_v, q_v)) = if topology == Loop::Open {
-            let q_s = u.slope * network.per_r;
-            let p_v = if modes.g > 0.0 { modes.j * modes.per_g } else { start.v };
-            ((u.start * network.per_r - network.time_constant * q_s, q_s), (p_v, 0.0))
+        let (p_s, p_v, q_s, q_v) = if tied {
+            (
+                u.start * modes.g_det + u.slope * modes.lag_s,
+                modes.rest - u.start * modes.per_det + u.slope * modes.lag_v,
+                u.slope * modes.g_det,
+                -u.slope * modes.per_det,
+            )
         } else {
-            particular(network, modes, &u)
+            let q_s = u.slope * network.per_r;
+            let p_v = if modes.g > 0.0 { modes.rest } else { start.v };
+            (u.start * network.per_r - network.time_constant * q_s, p_v, q_s, 0.0)
         };
         let (p, q) = (Reduced { s: p_s, d: p_d, v: p_v }, Reduced { s: q_s, d: q_d, v: q_v });
         let fading = Reduced { s: start.s - p_s, d: start.d - p_d, v: start.v - p_v };
-        Self { kind, speed, acceleration, start, shape, idle, u, f, p, q, fading }
+        Self {
+            kind,
+            h,
+            speed,
+            middle_speed,
+            acceleration,
+            start,
+            shape,
+            idle,
+            u,
+            f,
+            s_slope,
+            d_slope,
+            p,
+            q,
+            fading,
+        }
+    }
+
+    /// Ends it earlier, `h` seconds after the start.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn end_at(&mut self, h: f64) {
+        let later = 0.5 * (h - self.h);
+        for chord in [&mut self.shape.s, &mut self.shape.d] {
+            chord.middle += later * chord.slope;
+        }
+        self.middle_speed += later * self.acceleration;
+        self.h = h;
     }
 
     /// State `t` seconds after the start.
@@ -116,9 +171,9 @@ impl Segment {
         let Reduced { s, d, v } = self.fading;
         let (p, q, a) = (&self.p, &self.q, self.modes(network));
         if self.kind.topology == Loop::Open {
-            let [leg, bus] = network.separate_decay(a, t);
+            let leg = network.leg_decay(t);
             let d = if self.kind.three { p.d + q.d * t + leg * d } else { 0.0 };
-            return Reduced { s: p.s + q.s * t + leg * s, d, v: p.v + bus * v };
+            return Reduced { s: p.s + q.s * t + leg * s, d, v: p.v + a.bus_decay(t) * v };
         }
         let (alpha, beta) = a.transition(t);
         let d = if self.kind.three { p.d + q.d * t + network.leg_decay(t) * d } else { 0.0 };
@@ -134,19 +189,19 @@ impl Segment {
     pub(crate) fn sums(&self, network: &Network, h: f64, to: &Reduced) -> Sums {
         let modes = self.modes(network);
         let Self { u, f, start, .. } = self;
-        let charge = modes.j * h - network.c * (to.v - start.v);
-        let flux = (u.start + 0.5 * u.slope * h) * h - network.l * (to.s - start.s);
+        let fall = network.c * (start.v - to.v);
+        let flux = (u.start + 0.5 * h * u.slope) * h - network.l * (to.s - start.s);
         let d = if self.kind.three {
-            ((f.start + 0.5 * f.slope * h) * h - network.l * (to.d - start.d)) * network.per_r
+            ((f.start + 0.5 * h * f.slope) * h - network.l * (to.d - start.d)) * network.per_r
         } else {
             0.0
         };
         if self.kind.topology == Loop::Open {
-            let v = if modes.g > 0.0 { charge * modes.per_g } else { start.v * h };
-            return Sums { s: flux * network.per_r, d, v };
+            let w = if modes.g > 0.0 { fall * modes.per_g } else { start.v * h };
+            return Sums { s: flux * network.per_r, d, w };
         }
-        let s = (modes.g * flux + modes.k * charge) * modes.per_det;
-        Sums { s, d, v: (network.r * charge - flux) * modes.per_det }
+        let s = modes.g_det * flux + modes.k_det * fall;
+        Sums { s, d, w: modes.r_det * fall - modes.per_det * flux }
     }
 
     /// Slope of the state at `t`, A/s and V/s.
@@ -154,35 +209,32 @@ impl Segment {
     pub(crate) fn slopes(&self, network: &Network, t: f64, at: &Reduced) -> Reduced {
         let modes = self.modes(network);
         let link = if self.kind.topology == Loop::Open { 0.0 } else { at.s };
+        let w = at.v - modes.rest;
         Reduced {
-            s: (self.u.at(t) + modes.k * at.v - network.r * at.s) * network.per_l,
+            s: (self.u.at(t) + modes.k * w - network.r * at.s) * network.per_l,
             d: (self.f.at(t) - network.r * at.d) * network.per_l,
-            v: (modes.j - modes.g * at.v - link) / network.c,
+            v: (-modes.g * w - link) / network.c,
         }
     }
 
-    /// Lowest and highest bus voltage on the way to `end` `h` seconds later: the bus follows the voltage at which the source
-    /// gives what the motor takes, and never passes it.
+    /// When a combination of `s` and `d` that is negative comes to zero, as the present slopes tell, s; infinity if it does not.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn bus_range(&self, network: &Network, per_h: f64, end: &Reduced, sums: &Sums) -> (f64, f64) {
-        let (from, to) = (self.start.v, end.v);
-        if self.kind.topology == Loop::Open {
-            return (from.min(to), from.max(to));
+    pub(crate) fn expected_zero(&self, network: &Network, parts: &[f64; 2]) -> f64 {
+        let (mut value, mut slope) = (parts[0] * self.start.s, parts[0] * self.s_slope);
+        if self.kind.three {
+            value += parts[1] * self.start.d;
+            slope += parts[1] * self.d_slope;
         }
-        // The link current is a parabola, as high above its chord as the mean tells.
-        let Modes { g, j, per_g, .. } = *self.modes(network);
-        let bend = 1.5 * (sums.s * per_h - 0.5 * (self.start.s + end.s)).abs();
-        let most = self.start.s.max(end.s) + bend;
-        let least = self.start.s.min(end.s) - bend;
-        if !self.kind.source_on && (least > 0.0 || most + g * from.max(to) < 0.0) {
-            // Nothing but the motor at the bus: a current that does not turn round moves it one way.
-            return (from.min(to), from.max(to));
+        if slope <= 0.0 {
+            return f64::INFINITY;
         }
-        (from.min((j - most) * per_g), from.max((j - least) * per_g))
+        // The currents decay as they go: value + slope (1 - exp(-rate t)) / rate.
+        let t = -value * network.l / slope;
+        t * (1.0 + 0.5 * network.rate * t)
     }
 
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn modes<'a>(&self, network: &'a Network) -> &'a Modes {
+    pub(crate) fn modes<'a>(&self, network: &'a Network) -> &'a Modes {
         network.modes(self.kind.topology, self.kind.source_on)
     }
 
@@ -203,16 +255,4 @@ impl Segment {
     pub(crate) fn topology(&self) -> Loop {
         self.kind.topology
     }
-}
-
-/// p and q of s and of v where the motor draws from the bus: A q = -b1, A p = q - b0 with b0 = (u.start / L, j / C),
-/// b1 = (u.slope / L, 0).
-#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-fn particular(network: &Network, modes: &Modes, u: &Line) -> ((f64, f64), (f64, f64)) {
-    let Modes { g, j, k, per_det, .. } = *modes;
-    let (q_s, q_v) = (u.slope * g * per_det, -u.slope * per_det);
-    let (rest_s, rest_v) = (network.l * q_s - u.start, network.c * q_v - j);
-    let p_s = -(g * rest_s + k * rest_v) * per_det;
-    let p_v = (rest_s - network.r * rest_v) * per_det;
-    ((p_s, q_s), (p_v, q_v))
 }

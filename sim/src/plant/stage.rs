@@ -26,6 +26,8 @@ pub(crate) struct Stage {
     pub(crate) open: [bool; 3],
     /// A diode that would not conduct although it was let: idle until the next interval has passed.
     pub(crate) held: [bool; 3],
+    /// The last change was that a diode began to conduct.
+    pub(crate) just_started: bool,
     pub(crate) source_on: bool,
     pub(crate) may_sink: bool,
     /// `circuit` and `reduced` are no longer those of `legs` and `electric`.
@@ -75,6 +77,7 @@ impl Stage {
             legs: [Leg::Idle; 3],
             open: [false; 3],
             held: [false; 3],
+            just_started: false,
             source_on: true,
             may_sink: config.supply.may_sink,
             changed: true,
@@ -114,8 +117,7 @@ impl Stage {
             return self.shape.now(self.shaft.angle, &self.rotation).map(|shape| shape * self.shaft.speed);
         }
         let speed = course.speed();
-        let (turns, rotation) =
-            (course.turns(&self.shaft, course.elapsed), course.rotation(&self.shaft, course.elapsed));
+        let (turns, rotation) = (course.turns(&self.shaft, course.elapsed), course.rotation(course.elapsed));
         self.shape.now(turns, &rotation).map(|shape| shape * speed)
     }
 
@@ -123,7 +125,7 @@ impl Stage {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn refresh(&mut self) {
         if self.changed {
-            self.circuit = Circuit::new(&self.legs, self.network.drop);
+            self.circuit.follow(&self.legs, self.network.drop);
             self.reduced = self.circuit.reduce(&self.electric);
             self.changed = false;
         }
@@ -143,15 +145,6 @@ impl Stage {
         terminals.map(|terminal| terminal - mean)
     }
 
-    /// Keeps the largest current.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn see_peak(&mut self) {
-        let [a, b, c] = self.electric.i.map(f64::abs);
-        let most = if a > b { a } else { b };
-        let most = if most > c { most } else { c };
-        self.peak = if most > self.peak { most } else { self.peak };
-    }
-
     /// Keeps rounding from adding up in what is followed in small steps; to be called now and then.
     pub(crate) fn straighten(&mut self) {
         self.rotation = Rotation::of(self.shaft.angle);
@@ -161,23 +154,47 @@ impl Stage {
     /// Terminal voltages now, V. A broken cable leaves the motor's side to the divider: it reads 0.
     pub(crate) fn terminals(&self) -> [f64; 3] {
         let (v, drop) = (self.electric.v, self.network.drop);
+        let mut terminals = [0, 1, 2].map(|x| {
+            let fall = self.network.switch * self.electric.i[x];
+            match self.legs[x] {
+                Leg::Idle => 0.0,
+                Leg::HighSwitch => v - fall,
+                Leg::LowSwitch => -fall,
+                Leg::HighDiode => v + drop - fall,
+                Leg::LowDiode => -drop - fall,
+            }
+        });
+        if self.legs.contains(&Leg::Idle) {
+            self.add_idle(&mut terminals);
+        }
+        terminals
+    }
+
+    #[inline(never)]
+    fn add_idle(&self, terminals: &mut [f64; 3]) {
+        let (v, drop) = (self.electric.v, self.network.drop);
+        let wiring = self.circuit.wiring;
+        if !self.changed && wiring.conducting == 2 && self.shape.is_sine() && self.course.elapsed == 0.0 {
+            let emf = self.shape.aside(wiring, &self.rotation) * self.shaft.speed;
+            let terminal = (wiring.high_share * v + self.circuit.drop_idle + emf).max(-drop).min(v + drop);
+            for x in 0..3 {
+                if self.legs[x] == Leg::Idle && !self.open[x] {
+                    terminals[x] = terminal;
+                }
+            }
+            return;
+        }
         let emf = self.legs_emf();
         let neutral = if self.changed {
             Circuit::new(&self.legs, drop).neutral(&emf, v, drop)
         } else {
             self.circuit.neutral(&emf, v, drop)
         };
-        [0, 1, 2].map(|x| {
-            let fall = self.network.switch * self.electric.i[x];
-            match self.legs[x] {
-                Leg::Idle if self.open[x] => 0.0,
-                Leg::Idle => (neutral + emf[x]).max(-drop).min(v + drop),
-                Leg::HighSwitch => v - fall,
-                Leg::LowSwitch => -fall,
-                Leg::HighDiode => v + drop - fall,
-                Leg::LowDiode => -drop - fall,
+        for x in 0..3 {
+            if self.legs[x] == Leg::Idle && !self.open[x] {
+                terminals[x] = (neutral + emf[x]).max(-drop).min(v + drop);
             }
-        })
+        }
     }
 
     /// Energy in capacitor, inductances and shaft, J.
@@ -227,6 +244,15 @@ impl Stage {
         }
     }
 
+    /// Turns the switch `gate` of `leg` on.
+    #[inline]
+    pub(crate) fn turn_on(&mut self, leg: usize, gate: Gate) {
+        if !self.open[leg] {
+            self.set_leg(leg, if gate == Gate::High { Leg::HighSwitch } else { Leg::LowSwitch });
+            self.held[leg] = false;
+        }
+    }
+
     /// True if the current of `leg` would certainly go on through the diode beside the switch `gate` for the next `h`
     /// seconds, whether that switch is on or off.
     pub(crate) fn stays(&self, leg: usize, gate: Gate, h: f64) -> bool {
@@ -241,30 +267,32 @@ impl Stage {
         }
         // All that may drive it towards zero: the largest line-to-line back-EMF, two drops, and the bus unless all that
         // conduct stay on the low side.
-        let emf = self.shape.line_peak() * self.shaft.speed.abs();
-        let all_low = gate == Gate::Low && self.legs.iter().all(|leg| leg.side() != 1);
-        let bus = if all_low { 0.0 } else { self.electric.v };
-        let against = bus + emf + 2.0 * drop;
-        i * (1.0 - rate * h) > against * per_l * h
+        let own = self.shape.line_peak() * self.shaft.speed.abs() + 2.0 * drop;
+        let left = i * (1.0 - rate * h) - own * per_l * h;
+        let bus = self.electric.v * per_l * h;
+        left > bus || (left > 0.0 && gate == Gate::Low && !self.legs.iter().any(|leg| leg.side() == 1))
     }
 
     /// What the drop of a diode in `leg`, beside the switch `gate`, does to the currents in a dead time of `h` seconds: it
     /// is much shorter than L / R, so that it acts as a whole.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn drop_of_dead_time(&mut self, leg: usize, gate: Gate, h: f64) {
-        let sign = if gate == Gate::High { 1.0 } else { -1.0 };
         self.refresh();
         let wiring = self.circuit.wiring;
         if wiring.conducting < 2 {
             return;
         }
-        let step = sign * self.network.drop * h * self.network.per_l;
-        let before = self.electric.i[leg];
+        let flux = if gate == Gate::High { self.network.drop * h } else { -self.network.drop * h };
+        let step = flux * self.network.per_l;
+        let i = &mut self.electric.i;
+        let before = i[leg];
+        // Of a unit step in one leg the mean is taken off all that conduct, because currents sum to zero.
         for x in 0..3 {
-            self.electric.i[x] -= step * wiring.mean[x];
+            i[x] -= step * wiring.mean[x];
         }
-        self.electric.i[leg] += step;
-        self.reduced = self.circuit.reduce(&self.electric);
-        self.ledger.diodes -= sign * self.network.drop * h * 0.5 * (before + self.electric.i[leg]);
+        i[leg] += step;
+        self.ledger.diodes -= flux * 0.5 * (before + i[leg]);
+        self.changed = true;
     }
 
     /// Breaks or mends cables.
