@@ -33,4 +33,5 @@ pub mod master;
 pub mod motor;
 pub mod node;
 pub mod recording;
+pub mod scope;
 pub mod units;

@@ -124,14 +124,14 @@ pub(super) const GENERAL: [Parameter; 78] = [
         .factory(1_000_000)
         .about("Gain of the scaling from volts to the transmitted pressure."),
     Parameter::new(number::SCOPE_CHANNELS, "Virtual Scop Channels Selection", Instrumentation, U32)
-        .range(0, u32::MAX as i64)
+        .range(1, (1 << 22) - 1)
         .factory(7)
-        .about("Signals that the scope records: one bit each."),
+        .about("Signals that the scope records: one bit each, 8 at most."),
     Parameter::new(number::SCOPE_SAMPLES, "Virtual Scop Samples Number", Instrumentation, U16)
         .unit("samples", 0)
         .range(1, 4096)
         .factory(256)
-        .about("Samples that the scope records of each signal."),
+        .about("Samples that the scope records of each signal, as far as its memory has room."),
     Parameter::new(number::SCOPE_PRESCALER, "Virtual Scop Sampling Prescaler", Instrumentation, U16)
         .range(1, 10000)
         .factory(1)

@@ -2,6 +2,7 @@
 
 mod calm;
 mod reports;
+mod signals;
 
 use super::coefficients::Coefficients;
 use super::commutation::Step;

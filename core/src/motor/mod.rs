@@ -43,6 +43,7 @@ pub mod pwm;
 
 pub mod coefficients;
 pub mod event;
+pub mod signal;
 pub mod front_end;
 
 pub use coefficients::{BuildError, Coefficients};

@@ -249,7 +249,7 @@ impl Drive {
     }
 
     /// What the stations have not seen of a calm is told to them.
-    pub(super) fn tell(&mut self) {
+    pub(crate) fn tell(&mut self) {
         let slept = self.calm.all.take();
         self.calm.others = self.calm.others.saturating_sub(slept);
         if slept > 0 {

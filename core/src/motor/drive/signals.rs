@@ -1,0 +1,70 @@
+//! What the scope sees of the drive.
+
+use super::Drive;
+use crate::motor::fault::FaultWord;
+use crate::motor::samples::Samples;
+use crate::motor::signal::{Signal, SpeedScale};
+
+impl Drive {
+    /// FAULT_WORD: what is present or latched.
+    pub fn faults(&self) -> FaultWord {
+        self.protection.word()
+    }
+
+    /// Samples of `signals` as of the last step, Q3.12 of their bases, into `words`. Estimators that sleep are to be woken before.
+    #[inline]
+    pub(crate) fn sample(
+        &self,
+        signals: &[Signal],
+        speed: SpeedScale,
+        samples: &Samples,
+        words: &mut [u16],
+    ) {
+        for (word, signal) in words.iter_mut().zip(signals) {
+            let sample = self.signal(*signal, speed, samples);
+            *word = sample.clamp(i16::MIN.into(), i16::MAX.into()) as u16;
+        }
+    }
+
+    /// One of them. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn.
+    #[inline]
+    fn signal(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i32 {
+        let terminal = |phase: usize| {
+            let code = samples.phase_voltage.get(phase).copied().unwrap_or(0);
+            self.coefficients.measurement.phase_voltage.convert(code) >> 8
+        };
+        match signal {
+            Signal::SetPoint => speed.apply(self.setpoint()),
+            Signal::SpeedSensorless => speed.apply(self.speed_sensorless()),
+            Signal::SpeedHall => speed.apply(self.rotor.hall_speed().to_bits()),
+            Signal::BusVoltage => self.measurement.bus_voltage() >> 8,
+            Signal::BusCurrent => self.measurement.bus_current() >> 5,
+            Signal::Power => {
+                let power =
+                    i64::from(self.measurement.bus_voltage()) * i64::from(self.measurement.bus_current());
+                (power >> 26) as i32
+            }
+            Signal::TerminalA => terminal(0),
+            Signal::TerminalB => terminal(1),
+            Signal::TerminalC => terminal(2),
+            Signal::Duty => i32::from(self.applied.duty.to_bits()) >> 3,
+            Signal::Angle => (self.angle() >> 20) as i32,
+            Signal::State => (self.machine.state() as i32) << 12,
+            Signal::Limiter => (self.limiter() as i32) << 11,
+            Signal::Step => (self.applied.step as i32) << 11,
+            Signal::Hall => i32::from(samples.hall) << 12,
+            Signal::Crossing => (self.sensorless.why().0 as i32) << 12,
+            Signal::CrossingMargin => i32::from(self.sensorless.why().1) >> 1,
+            Signal::LoopVoltage => self.control.speed_voltage() >> 8,
+            Signal::PhaseCurrent => self.control.phase_current() >> 5,
+            Signal::PeriodCurrent => {
+                self.measurement.bus_current_of(&self.coefficients.measurement, samples) >> 5
+            }
+            Signal::Fault => match self.protection.word().bits() {
+                0 => -1 << 10,
+                word => (word.trailing_zeros() as i32) << 10,
+            },
+            Signal::Inputs => i32::from(samples.lines.bits()) << 11,
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! What the scope is asked to record, and when.
+
+use crate::motor::signal::{Signal, SpeedScale};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Signals that are recorded at once, at most: what a tick has time for.
+pub const CHANNELS_MAX: usize = 8;
+
+/// A recording that is asked for. It does not follow later changes of the parameters.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Setup {
+    /// The signals of a sample, in the order of their bits (parameter 22).
+    pub signals: Vec<Signal, CHANNELS_MAX>,
+    /// Samples of each (parameter 23), as far as the memory has room.
+    pub samples: u16,
+    /// Ticks from one to the next (parameter 24); 0 counts as 1.
+    pub prescaler: u16,
+    /// Samples from before the trigger (parameter 26), fewer than all.
+    pub before: u16,
+    /// What the scope waits for.
+    pub trigger: Trigger,
+    /// Of the speeds.
+    pub speed: SpeedScale,
+}
+
+/// What begins the recording. A second trigger request does so, too, whatever is chosen here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Trigger {
+    /// Nothing else does.
+    #[default]
+    Forced,
+    /// The signal is above the level, or below it.
+    Level(Threshold),
+    /// It comes to be above the level, or below it.
+    Edge(Threshold),
+    /// The drive's state changes.
+    StateChange,
+    /// A bit of FAULT_WORD appears.
+    Fault,
+}
+
+/// A side of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Threshold {
+    /// What is compared.
+    pub signal: Signal,
+    /// Sample, Q3.12 of the signal's base.
+    pub level: i16,
+    /// Above it, else below.
+    pub above: bool,
+}
+
+impl Threshold {
+    /// `sample` is there. At the level it is on neither side.
+    pub(super) const fn holds(&self, sample: i16) -> bool {
+        if self.above { sample > self.level } else { sample < self.level }
+    }
+}
+
+impl Setup {
+    /// Estimators are asked in every sample.
+    pub(super) fn asks_estimators(&self) -> bool {
+        let watched = match self.trigger {
+            Trigger::Level(threshold) | Trigger::Edge(threshold) => Some(threshold.signal),
+            Trigger::Forced | Trigger::StateChange | Trigger::Fault => None,
+        };
+        self.signals.iter().copied().chain(watched).any(Signal::is_estimated)
+    }
+}
