@@ -13,13 +13,14 @@
 //!                                        |      v
 //!   CAN frames <---- bus ---->         node::Node             the background
 //!
+//!   storage     parameters and log on a flash, for the node
 //!   device      both of them, joined by their queues: what a shell links
 //!   master      the other end of the bus, for whatever commands a drive
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
-//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `device`, `master`,
-//! `recording`.
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `storage`, `node`, `device`,
+//! `master`, `recording`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
@@ -33,4 +34,5 @@ pub mod master;
 pub mod motor;
 pub mod node;
 pub mod recording;
+pub mod storage;
 pub mod units;

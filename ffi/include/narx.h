@@ -410,7 +410,7 @@
 #define NARX_PARAMETER_CROSSINGS 289
 
 // 64-bit words of a drive on any processor.
-#define NARX_DRIVE_WORDS 768
+#define NARX_DRIVE_WORDS 1024
 
 // Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 #define NARX_DRIVE_SIZE (NARX_DRIVE_WORDS * 8)

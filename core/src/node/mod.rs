@@ -5,6 +5,7 @@
 //!  frames ----- handle_frame --> +------+ --- poll_frame --> frames
 //!  Status ---- handle_status --> | Node | --- poll_event --> Event, to the control tick
 //!  slow inputs handle_inputs --> |      | -- poll_action --> what only the shell can do
+//!  flash ---- handle_storage --> |      | - poll_storage --> what the flash shall do
 //!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
 //! ```
 //!
@@ -13,10 +14,12 @@
 mod broadcast;
 mod commands;
 mod inputs;
+mod log;
 mod outbox;
 mod parameters;
 mod requests;
 mod scale;
+mod storage;
 
 pub use inputs::SlowInputs;
 
@@ -29,9 +32,11 @@ use crate::motor::fault::FaultWord;
 use crate::motor::front_end::Board;
 use broadcast::Autosend;
 use commands::Commands;
+use log::Log;
 use outbox::Outbox;
 use parameters::Edges;
 use serde::{Deserialize, Serialize};
+use storage::Flash;
 
 /// What the firmware and the board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -87,6 +92,8 @@ pub struct Node {
     outbox: Outbox,
     pending: Pending,
     counters: Counters,
+    flash: Flash,
+    log: Log,
     /// Parameter for which the present set does not build.
     rejected: Option<u16>,
 }
@@ -137,6 +144,8 @@ impl Node {
             outbox: Outbox::default(),
             pending: Pending { coefficients: true, ..Pending::default() },
             counters: Counters::default(),
+            flash: Flash::default(),
+            log: Log::default(),
             rejected: None,
         };
         node.put(number::HARDWARE_RELEASE, identity.hardware_release.into());
@@ -188,12 +197,15 @@ impl Node {
     /// Takes the condition of the parameter store and of the self-tests, at boot and when it changes.
     pub fn handle_health(&mut self, health: Health) {
         self.pending.health = Some(health);
+        self.flash.note_health(health);
         let mapped = !health.store_faults.contains(FaultWord::STORE_MISMATCH);
         self.put(number::MEMORY_MAPPING_FLAG, i32::from(mapped));
     }
 
-    /// Advances time to the control tick `now`: queues the broadcasts that are due.
+    /// Advances time to the control tick `now`: queues the broadcasts that are due, and samples what is logged.
     pub fn poll(&mut self, now: u64) {
+        self.flash.advance(now);
+        self.run_log(now);
         if self.autosend.is_due(now, &self.parameters, &self.board) {
             self.broadcast();
         }

@@ -2,7 +2,7 @@
 
 use super::Node;
 use crate::bus::Frame;
-use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ToDrive};
+use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
 use crate::dictionary::{Category, Parameters, number};
 use crate::motor::state::State;
 
@@ -50,6 +50,9 @@ impl Node {
             }
             ToDrive::SetParameter { number, value } => {
                 let status = self.write_parameter(number, value);
+                if status == ParameterStatus::Done && value == 1 && self.flash.answers_later(number) {
+                    return Ok(());
+                }
                 let value = self.read_parameter(number).unwrap_or(0);
                 self.send(FromDrive::Parameter { number, value, status });
             }
@@ -79,10 +82,10 @@ impl Node {
     }
 
     /// Factory values of everything but the board's own facts: device number and calibration (category 02, which
-    /// parameter 258 resets). Addresses follow at the next boot.
+    /// parameter 258 resets), in force and stored. Addresses follow at the next boot.
     fn restore_factory(&mut self, serial: u16) -> Result<(), Refused> {
         self.require_stopped()?;
-        if self.parameters.raw(number::DEVICE_NUMBER) != i32::from(serial) {
+        if self.parameters.raw(number::DEVICE_NUMBER) != i32::from(serial) || !self.can_store_factory() {
             return Err(Refused);
         }
         let mut restored = Parameters::new();
@@ -99,6 +102,8 @@ impl Node {
         }
         self.parameters = restored;
         self.after_change();
+        self.log.restart();
+        self.store_factory();
         Ok(())
     }
 

@@ -90,6 +90,7 @@ impl BackgroundSide for World {
         self.plant.finish_period(&command);
         self.uart.pump();
         let tick = self.plant.tick();
+        super::flash::set_now(tick);
         if tick.is_multiple_of(STACK_TICKS) {
             self.note_stack();
         }
@@ -111,6 +112,10 @@ impl BackgroundSide for World {
 
     fn is_ready_to_send(&self) -> bool {
         self.uart.room() >= LINE_MAX
+    }
+
+    fn is_ready_for_download(&self) -> bool {
+        self.uart.waiting() <= LINE_MAX
     }
 
     fn send(&mut self, frame: &Frame) {
