@@ -15,12 +15,13 @@
 //!
 //!   storage     parameters and log on a flash, for the node
 //!   device      both of them, joined by their queues: what a shell links
+//!   description the tables as an XML document, which the node serves
 //!   master      the other end of the bus, for whatever commands a drive
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
-//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `storage`, `node`, `device`,
-//! `master`, `recording`.
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `storage`, `description`, `node`,
+//! `device`, `master`, `recording`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
@@ -28,6 +29,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bus;
+pub mod description;
 pub mod device;
 pub mod dictionary;
 pub mod master;

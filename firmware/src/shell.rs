@@ -154,8 +154,8 @@ impl<'a, B: BackgroundSide> Background<'a, B> {
         {
             self.board.send(&frame);
         }
-        while self.board.is_ready_for_download()
-            && let Some(frame) = self.device.node().poll_download()
+        while self.board.is_ready_for_bulk()
+            && let Some(frame) = self.device.node().poll_bulk_frame()
         {
             self.board.send(&frame);
         }

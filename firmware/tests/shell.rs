@@ -1,7 +1,7 @@
 //! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
 
 use narx_core::bus::Frame;
-use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive};
+use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive, XmlCommand};
 use narx_core::device::Queues;
 use narx_core::dictionary::Parameters;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};
@@ -24,6 +24,8 @@ struct Paper {
     arriving: VecDeque<Frame>,
     sent: Vec<Frame>,
     bus_full: bool,
+    /// Frames in the controller: the bus takes one in a pass.
+    waiting: usize,
     inputs_read: u64,
     fed: u64,
     reboots: u64,
@@ -53,6 +55,7 @@ impl BackgroundSide for Side {
     fn wait(&mut self) {
         let mut paper = self.0.borrow_mut();
         paper.now += u64::from(!paper.clock_stopped);
+        paper.waiting = paper.waiting.saturating_sub(1);
     }
 
     fn receive(&mut self) -> Option<Frame> {
@@ -63,12 +66,14 @@ impl BackgroundSide for Side {
         !self.0.borrow().bus_full
     }
 
-    fn is_ready_for_download(&self) -> bool {
-        self.is_ready_to_send()
+    fn is_ready_for_bulk(&self) -> bool {
+        self.0.borrow().waiting < 2
     }
 
     fn send(&mut self, frame: &Frame) {
-        self.0.borrow_mut().sent.push(*frame);
+        let mut paper = self.0.borrow_mut();
+        paper.sent.push(*frame);
+        paper.waiting += 1;
     }
 
     fn slow_inputs(&mut self) -> SlowInputs {
@@ -180,6 +185,24 @@ fn the_flash_is_served_between_passes() {
             .any(|frame| matches!(FromDrive::decode(frame), Ok((_, message)) if message == stored))
     );
     assert_eq!(paper.fed, 7_000);
+}
+
+#[test]
+fn a_download_flows_as_fast_as_the_bus_and_fills_no_queue() {
+    let addresses = Node::new(Identity::default(), Board::BENCH).addresses();
+    let side = run(9_000, |tick, paper| {
+        if tick == 7_000 {
+            paper.sent.clear();
+            paper.arriving.push_back(ToDrive::DownloadXml(XmlCommand::Start).encode(addresses));
+        }
+        // Two of the download, and a status and a fault word.
+        assert!(paper.waiting <= 4, "{}", paper.waiting);
+        true
+    });
+    let paper = side.0.borrow();
+    let data = |frame: &&Frame| matches!(FromDrive::decode(frame), Ok((_, FromDrive::XmlData { .. })));
+    let downloaded = paper.sent.iter().filter(data).count();
+    assert!((1_980..=2_000).contains(&downloaded), "the bus takes one frame a pass: {downloaded}");
 }
 
 #[test]

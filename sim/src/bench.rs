@@ -35,6 +35,8 @@ const INPUTS_MS: u64 = 10;
 const PLACES: usize = 3;
 /// Frames that wait at each place on the bus.
 const QUEUE: usize = 64;
+/// Frames of a download in the drive's controller: one on the bus, and one to follow it without a gap.
+const BULK: usize = 2;
 
 /// What a bench is made of.
 #[derive(Clone, Debug)]
@@ -227,10 +229,10 @@ impl Bench {
             // Room was just seen.
             let _ = self.bus.send(self.device, frame, now_ns);
         }
-        // A download keeps one frame waiting behind the one on its way, and no more.
-        while self.bus.queued(self.device) < 2
-            && let Some(frame) = self.node.poll_download()
+        while self.bus.queued(self.device) < BULK
+            && let Some(frame) = self.node.poll_bulk_frame()
         {
+            // Room was just seen.
             let _ = self.bus.send(self.device, frame, now_ns);
         }
         self.serve_flash(now_ns);

@@ -1,8 +1,19 @@
 """The real firmware image, driven by an unmodified python-can through slcan."""
 
+import xml.etree.ElementTree as ElementTree
 import zlib
 
-from conftest import FAULT_WORD, MEASUREMENT_5, REBOOT, REBOOT_ACKNOWLEDGED, STATUS_WORD
+from conftest import (
+    BROADCAST_SECONDS,
+    FAULT_WORD,
+    MEASUREMENT_5,
+    REBOOT,
+    REBOOT_ACKNOWLEDGED,
+    STATUS_WORD,
+    XML_DOWNLOAD_ANSWER,
+    XML_DOWNLOAD_DATA,
+    XML_DOWNLOAD_REQUEST,
+)
 
 STANDBY_REQUEST, DRIVE_REQUEST = 0, 1
 INITIALIZATION, STANDBY, HALL_CLOSED_LOOP = 0, 1, 5
@@ -30,6 +41,27 @@ def test_the_motor_starts_reaches_its_speed_and_stops(master):
     master.run(0.1)
     assert master.seen[STATUS_WORD] == b"\x01\x41" + bytes(6), "Standby; the log is erased, idle, and may be erased"
     assert master.seen[FAULT_WORD] == bytes(8), "no fault"
+
+
+def test_the_drive_serves_its_description(master):
+    master.wait(1.0, lambda: STATUS_WORD in master.seen, "broadcast after power-up")
+    master.send(XML_DOWNLOAD_REQUEST, 0)
+    master.wait(0.2, lambda: XML_DOWNLOAD_ANSWER in master.seen, "length")
+    length = 2 * int.from_bytes(master.seen[XML_DOWNLOAD_ANSWER][0:2], "big")
+
+    master.send(XML_DOWNLOAD_REQUEST, 1)
+    start, text = master.broadcasts, bytearray()
+    while len(text) < length:
+        message = master.pump()
+        if message is not None and message.arbitration_id == XML_DOWNLOAD_DATA:
+            assert 2 * int.from_bytes(message.data[0:2], "big") == len(text)
+            text += message.data[2:8]
+        assert (master.broadcasts - start) * BROADCAST_SECONDS <= 4.0, f"{len(text)} of {length} bytes"
+    assert not any(text[length:])
+
+    description = ElementTree.fromstring(text[:length])
+    assert (description.get("hardware"), description.get("rate")) == ("2", "10000")
+    assert len(description.findall("parameters/parameter")) == 156
 
 
 def test_a_reboot_closes_no_channel(master):

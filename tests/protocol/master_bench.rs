@@ -211,9 +211,10 @@ fn services_of_the_drive() {
     rig.until(State::Standby);
     assert_eq!(rig.ask(Request::Read { number: number::SPEED_RATE }).result, Ok(777), "it was stored");
 
-    rig.master.download(Download::Description).unwrap();
-    rig.run(1.0);
-    assert_eq!(rig.master.poll_download(), Some(Err(DownloadError::NoAnswer)), "nor a description");
+    // There is no scope yet.
+    rig.master.download(Download::Scope { words: 3 }).unwrap();
+    rig.run(2.0);
+    assert_eq!(rig.master.poll_download(), Some(Err(DownloadError::NoAnswer)));
     assert_eq!(rig.bench.node().read_parameter(number::REFUSED_FRAMES), Some(3), "asked three times");
 }
 

@@ -74,7 +74,7 @@ impl Device {
             self.received.push(FromDrive::decode(&frame).unwrap().1);
         }
         for _ in 0..self.download_rate {
-            let frame = self.node.poll_download();
+            let frame = self.node.poll_bulk_frame();
             self.received.extend(frame.map(|frame| FromDrive::decode(&frame).unwrap().1));
         }
         self.now += 1;

@@ -355,9 +355,9 @@ fn a_download_waits_for_everything_else() {
     assert_eq!(device.command(number::LOG_READ_REQUEST), Some(Done));
     device.run(5);
     device.send(ToDrive::RequestBuildInfo);
-    assert_eq!(device.node.poll_download(), None, "an answer waits");
+    assert_eq!(device.node.poll_bulk_frame(), None, "an answer waits");
     assert!(device.node.poll_frame().is_some());
-    let frame = device.node.poll_download().expect("nothing else waits");
+    let frame = device.node.poll_bulk_frame().expect("nothing else waits");
     assert!(matches!(FromDrive::decode(&frame), Ok((_, FromDrive::LogData { counter: 0, .. }))));
 }
 
@@ -476,5 +476,5 @@ fn without_a_flash_nothing_has_changed() {
     let mut node =
         narx_core::node::Node::new(narx_core::node::Identity::default(), narx_core::motor::Board::BENCH);
     node.poll(0);
-    assert_eq!((node.poll_storage(), node.poll_download()), (None, None));
+    assert_eq!((node.poll_storage(), node.poll_bulk_frame()), (None, None));
 }

@@ -216,11 +216,8 @@ pub(super) struct LogStatus {
 }
 
 impl Node {
-    /// The next frame of a log download. Call it when nothing else waits for the bus: a download takes what is left.
-    pub fn poll_download(&mut self) -> Option<Frame> {
-        if !self.outbox.is_empty() {
-            return None;
-        }
+    /// The next frame of a download.
+    pub(super) fn next_of_log(&mut self) -> Option<Frame> {
         self.log.frame().map(|message| message.encode(self.addresses))
     }
 

@@ -9,10 +9,13 @@
 //!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
 //! ```
 //!
-//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left.
+//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left; `poll_bulk_frame`
+//! only as far as the bus has taken what it gave before.
 
 mod broadcast;
+mod bulk;
 mod commands;
+mod description;
 mod inputs;
 mod log;
 mod outbox;
@@ -21,6 +24,7 @@ mod requests;
 mod scale;
 mod storage;
 
+pub use crate::description::Identity;
 pub use inputs::SlowInputs;
 
 use crate::bus::Frame;
@@ -31,27 +35,14 @@ use crate::motor::event::{Event, Health, SlowMeasurements, Status};
 use crate::motor::fault::FaultWord;
 use crate::motor::front_end::Board;
 use broadcast::Autosend;
+use bulk::Turn;
 use commands::Commands;
+use description::Download;
 use log::Log;
 use outbox::Outbox;
 use parameters::Edges;
 use serde::{Deserialize, Serialize};
 use storage::Flash;
-
-/// What the firmware and the board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Identity {
-    /// Build number of the firmware.
-    pub build_number: u16,
-    /// Built from sources that were not committed.
-    pub source_modified: bool,
-    /// Date of the build, YYYYMMDD in decimal.
-    pub build_date: u32,
-    /// Release of the board.
-    pub hardware_release: u16,
-    /// Release of the firmware: major in the high byte, minor in the low byte.
-    pub software_release: u16,
-}
 
 /// What the shell does for the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +81,9 @@ pub struct Node {
     hall_supply_disabled: bool,
     autosend: Autosend,
     outbox: Outbox,
+    download: Download,
+    /// Whose turn it is to send a bulk frame.
+    turn: Turn,
     pending: Pending,
     counters: Counters,
     flash: Flash,
@@ -142,6 +136,8 @@ impl Node {
             hall_supply_disabled: false,
             autosend: Autosend::default(),
             outbox: Outbox::default(),
+            download: Download::default(),
+            turn: Turn::default(),
             pending: Pending { coefficients: true, ..Pending::default() },
             counters: Counters::default(),
             flash: Flash::default(),
@@ -209,6 +205,7 @@ impl Node {
         if self.autosend.is_due(now, &self.parameters, &self.board) {
             self.broadcast();
         }
+        self.measure_description();
     }
 
     /// The next frame to send, control and status before measurements.

@@ -76,7 +76,8 @@ impl Node {
             ToDrive::RestoreFactory { serial } => self.restore_factory(serial)?,
             ToDrive::DigitalOutputs(outputs) => self.set_digital(outputs)?,
             ToDrive::DisableHallSupply(disable) => self.disable_hall_supply(disable)?,
-            ToDrive::TriggerScope | ToDrive::DownloadScope | ToDrive::DownloadXml(_) => return Err(Refused),
+            ToDrive::DownloadXml(command) => self.serve_description(command),
+            ToDrive::TriggerScope | ToDrive::DownloadScope => return Err(Refused),
         }
         Ok(())
     }

@@ -80,6 +80,7 @@ mod image {
             pace: Pace::start(peripherals.SYST),
             watchdog: Watchdog::start(),
             stack: 0,
+            bus_free_at: 0,
         };
         storage.flash().start_clock();
         Background::new(device, world, &PROGRESS)
