@@ -410,7 +410,7 @@
 #define NARX_PARAMETER_CROSSINGS 289
 
 // 64-bit words of a drive on any processor.
-#define NARX_DRIVE_WORDS 768
+#define NARX_DRIVE_WORDS 1024
 
 // Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 #define NARX_DRIVE_SIZE (NARX_DRIVE_WORDS * 8)
@@ -818,6 +818,12 @@ narx_status_t narx_drive_run(struct narx_drive_t *drive,
 
 // The next frame to send, or NARX_NOTHING. Call it until there is nothing. Background half.
 narx_status_t narx_drive_poll_frame(struct narx_drive_t *drive, struct narx_frame_t *frame);
+
+// The next frame of a download that the master has asked for, or NARX_NOTHING; nothing while narx_drive_poll_frame has
+// frames. Call it when no more than one frame is in the controller, the one that is on the bus: more would delay what
+// the drive has to say next. A program that never calls it serves no downloads. Background half.
+narx_status_t narx_drive_poll_bulk_frame(struct narx_drive_t *drive,
+                                         struct narx_frame_t *frame);
 
 // Writes a parameter as the master does: number, access, range and state are checked, then it acts as PROTOCOL.md
 // says. `value` is the raw value: its unit and scale stand there, too; a 32-bit unsigned one is passed as its bits.

@@ -151,6 +151,30 @@ static void a_motor_starts_and_stops(void)
     CHECK(seen.errors == 0 && seen.last == NARX_STEP_COAST);
 }
 
+/* The description, asked for and read to its end. */
+static void a_description_is_downloaded(void)
+{
+    static narx_drive_t fresh;
+    static const char head[] = "<?xml ";
+    narx_frame_t frame = {0x0AAD5482u, 1, 0, 8, {0, 1}};
+    int frames = 0;
+    int in_order = 1;
+
+    CHECK(narx_drive_poll_bulk_frame(&fresh, &frame) == NARX_ERROR_UNINITIALISED);
+    CHECK(narx_drive_init(&fresh, sizeof fresh, NULL) == NARX_OK);
+    CHECK(narx_drive_poll_bulk_frame(&fresh, NULL) == NARX_ERROR_NULL);
+    CHECK(narx_drive_handle_frame(&fresh, &frame) == NARX_OK);
+    while (narx_drive_poll_bulk_frame(&fresh, &frame) == NARX_OK) {
+        in_order &= frame.id == 0x1552A883u && frame.data[0] * 256 + frame.data[1] == frames * 3;
+        if (frames == 0) {
+            CHECK(memcmp(frame.data + 2, head, 6) == 0);
+        }
+        frames++;
+    }
+    CHECK(in_order);
+    CHECK(frames > 5000 && frames < 65536 / 3);
+}
+
 static void storage_is_checked(void)
 {
     static narx_drive_t fresh;
@@ -301,6 +325,7 @@ static void every_status_has_words(void)
 int main(void)
 {
     a_motor_starts_and_stops();
+    a_description_is_downloaded();
     storage_is_checked();
     arguments_are_checked();
     boards_are_checked();

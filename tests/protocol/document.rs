@@ -1,7 +1,9 @@
 //! PROTOCOL.md: its tables are made from the code, and stay so. `UPDATE=1`, set by `cargo xtask generate`, rewrites them.
 
 use narx_core::bus::Id;
-use narx_core::bus::narmotion::{Addresses, MessageId, SIGNALS};
+use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, MessageId, NAMES, SIGNALS};
+use narx_core::description::LOG_RECORD;
+use narx_core::motor::signal::SIGNALS;
 use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Parameter};
 use narx_core::motor::fault::Cause;
 use std::fmt::Write;
@@ -10,13 +12,17 @@ use std::path::PathBuf;
 /// Name of a block and what makes it.
 type Block = (&'static str, fn() -> String);
 
-const BLOCKS: [Block; 6] = [
+const BLOCKS: [Block; 10] = [
     ("causes", causes),
     ("categories", categories),
     ("general", || parameters(0..78)),
     ("control", || parameters(78..122)),
     ("own", || parameters(256..u16::MAX)),
     ("signals", signals),
+    ("fields", fields),
+    ("names", names),
+    ("scope", scope),
+    ("record", record),
 ];
 
 fn causes() -> String {
@@ -43,6 +49,62 @@ fn signals() -> String {
         let step = Decimal { digits: 1, exponent: signal.exponent };
         let (name, unit) = (signal.name, signal.unit);
         writeln!(out, "| MEASUREMENT_{frame} | {words} | {name} | {kind} | {unit} | {step} |").unwrap();
+    }
+    out
+}
+
+fn fields() -> String {
+    let mut out = String::from(
+        "| message | type | word | bits | field | unit | values |\n|---|---|---|---|---|---|---|\n",
+    );
+    for message in MESSAGES.iter().filter(|message| !message.name.starts_with("MEASUREMENT")) {
+        for field in message.fields() {
+            let (word, high) = (field.first_bit / 16, 15 - field.first_bit % 16);
+            let (words, bits) = match field.bits {
+                32 => (format!("{word}-{}", word + 1), "all".into()),
+                16 => (word.to_string(), "all".into()),
+                1 => (word.to_string(), high.to_string()),
+                length => (word.to_string(), format!("{high}-{}", high + 1 - length)),
+            };
+            let values = match field.meaning {
+                Meaning::Number if field.signed => "int16",
+                Meaning::Number => "",
+                Meaning::Named(names) => names.of,
+                Meaning::Faults => "section 4",
+                Meaning::ParameterNumber | Meaning::ParameterValue => "section 5",
+            };
+            let (kind, name, unit) = (message.kind as u8, field.name, field.unit);
+            writeln!(out, "| {} | {kind} | {words} | {bits} | {name} | {unit} | {values} |", message.name)
+                .unwrap();
+        }
+    }
+    out
+}
+
+fn names() -> String {
+    let mut out = String::from("| values | |\n|---|---|\n");
+    for names in NAMES {
+        let values: Vec<String> =
+            names.values.iter().map(|(value, name)| format!("{value} {name}")).collect();
+        writeln!(out, "| {} | {} |", names.of, values.join(", ")).unwrap();
+    }
+    out
+}
+
+fn scope() -> String {
+    let mut out = String::from("| bit | signal | base | unit |\n|---|---|---|---|\n");
+    for (bit, signal) in SIGNALS.iter().enumerate() {
+        writeln!(out, "| {bit} | {} | {} | {} |", signal.name, signal.base, signal.unit).unwrap();
+    }
+    out
+}
+
+fn record() -> String {
+    let mut out = String::from("| part | type | parameters |\n|---|---|---|\n");
+    for entry in &LOG_RECORD {
+        let (first, last) = entry.parameters;
+        let parameters = if first == last { first.to_string() } else { format!("{first} to {last}") };
+        writeln!(out, "| {} | {} | {parameters} |", entry.name, entry.kind.label()).unwrap();
     }
     out
 }
@@ -134,7 +196,7 @@ fn generated_tables_are_up_to_date() {
 #[test]
 fn identifiers_in_the_message_table_agree_with_the_code() {
     let (_, text) = document();
-    let mut found = 0;
+    let mut found = Vec::new();
     for line in text.lines() {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
         let [_, opcode, _, kind, identifier, direction, ..] = cells[..] else { continue };
@@ -153,7 +215,10 @@ fn identifiers_in_the_message_table_agree_with_the_code() {
             _ => Addresses::FACTORY.to_drive(id.kind, id.opcode),
         };
         assert_eq!(id, composed, "{line}");
-        found += 1;
+        found.push((cells[2].to_owned(), id));
     }
-    assert_eq!(found, 33, "the 32 identifiers of Figure 14 and the request of REBOOT");
+    let table: Vec<_> =
+        MESSAGES.iter().map(|row| (row.name.to_owned(), row.id(Addresses::FACTORY))).collect();
+    assert_eq!(found.len(), 33, "the 32 identifiers of Figure 14 and the request of REBOOT");
+    assert!(table.iter().all(|row| found.contains(row)) && table.len() == found.len());
 }

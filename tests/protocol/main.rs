@@ -2,6 +2,7 @@
 
 mod bench;
 mod broadcast;
+mod description;
 mod device;
 mod device_halves;
 mod dictionary;
@@ -13,6 +14,7 @@ mod master_downloads;
 mod master_link;
 mod master_report;
 mod master_requests;
+mod messages;
 mod node;
 mod pair;
 mod parameters;

@@ -1,8 +1,9 @@
 //! The virtual scope as the bus sees it: LOG VIRTUAL SCOPE, parameters 22 to 26, 260 and 290 to 292.
 
 use super::Node;
-use crate::bus::narmotion::FromDrive;
+use super::requests::Refused;
 use crate::bus::Frame;
+use crate::bus::narmotion::FromDrive;
 use crate::dictionary::{Parameters, number};
 use crate::motor::signal::{Signal, SpeedScale};
 use crate::scope::{Block, CHANNELS_MAX, Report, Request, Setup, State, Threshold, Trigger};
@@ -25,9 +26,6 @@ pub(super) struct ScopeLink {
     blocks: Deque<Block, BLOCKS>,
 }
 
-/// The request cannot be obeyed now.
-pub(super) struct NotNow;
-
 impl ScopeLink {
     /// What the scope does.
     pub(super) const fn state(&self) -> State {
@@ -35,23 +33,23 @@ impl ScopeLink {
     }
 
     /// The first request arms, the next one forces the trigger.
-    pub(super) fn trigger(&mut self, parameters: &Parameters) -> Result<(), NotNow> {
+    pub(super) fn trigger(&mut self, parameters: &Parameters) -> Result<(), Refused> {
         match self.state {
             State::Armed if self.request.is_none() => self.request = Some(Request::Force),
             State::Idle | State::Done => {
-                self.request = Some(Request::Arm(setup(parameters).ok_or(NotNow)?));
+                self.request = Some(Request::Arm(setup(parameters).ok_or(Refused)?));
                 self.stop_download();
                 (self.state, self.arms) = (State::Armed, true);
             }
-            State::Armed | State::Recording => return Err(NotNow),
+            State::Armed | State::Recording => return Err(Refused),
         }
         Ok(())
     }
 
     /// The record from its first word, whatever was sent of it before.
-    pub(super) fn download(&mut self) -> Result<(), NotNow> {
+    pub(super) fn download(&mut self) -> Result<(), Refused> {
         if self.state != State::Done {
-            return Err(NotNow);
+            return Err(Refused);
         }
         self.blocks.clear();
         (self.expected, self.request) = (Some(0), Some(Request::Read));

@@ -67,7 +67,7 @@ pub enum State {
 }
 
 /// The scope: memory of its shell's choice, and what it does with it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Scope<M> {
     memory: M,
     setup: Setup,
@@ -101,11 +101,22 @@ struct Before {
 
 impl<M: AsRef<[u16]> + AsMut<[u16]>> Scope<M> {
     /// An idle scope. Without room for one sample it stays so.
-    pub fn new(memory: M) -> Self
-    where
-        M: Default,
-    {
-        Self { memory, ..Self::default() }
+    pub fn new(memory: M) -> Self {
+        Self {
+            memory,
+            setup: Setup::default(),
+            state: State::Idle,
+            changed: false,
+            wakes: false,
+            wide: 0,
+            length: 0,
+            next: 0,
+            wait: 0,
+            left: 0,
+            fired: false,
+            before: Before::default(),
+            read: None,
+        }
     }
 
     /// What it does.
@@ -208,7 +219,13 @@ impl<M: AsRef<[u16]> + AsMut<[u16]>> Scope<M> {
         }
     }
 
-    /// What there is to tell, at most one thing a tick. Ask only if it can be taken: a block is not kept.
+    /// There is something to tell.
+    #[inline]
+    pub const fn has_report(&self) -> bool {
+        self.changed || self.read.is_some()
+    }
+
+    /// What there is to tell, at most one thing a tick. Ask only if it can be taken: it is told once.
     #[inline]
     pub fn poll(&mut self) -> Option<Report> {
         if core::mem::take(&mut self.changed) {
