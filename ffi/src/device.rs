@@ -72,6 +72,27 @@ pub unsafe extern "C" fn narx_drive_init(
     pointer::status(unsafe { init(drive, size, board) })
 }
 
+/// Gives the drive's virtual scope its memory: `words` samples of 16 bits (4096 are as many as parameter 23 can ask for), the caller's own
+/// for as long as the drive lives. Without it the scope cannot be armed. Call it after narx_drive_init and before the first narx_drive_step;
+/// narx_drive_init takes it away again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_drive_attach_scope(
+    drive: *mut narx_drive_t,
+    memory: *mut u16,
+    words: usize,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h, and the memory is the caller's promise.
+    let run = || unsafe {
+        pointer::check(memory)?;
+        if words > usize::from(u16::MAX) {
+            return Err(NARX_ERROR_SIZE);
+        }
+        tick(drive)?.attach_scope(core::slice::from_raw_parts_mut(memory, words));
+        Ok(())
+    };
+    pointer::status(run())
+}
+
 /// One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
 /// interrupt, once a PWM period; it may interrupt every other call for the same drive but narx_drive_init and itself.
 ///

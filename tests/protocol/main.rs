@@ -18,4 +18,5 @@ mod messages;
 mod node;
 mod pair;
 mod parameters;
+mod scope;
 mod wire;

@@ -12,6 +12,7 @@ mod image {
     use cortex_m_semihosting::hprintln;
     use heapless::spsc::Queue;
     use narx_core::device::Queues;
+    use narx_core::scope;
     use narx_core::motor::{Board, PwmCommand, Samples};
     use narx_core::node::Identity;
     use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
@@ -42,6 +43,7 @@ mod image {
         static mut INCOMING_BYTES: Queue<u8, INCOMING> = Queue::new();
         static mut ARGUMENTS: [u8; ARGUMENTS_MAX] = [0; ARGUMENTS_MAX];
         static mut MAILBOX: Mailbox = Mailbox::new();
+        static mut SCOPE: [u16; scope::WORDS] = [0; scope::WORDS];
 
         let Some((preset, supply)) = choose(semihosting::arguments(ARGUMENTS)) else {
             semihosting::exit(false)
@@ -63,7 +65,8 @@ mod image {
         let Some(chip) = Chip::take() else { semihosting::exit(false) };
         let mut storage = Storage::new(chip);
         let Some(opened) = open(&mut storage, &commissioning) else { semihosting::exit(false) };
-        let (tick, device) = QUEUES.power_up(IDENTITY, Board::BENCH, opened.parameters.clone());
+        let (mut tick, device) = QUEUES.power_up(IDENTITY, Board::BENCH, opened.parameters.clone());
+        tick.attach_scope(SCOPE);
         let (samples, samples_out) = SAMPLES.split();
         let (commands_in, commands) = COMMANDS.split();
         let (uart, receiver) = uart::open(INCOMING_BYTES);
