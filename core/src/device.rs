@@ -93,7 +93,7 @@ impl<'q> ControlTick<'q> {
         if let Some(request) = self.requests.dequeue() {
             self.scope.handle(request);
         }
-        self.scope.step(&mut self.drive, samples);
+        self.scope.step(&self.drive, samples);
         if self.scope.has_report()
             && self.reports.ready()
             && let Some(report) = self.scope.poll()

@@ -198,7 +198,7 @@ impl Bench {
             self.drive.handle_event(event.clone());
         }
         let command = self.drive.step(&samples);
-        self.scope.step(&mut self.drive, &samples);
+        self.scope.step(&self.drive, &samples);
         let status = self.drive.poll_status();
         self.plant.finish_period(&command);
         if let Some(recorder) = &mut self.recorder

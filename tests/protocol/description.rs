@@ -5,7 +5,7 @@ use narx_core::bus::narmotion::{
     Addresses, FromDrive, MESSAGES, MotorMode, NAMES, RequestWord, ToDrive, XmlCommand,
 };
 use narx_core::description::{Cursor, Document, LOG_RECORD};
-use narx_core::motor::signal::SIGNALS;
+use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::fault::Cause;
 use narx_core::motor::state::State;
@@ -79,7 +79,7 @@ fn no_text_of_a_table_has_markup() {
     }
     texts.extend(State::ALL.map(State::name));
     texts.extend(Cause::TABLE.iter().map(|row| row.meaning));
-    texts.extend(SIGNALS.iter().flat_map(|signal| [signal.name, signal.unit]));
+    texts.extend(DRIVE_SIGNALS.iter().flat_map(|signal| [signal.name, signal.unit]));
     texts.extend(LOG_RECORD.iter().map(|entry| entry.name));
     for text in texts {
         assert!(!text.contains(['&', '<', '>', '"']) && !text.chars().any(char::is_control), "{text}");

@@ -3,7 +3,7 @@
 use narx_core::bus::Id;
 use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, MessageId, NAMES, SIGNALS};
 use narx_core::description::LOG_RECORD;
-use narx_core::motor::signal::SIGNALS;
+use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Parameter};
 use narx_core::motor::fault::Cause;
 use std::fmt::Write;
@@ -93,7 +93,7 @@ fn names() -> String {
 
 fn scope() -> String {
     let mut out = String::from("| bit | signal | base | unit |\n|---|---|---|---|\n");
-    for (bit, signal) in SIGNALS.iter().enumerate() {
+    for (bit, signal) in DRIVE_SIGNALS.iter().enumerate() {
         writeln!(out, "| {bit} | {} | {} | {} |", signal.name, signal.base, signal.unit).unwrap();
     }
     out

@@ -3,7 +3,7 @@
 //! Texts of the tables go into it as they stand: none has a character of markup (`tests/protocol/description.rs`).
 
 use super::{Document, FORMAT, LOG_RECORD, LogEntry};
-use crate::motor::signal::{SIGNALS, SignalRow};
+use crate::motor::signal::{DRIVE_SIGNALS, SignalRow};
 use crate::bus::narmotion::{Field, MESSAGES, Meaning, MessageKind, NAMES, Names};
 use crate::dictionary::{Access, Category, Decimal, Dictionary, Effect, PARAMETER_COUNT, Parameter};
 use crate::motor::fault::{Cause, FaultWord};
@@ -35,8 +35,8 @@ const SECTIONS: [Section; 9] = [
     }),
     section("faults", FaultWord::FLAGS.len(), fault),
     section("causes", Cause::TABLE.len(), cause),
-    section("scope", SIGNALS.len(), |_, row, out| {
-        SIGNALS.get(row).map_or(Ok(()), |signal| scope_signal(row, signal, out))
+    section("scope", DRIVE_SIGNALS.len(), |_, row, out| {
+        DRIVE_SIGNALS.get(row).map_or(Ok(()), |signal| scope_signal(row, signal, out))
     }),
     section("log", LOG_RECORD.len(), |_, row, out| {
         LOG_RECORD.get(row).map_or(Ok(()), |row| log_entry(row, out))

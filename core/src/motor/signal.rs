@@ -67,7 +67,7 @@ pub struct SignalRow {
 }
 
 /// Every signal in the order of its bit. Speeds are mechanical, and negative in reverse.
-pub const SIGNALS: [SignalRow; 22] = [
+pub const DRIVE_SIGNALS: [SignalRow; 22] = [
     row(Signal::SetPoint, "Speed set-point", "rpm", SPEED_BASE),
     row(Signal::SpeedSensorless, "Mechanical estimated speed SL", "rpm", SPEED_BASE),
     row(Signal::SpeedHall, "Mechanical estimated speed HES", "rpm", SPEED_BASE),
@@ -102,15 +102,7 @@ const fn row(signal: Signal, name: &'static str, unit: &'static str, base: i64) 
 impl Signal {
     /// The signal of a bit of parameter 22.
     pub fn of_bit(bit: u8) -> Option<Self> {
-        SIGNALS.get(usize::from(bit)).map(|row| row.signal)
-    }
-
-    /// The estimators say it, and in a calm tick they sleep.
-    pub const fn is_estimated(self) -> bool {
-        matches!(
-            self,
-            Self::SpeedSensorless | Self::SpeedHall | Self::Angle | Self::Crossing | Self::CrossingMargin
-        )
+        DRIVE_SIGNALS.get(usize::from(bit)).map(|row| row.signal)
     }
 }
 

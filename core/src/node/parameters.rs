@@ -48,8 +48,7 @@ impl Node {
         }
         Some(match number {
             number::SCOPE_SAMPLING_TIME => {
-                let prescaler = i64::from(self.parameters.raw(number::SCOPE_PRESCALER));
-                (prescaler * 1_000_000 / i64::from(self.board.tick_rate.max(1))) as i32
+                super::scope::sampling_time(&self.parameters, self.board.tick_rate)
             }
             number::SCOPE_STATE => self.scope.state() as i32,
             number::DRIVE_STATE => status.state as i32,

@@ -6,7 +6,7 @@ use crate::bus::Frame;
 use crate::bus::narmotion::FromDrive;
 use crate::dictionary::{Parameters, number};
 use crate::motor::signal::{Signal, SpeedScale};
-use crate::scope::{Block, CHANNELS_MAX, Report, Request, Setup, State, Threshold, Trigger};
+use crate::scope::{Block, Report, Request, Setup, State, Threshold, Trigger, period};
 use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
@@ -113,9 +113,16 @@ impl Node {
     }
 }
 
-/// What the parameters ask for; `None` if that is nothing, or more signals than fit a tick.
+/// Time from one sample to the next (parameter 25), us.
+pub(super) fn sampling_time(parameters: &Parameters, tick_rate: u32) -> i32 {
+    let signals = parameters.raw(number::SCOPE_CHANNELS).count_ones() as usize;
+    let ticks = period(signals, parameters.raw(number::SCOPE_PRESCALER) as u16);
+    (i64::from(ticks) * 1_000_000 / i64::from(tick_rate.max(1))) as i32
+}
+
+/// What the parameters ask for; `None` if a signal is not known.
 fn setup(parameters: &Parameters) -> Option<Setup> {
-    let mut signals = Vec::<Signal, CHANNELS_MAX>::new();
+    let mut signals = Vec::new();
     let channels = parameters.raw(number::SCOPE_CHANNELS) as u32;
     for bit in (0..32).filter(|bit| channels >> bit & 1 == 1) {
         signals.push(Signal::of_bit(bit)?).ok()?;

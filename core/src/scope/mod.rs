@@ -13,7 +13,7 @@
 
 mod setup;
 
-pub use setup::{CHANNELS_MAX, Setup, Threshold, Trigger};
+pub use setup::{SIGNALS_A_TICK, Setup, Threshold, Trigger, period};
 use crate::motor::{self, Drive, Samples};
 use serde::{Deserialize, Serialize};
 
@@ -74,13 +74,13 @@ pub struct Scope<M> {
     state: State,
     /// The state has not been told yet.
     changed: bool,
-    /// Some signal needs the estimators awake.
-    wakes: bool,
     /// Words of a sample, of the record, and where the next sample goes.
     wide: usize,
     length: usize,
     next: usize,
-    /// Ticks to the next sample.
+    /// Signals of the next sample that have been read.
+    scanned: usize,
+    /// Ticks to the sample after it.
     wait: u16,
     /// Samples that are to come: before the trigger counts, or until the record is full.
     left: u16,
@@ -107,10 +107,10 @@ impl<M: AsRef<[u16]> + AsMut<[u16]>> Scope<M> {
             setup: Setup::default(),
             state: State::Idle,
             changed: false,
-            wakes: false,
             wide: 0,
             length: 0,
             next: 0,
+            scanned: 0,
             wait: 0,
             left: 0,
             fired: false,
@@ -145,8 +145,8 @@ impl<M: AsRef<[u16]> + AsMut<[u16]>> Scope<M> {
         }
         (self.wide, self.length, self.next) = (wide, wide * samples, 0);
         self.left = (samples - 1).min(setup.before.into()) as u16;
-        (self.wait, self.wakes) = (0, setup.asks_estimators());
-        self.setup = Setup { before: self.left, ..setup };
+        (self.wait, self.scanned) = (0, wide);
+        self.setup = Setup { before: self.left, prescaler: setup.period(), ..setup };
         // A level that holds already is no edge; what the drive does now is no change.
         self.before = Before { holds: true, state: motor::State::Initialization, faults: u32::MAX };
         self.state = State::Armed;
@@ -154,29 +154,40 @@ impl<M: AsRef<[u16]> + AsMut<[u16]>> Scope<M> {
 
     /// One control tick, after the drive's.
     #[inline]
-    pub fn step(&mut self, drive: &mut Drive, samples: &Samples) {
+    pub fn step(&mut self, drive: &Drive, samples: &Samples) {
         if matches!(self.state, State::Armed | State::Recording) {
             self.record(drive, samples);
         }
     }
 
     #[inline(never)]
-    fn record(&mut self, drive: &mut Drive, samples: &Samples) {
-        if self.wakes {
-            drive.tell();
-        }
+    fn record(&mut self, drive: &Drive, samples: &Samples) {
         if self.state == State::Armed {
             self.watch(drive, samples);
         }
-        if self.wait > 0 {
-            self.wait -= 1;
+        if self.wait == 0 {
+            (self.wait, self.scanned) = (self.setup.prescaler, 0);
+        }
+        self.wait -= 1;
+        if self.scanned == self.wide {
             return;
         }
-        self.wait = self.setup.prescaler.max(1) - 1;
-        let end = self.next + self.wide;
-        if let Some(sample) = self.memory.as_mut().get_mut(self.next..end) {
-            drive.sample(&self.setup.signals, self.setup.speed, samples, sample);
+        let begin = self.next + self.scanned;
+        self.scanned = (self.scanned + SIGNALS_A_TICK).min(self.wide);
+        let end = self.next + self.scanned;
+        if let Some(words) = self.memory.as_mut().get_mut(begin..end)
+            && let Some(signals) = self.setup.signals.get(begin - self.next..)
+        {
+            drive.sample(signals, self.setup.speed, samples, words);
         }
+        if self.scanned == self.wide {
+            self.complete(end);
+        }
+    }
+
+    /// A sample is complete.
+    #[inline]
+    fn complete(&mut self, end: usize) {
         self.next = if end >= self.length { 0 } else { end };
         self.left = self.left.saturating_sub(1);
         if self.state == State::Recording && self.left == 0 {
@@ -191,10 +202,8 @@ impl<M: AsRef<[u16]> + AsMut<[u16]>> Scope<M> {
         match self.setup.trigger {
             Trigger::Forced => {}
             Trigger::Level(threshold) | Trigger::Edge(threshold) => {
-                let mut sample = [0];
-                drive.sample(&[threshold.signal], self.setup.speed, samples, &mut sample);
-                let [sample] = sample;
-                self.before.holds = threshold.holds(sample as i16);
+                let sample = drive.sample_of(threshold.signal, self.setup.speed, samples);
+                self.before.holds = threshold.holds(sample);
                 let edge = matches!(self.setup.trigger, Trigger::Edge(_));
                 self.fired |= enough && self.before.holds && !(edge && before.holds);
             }
@@ -213,7 +222,7 @@ impl<M: AsRef<[u16]> + AsMut<[u16]>> Scope<M> {
         if self.fired && enough {
             let samples = self.length.checked_div(self.wide).unwrap_or(0) as u16;
             self.left = samples.saturating_sub(self.setup.before);
-            // The trigger's own tick is the first one after it.
+            // The trigger's own tick is the first one after it; a sample that was being read is dropped.
             self.wait = 0;
             (self.state, self.changed) = (State::Recording, true);
         }

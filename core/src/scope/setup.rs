@@ -1,20 +1,20 @@
 //! What the scope is asked to record, and when.
 
-use crate::motor::signal::{Signal, SpeedScale};
+use crate::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Signals that are recorded at once, at most: what a tick has time for.
-pub const CHANNELS_MAX: usize = 8;
+/// Signals that are read in one tick. More share as many further ticks: a tick's time is the control's.
+pub const SIGNALS_A_TICK: usize = 4;
 
 /// A recording that is asked for. It does not follow later changes of the parameters.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Setup {
     /// The signals of a sample, in the order of their bits (parameter 22).
-    pub signals: Vec<Signal, CHANNELS_MAX>,
+    pub signals: Vec<Signal, { DRIVE_SIGNALS.len() }>,
     /// Samples of each (parameter 23), as far as the memory has room.
     pub samples: u16,
-    /// Ticks from one to the next (parameter 24); 0 counts as 1.
+    /// Ticks from one to the next (parameter 24), at least as many as reading it takes: [`period`](Self::period).
     pub prescaler: u16,
     /// Samples from before the trigger (parameter 26), fewer than all.
     pub before: u16,
@@ -59,12 +59,13 @@ impl Threshold {
 }
 
 impl Setup {
-    /// Estimators are asked in every sample.
-    pub(super) fn asks_estimators(&self) -> bool {
-        let watched = match self.trigger {
-            Trigger::Level(threshold) | Trigger::Edge(threshold) => Some(threshold.signal),
-            Trigger::Forced | Trigger::StateChange | Trigger::Fault => None,
-        };
-        self.signals.iter().copied().chain(watched).any(Signal::is_estimated)
+    /// Ticks from one sample to the next.
+    pub fn period(&self) -> u16 {
+        period(self.signals.len(), self.prescaler)
     }
+}
+
+/// Ticks from one sample of so many signals to the next.
+pub fn period(signals: usize, prescaler: u16) -> u16 {
+    (signals.div_ceil(SIGNALS_A_TICK) as u16).max(prescaler).max(1)
 }

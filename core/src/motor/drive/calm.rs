@@ -58,6 +58,12 @@ impl Calm {
         self.others = 0;
     }
 
+    /// Ticks that the stations have not been told of.
+    #[inline]
+    pub(super) const fn slept(&self) -> u32 {
+        self.all.granted.wrapping_sub(self.all.left)
+    }
+
     /// Nothing but a commutation is due.
     #[inline]
     pub(super) const fn commutates(&self) -> bool {
@@ -202,7 +208,7 @@ impl Drive {
 
     /// Where the rotor is by the running mode: angle and speed, u32 turn and 2^-32 turn a tick.
     #[inline]
-    fn place(&self) -> (u32, i32) {
+    pub(super) fn place(&self) -> (u32, i32) {
         if self.listens {
             let rotor = self.sensorless.rotor();
             (rotor.angle(), rotor.speed())
@@ -249,7 +255,7 @@ impl Drive {
     }
 
     /// What the stations have not seen of a calm is told to them.
-    pub(crate) fn tell(&mut self) {
+    pub(super) fn tell(&mut self) {
         let slept = self.calm.all.take();
         self.calm.others = self.calm.others.saturating_sub(slept);
         if slept > 0 {

@@ -1,7 +1,7 @@
 //! What the tick reports, and when.
 
 use super::Drive;
-use crate::motor::commutation::Step;
+use crate::motor::commutation::{Direction, Step};
 use crate::motor::event::{Limiter, Status};
 use crate::motor::samples::Samples;
 use crate::motor::state::State;
@@ -71,7 +71,10 @@ impl Drive {
             _ => false,
         };
         let setpoint = if closed { self.control.setpoint() } else { 0 };
-        setpoint.saturating_mul(self.machine.direction().sign())
+        match self.machine.direction() {
+            Direction::Forward => setpoint,
+            Direction::Reverse => setpoint.saturating_neg(),
+        }
     }
 
     /// Speed by back-EMF, signed, raw I16F16 electrical rev/s; 0 if nobody listens.

@@ -11,7 +11,7 @@ impl Drive {
         self.protection.word()
     }
 
-    /// Samples of `signals` as of the last step, Q3.12 of their bases, into `words`. Estimators that sleep are to be woken before.
+    /// Samples of as many `signals` as `words` has room for, as of the last step, Q3.12 of their bases.
     #[inline]
     pub(crate) fn sample(
         &self,
@@ -21,13 +21,20 @@ impl Drive {
         words: &mut [u16],
     ) {
         for (word, signal) in words.iter_mut().zip(signals) {
-            let sample = self.signal(*signal, speed, samples);
-            *word = sample.clamp(i16::MIN.into(), i16::MAX.into()) as u16;
+            // Or the compiler would compute every signal there is before the loop.
+            let (drive, samples) = core::hint::black_box((self, samples));
+            *word = drive.sample_of(*signal, speed, samples) as u16;
         }
     }
 
+    /// Sample of one signal.
+    #[inline(always)]
+    pub(crate) fn sample_of(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i16 {
+        self.signal(signal, speed, samples).clamp(i16::MIN.into(), i16::MAX.into()) as i16
+    }
+
     /// One of them. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn.
-    #[inline]
+    #[inline(always)]
     fn signal(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i32 {
         let terminal = |phase: usize| {
             let code = samples.phase_voltage.get(phase).copied().unwrap_or(0);
@@ -48,7 +55,7 @@ impl Drive {
             Signal::TerminalB => terminal(1),
             Signal::TerminalC => terminal(2),
             Signal::Duty => i32::from(self.applied.duty.to_bits()) >> 3,
-            Signal::Angle => (self.angle() >> 20) as i32,
+            Signal::Angle => (self.angle_now() >> 20) as i32,
             Signal::State => (self.machine.state() as i32) << 12,
             Signal::Limiter => (self.limiter() as i32) << 11,
             Signal::Step => (self.applied.step as i32) << 11,
@@ -66,5 +73,12 @@ impl Drive {
             },
             Signal::Inputs => i32::from(samples.lines.bits()) << 11,
         }
+    }
+
+    /// Electrical angle that the commutation uses, u32 turn: an estimator that sleeps would have turned it on.
+    #[inline]
+    fn angle_now(&self) -> u32 {
+        let (angle, speed) = self.place();
+        angle.wrapping_add((speed as u32).wrapping_mul(self.calm.slept()))
     }
 }
