@@ -146,15 +146,6 @@ fn reboot_is_acknowledged_before_it_happens() {
 }
 
 #[test]
-fn what_is_not_there_yet_is_refused_and_counted() {
-    let mut bench = Bench::new();
-    for request in [ToDrive::TriggerScope, ToDrive::DownloadScope] {
-        bench.send(request);
-    }
-    assert_eq!((bench.refused(), bench.messages()), (2, vec![]));
-}
-
-#[test]
 fn frames_that_are_not_obeyed_change_nothing_but_a_counter() {
     let id = Id::extended(0x0AAD_5202).unwrap();
     let parameter = 0x0072_0000_0064_0000;
