@@ -29,6 +29,15 @@ use narx_core::units::{ElectricalAngle, ElectricalSpeed};
 
 /// Bit rate of the drive's bus (Table 2).
 pub const BITRATE: u32 = 500_000;
+/// What the simulated board says of itself.
+pub const IDENTITY: Identity = Identity {
+    build_number: 1,
+    source_modified: false,
+    build_date: 20_261_120,
+    hardware_release: 1,
+    software_release: 0x0001,
+};
+
 /// The board reads its slow inputs this often, ms.
 const INPUTS_MS: u64 = 10;
 
@@ -128,7 +137,7 @@ impl Bench {
         let mut bus = Bus::new(BITRATE);
         let [device, host, monitor] = bus.attach_all();
         bus.set_attachment(monitor, Attachment::ListenOnly);
-        let node = Node::with_parameters(identity(), board, config.parameters.clone());
+        let node = Node::with_parameters(IDENTITY, board, config.parameters.clone());
         let mut bench = Self {
             plant: Plant::new(&config.plant),
             drive: Drive::new(Coefficients::default()),
@@ -164,7 +173,7 @@ impl Bench {
         let Opened { parameters, .. } = opened.clone();
         // A set that does not build leaves the drive with none: the node says so, and it refuses to start.
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
-        self.node = Node::with_parameters(identity(), board, parameters);
+        self.node = Node::with_parameters(IDENTITY, board, parameters);
         self.node.attach_storage(&opened);
         self.scope = Scope::new(alloc::vec![0; scope::WORDS]);
         self.event = self.node.poll_event();
@@ -437,16 +446,5 @@ impl Bench {
             seen.winding_temperature,
             seen.peak_current,
         ]
-    }
-}
-
-/// What the simulated board says of itself.
-fn identity() -> Identity {
-    Identity {
-        build_number: 1,
-        source_modified: false,
-        build_date: 20_261_120,
-        hardware_release: 1,
-        software_release: 0x0001,
     }
 }

@@ -5,9 +5,9 @@ use narx_core::bus::narmotion::{
     Addresses, FromDrive, MESSAGES, MotorMode, NAMES, RequestWord, ToDrive, XmlCommand,
 };
 use narx_core::description::{Cursor, Document, LOG_RECORD};
-use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::fault::Cause;
+use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_core::motor::state::State;
 use narx_sim::bench::{Bench as BusBench, BenchConfig};
 use narx_sim::commissioning::{Mode, Nameplate};

@@ -95,7 +95,11 @@ fn a_scope_works_between_the_halves() {
         }
         let refused = background.node().read_parameter(number::REFUSED_FRAMES).unwrap();
         if words == 0 {
-            assert_eq!((states, record.len(), refused), (vec![0; 5], 0, 3), "without memory nothing is armed");
+            assert_eq!(
+                (states, record.len(), refused),
+                (vec![0; 5], 0, 3),
+                "without memory nothing is armed"
+            );
         } else {
             // 21 samples of three signals; the last block is filled up.
             assert_eq!((states, record.len(), refused), (vec![0, 1, 3, 3, 3], 63, 0));

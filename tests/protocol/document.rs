@@ -2,10 +2,10 @@
 
 use narx_core::bus::Id;
 use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, MessageId, NAMES, SIGNALS};
-use narx_core::description::LOG_RECORD;
-use narx_core::motor::signal::DRIVE_SIGNALS;
-use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Parameter};
+use narx_core::description::{LOG_RECORD, LogEntry};
+use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Kind, Parameter};
 use narx_core::motor::fault::Cause;
+use narx_core::motor::signal::DRIVE_SIGNALS;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -99,12 +99,28 @@ fn scope() -> String {
     out
 }
 
+/// Words of each part: those of a value repeat, and what follows them stands behind all n.
 fn record() -> String {
-    let mut out = String::from("| part | type | parameters |\n|---|---|---|\n");
-    for entry in &LOG_RECORD {
-        let (first, last) = entry.parameters;
-        let parameters = if first == last { first.to_string() } else { format!("{first} to {last}") };
-        writeln!(out, "| {} | {} | {parameters} |", entry.name, entry.kind.label()).unwrap();
+    let mut out = String::from("| words | part | type | unit | parameters |\n|---|---|---|---|---|\n");
+    let words = |entry: &LogEntry| if entry.kind == Kind::U16 { 1 } else { 2 };
+    let stride: usize = LOG_RECORD.iter().filter(|entry| entry.per_value).map(words).sum();
+    let (mut place, mut suffix) = (0, String::new());
+    for (index, entry) in LOG_RECORD.iter().enumerate() {
+        if entry.per_value {
+            suffix = format!(" + {stride} i");
+        } else if index > 0 && LOG_RECORD[index - 1].per_value {
+            (place, suffix) = (place - stride, format!(" + {stride} n"));
+        }
+        let first = format!("{place}{suffix}");
+        place += words(entry);
+        let at = if words(entry) == 1 { first } else { format!("{first}, {}{suffix}", place - 1) };
+        let parameters = match entry.parameters {
+            None => String::new(),
+            Some((first, last)) if first == last => first.to_string(),
+            Some((first, last)) => format!("{first} to {last}"),
+        };
+        let (name, kind, unit) = (entry.name, entry.kind.label(), entry.unit);
+        writeln!(out, "| {at} | {name} | {kind} | {unit} | {parameters} |").unwrap();
     }
     out
 }
@@ -141,11 +157,7 @@ fn parameters(numbers: std::ops::Range<u16>) -> String {
 
 fn parameter(row: &Parameter) -> String {
     let value = |digits| Decimal { digits, exponent: row.exponent };
-    let access = match row.access {
-        Access::ReadOnly => "read-only",
-        Access::Stopped => "stopped",
-        Access::Live => "live",
-    };
+    let access = row.access.label();
     let acts = match (row.access, row.command, row.effect) {
         (Access::ReadOnly, ..) => "",
         (_, true, Effect::NextStart) => "on a rising edge, at the next start",

@@ -5,7 +5,9 @@ use narx_core::dictionary::number;
 use narx_core::master::{Answer, Chunk, Download, Request};
 use narx_core::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State};
-use narx_core::scope::{Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Scope, Setup, State as ScopeState};
+use narx_core::scope::{
+    Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Scope, Setup, State as ScopeState,
+};
 use narx_core::scope::{Threshold, Trigger};
 use narx_sim::commissioning::Mode;
 use narx_sim::plant::Injection;
@@ -354,7 +356,10 @@ fn looking_changes_nothing() {
                 session.bench_mut().send(message.encode(Addresses::FACTORY)).unwrap();
             };
             let set = |number, value| ToDrive::SetParameter { number, value };
-            request(&mut session, set(number::SCOPE_CHANNELS, bits(&[Signal::Angle, Signal::SpeedHall, Signal::Crossing])));
+            request(
+                &mut session,
+                set(number::SCOPE_CHANNELS, bits(&[Signal::Angle, Signal::SpeedHall, Signal::Crossing])),
+            );
             session.run(0.01);
             request(&mut session, ToDrive::TriggerScope);
             session.run(0.1);
@@ -373,8 +378,11 @@ fn drive() -> Drive {
 
 fn setups() -> impl Strategy<Value = Setup> {
     let signal = || (0..DRIVE_SIGNALS.len() as u8).prop_map(|bit| Signal::of_bit(bit).unwrap());
-    let threshold = (signal(), any::<i16>(), any::<bool>())
-        .prop_map(|(signal, level, above)| Threshold { signal, level, above });
+    let threshold = (signal(), any::<i16>(), any::<bool>()).prop_map(|(signal, level, above)| Threshold {
+        signal,
+        level,
+        above,
+    });
     let trigger = prop_oneof![
         Just(Trigger::Forced),
         Just(Trigger::StateChange),
@@ -421,7 +429,7 @@ proptest! {
             for _ in 0..wait {
                 let samples = Samples { tick, bus_voltage: tick as u16 % 2000, ..Samples::default() };
                 drive.step(&samples);
-                scope.step(&mut drive, &samples);
+                scope.step(&drive, &samples);
                 tick += 1;
                 let Some(report) = scope.poll() else { continue };
                 match report {

@@ -9,7 +9,7 @@ use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::preset;
 
-fn config(parameters: Option<Parameters>) -> BenchConfig {
+pub(crate) fn config(parameters: Option<Parameters>) -> BenchConfig {
     let preset = preset("bly172s-24v").unwrap();
     let supply = preset.data.nominal_voltage;
     let plate = Nameplate {

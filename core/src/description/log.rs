@@ -7,20 +7,38 @@ use crate::dictionary::{Kind, number};
 pub struct LogEntry {
     /// What it is called.
     pub name: &'static str,
-    /// Type of its values.
+    /// Type of its value, big endian.
     pub kind: Kind,
-    /// The parameters that say what it holds: one value for each of them that names something to log.
-    pub parameters: (u16, u16),
+    /// Unit of its value; "-" without one.
+    pub unit: &'static str,
+    /// The parameters that say what it holds.
+    pub parameters: Option<(u16, u16)>,
+    /// It stands there once for each logged value, beside the other parts that do.
+    pub per_value: bool,
 }
 
-/// The parts of a record in their order (category 15).
-pub const LOG_RECORD: [LogEntry; 4] = [
-    entry("Start marker", Kind::U16, number::LOGGING_START, number::LOGGING_START),
-    entry("Record number", Kind::U32, number::LOGGING_PACKAGE, number::LOGGING_PACKAGE),
-    entry("Logged values", Kind::I32, number::LOGGING_SLOT_FIRST, number::LOGGING_SLOT_LAST),
-    entry("End marker", Kind::U16, number::LOGGING_END, number::LOGGING_END),
+/// The parts of a record in their order: `storage::Record` in words. The CRC is that of ISO-HDLC (zlib), over all bytes before it.
+pub const LOG_RECORD: [LogEntry; 8] = [
+    entry("Start marker", Kind::U16).of(number::LOGGING_START, number::LOGGING_START),
+    entry("Record number", Kind::U32).of(number::LOGGING_PACKAGE, number::LOGGING_PACKAGE),
+    LogEntry { unit: "ms", ..entry("Time since power-up", Kind::U32) },
+    entry("Number of values", Kind::U16),
+    each("What is logged", Kind::U16).of(number::LOGGING_SLOT_FIRST, number::LOGGING_SLOT_LAST),
+    each("Value", Kind::I32),
+    entry("CRC-32", Kind::U32),
+    entry("End marker", Kind::U16).of(number::LOGGING_END, number::LOGGING_END),
 ];
 
-const fn entry(name: &'static str, kind: Kind, first: u16, last: u16) -> LogEntry {
-    LogEntry { name, kind, parameters: (first, last) }
+impl LogEntry {
+    const fn of(self, first: u16, last: u16) -> Self {
+        Self { parameters: Some((first, last)), ..self }
+    }
+}
+
+const fn entry(name: &'static str, kind: Kind) -> LogEntry {
+    LogEntry { name, kind, unit: "-", parameters: None, per_value: false }
+}
+
+const fn each(name: &'static str, kind: Kind) -> LogEntry {
+    LogEntry { per_value: true, ..entry(name, kind) }
 }

@@ -3,10 +3,10 @@
 //! Texts of the tables go into it as they stand: none has a character of markup (`tests/protocol/description.rs`).
 
 use super::{Document, FORMAT, LOG_RECORD, LogEntry};
-use crate::motor::signal::{DRIVE_SIGNALS, SignalRow};
 use crate::bus::narmotion::{Field, MESSAGES, Meaning, MessageKind, NAMES, Names};
-use crate::dictionary::{Access, Category, Decimal, Dictionary, Effect, PARAMETER_COUNT, Parameter};
+use crate::dictionary::{Category, Decimal, Dictionary, Effect, PARAMETER_COUNT, Parameter};
 use crate::motor::fault::{Cause, FaultWord};
+use crate::motor::signal::{DRIVE_SIGNALS, SignalRow};
 use crate::motor::state::State;
 use bitflags::Flags;
 use core::fmt::{self, Write};
@@ -126,19 +126,12 @@ fn parameter(row: &Parameter, out: &mut dyn Write) -> fmt::Result {
         value(row.max),
         value(row.default),
     )?;
-    let access = match row.access {
-        Access::ReadOnly => "read-only",
-        Access::Stopped => "stopped",
-        Access::Live => "live",
-    };
-    write!(out, " access=\"{access}\"")?;
+    write!(out, " access=\"{}\"", row.access.label())?;
     if row.command {
         out.write_str(" command=\"1\"")?;
     }
-    match row.effect {
-        Effect::Immediately => {}
-        Effect::NextStart => out.write_str(" acts=\"next start\"")?,
-        Effect::Reboot => out.write_str(" acts=\"reboot\"")?,
+    if row.effect != Effect::Immediately {
+        write!(out, " acts=\"{}\"", row.effect.label())?;
     }
     writeln!(out, ">{}</parameter>", row.description)
 }
@@ -224,9 +217,15 @@ fn scope_signal(bit: usize, signal: &SignalRow, out: &mut dyn Write) -> fmt::Res
 }
 
 fn log_entry(entry: &LogEntry, out: &mut dyn Write) -> fmt::Result {
-    let LogEntry { name, kind, parameters: (first, last) } = entry;
-    let kind = kind.label();
-    writeln!(out, "<entry name=\"{}\" type=\"{kind}\" first=\"{first}\" last=\"{last}\"/>", name)
+    let LogEntry { name, kind, unit, parameters, per_value } = *entry;
+    write!(out, "<entry name=\"{name}\" type=\"{}\"{}", kind.label(), Unit(unit))?;
+    if let Some((first, last)) = parameters {
+        write!(out, " first=\"{first}\" last=\"{last}\"")?;
+    }
+    if per_value {
+        out.write_str(" per=\"value\"")?;
+    }
+    out.write_str("/>\n")
 }
 
 /// The attribute `unit`, where there is one.

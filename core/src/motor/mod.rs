@@ -43,8 +43,8 @@ pub mod pwm;
 
 pub mod coefficients;
 pub mod event;
-pub mod signal;
 pub mod front_end;
+pub mod signal;
 
 pub use coefficients::{BuildError, Coefficients};
 pub use commutation::{Direction, Leg, Step};

@@ -79,6 +79,8 @@ enum Ended {
 struct Download {
     next: u32,
     end: u32,
+    /// Frames that each record takes: a master computes from it where a record stands.
+    frames: u8,
     /// Words sent, modulo 2^16.
     counter: u16,
     step: Step,
@@ -141,29 +143,30 @@ impl Log {
         done
     }
 
-    /// A record has come for the download; one that is not whole is left out.
+    /// A record has come for the download. In the place of one that is not whole, or that has grown too long since the download
+    /// began, zeros are sent, and behind a shorter one, too.
     pub(super) fn handle_record(&mut self, record: Option<Record>) {
         let Some(download) = &mut self.download else { return };
-        match record {
-            Some(record) => download.step = Step::Sending { record, frame: 0 },
-            None => self.go_on(),
-        }
+        let fits = |record: &Record| record.frame(download.frames.into()).is_none();
+        let record = record.filter(fits).unwrap_or_default();
+        download.step = Step::Sending { record, frame: 0 };
     }
 
     /// The next frame of a download.
     fn frame(&mut self) -> Option<FromDrive> {
-        let Download { counter, step: Step::Sending { record, frame }, .. } = self.download.as_mut()? else {
+        let Download { counter, frames, step: Step::Sending { record, frame }, .. } =
+            self.download.as_mut()?
+        else {
             return None;
         };
-        let data = record.frame((*frame).into());
+        let data = record.frame((*frame).into()).unwrap_or_default();
+        let message = FromDrive::LogData { counter: *counter, data };
         *frame += 1;
-        let last = record.frame((*frame).into()).is_none();
-        let message = data.map(|data| FromDrive::LogData { counter: *counter, data });
         *counter = counter.wrapping_add(3);
-        if last {
+        if frame >= frames {
             self.go_on();
         }
-        message
+        Some(message)
     }
 
     fn go_on(&mut self) {
@@ -258,7 +261,7 @@ impl Node {
         let memory = &self.log.memory;
         let value = match number {
             number::LOGGING_PACKAGE => memory.written.saturating_sub(1),
-            number::LOG_RECORD_BYTES => Record::size(self.slots().count()) as u32,
+            number::LOG_RECORD_BYTES => self.record_size() as u32,
             number::LOG_INDEX_MAX => memory.records,
             number::LOG_WRITE_INDEX => memory.written,
             number::LOG_SUBSECTORS => memory.subsectors,
@@ -287,7 +290,8 @@ impl Node {
         if count == 0 || end > memory.written {
             return ParameterStatus::OutOfRange;
         }
-        self.log.download = Some(Download { next: start, end, counter: 0, step: Step::Requested });
+        let frames = (self.record_size() / 6) as u8;
+        self.log.download = Some(Download { next: start, end, frames, counter: 0, step: Step::Requested });
         ParameterStatus::Done
     }
 
@@ -325,6 +329,12 @@ impl Node {
     /// A status word has said what has ended.
     pub(super) const fn forget_log_end(&mut self) {
         self.log.ended = None;
+    }
+
+    /// Bytes that a download has for each record: the longest one in the log, or the next one.
+    fn record_size(&self) -> usize {
+        let longest = (self.log.memory.values as usize).min(VALUES);
+        Record::size(self.slots().count().max(longest))
     }
 
     /// The chosen slots: what and which value of it.

@@ -13,9 +13,9 @@
 
 mod setup;
 
-pub use setup::{SIGNALS_A_TICK, Setup, Threshold, Trigger, period};
 use crate::motor::{self, Drive, Samples};
 use serde::{Deserialize, Serialize};
+pub use setup::{SIGNALS_A_TICK, Setup, Threshold, Trigger, period};
 
 /// Words of a scope that holds as much as parameter 23 can ask for of one signal: 8 KiB.
 pub const WORDS: usize = 4096;

@@ -1,7 +1,7 @@
 //! The log: a ring of records of one program page each, which begins where the last erase has ended, so that all subsectors wear
 //! alike. What is written is never overwritten: a full log waits to be erased.
 //!
-//! The maps keep where it begins. Its end is found at boot by halving, because pages are written in turn: 20 pages are looked at
+//! The maps keep where it begins, and how long its longest record is: a download gives every record so much room. Its end is found at boot by halving, because pages are written in turn: 20 pages are looked at
 //! instead of a million.
 
 use super::blank;
@@ -29,6 +29,8 @@ pub struct Memory {
     pub erasing: Option<u32>,
     /// Where the log begins is not known: it can be erased and nothing else.
     pub lost: bool,
+    /// Values of its longest record, or more.
+    pub values: u32,
 }
 
 impl Memory {
@@ -43,13 +45,15 @@ impl Memory {
     }
 }
 
-/// Where the log begins, as the maps keep it.
+/// What the maps keep of the log: where it begins, and its longest record.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Origin {
     /// Subsector of record 0.
     first: u32,
     /// While erasing: subsectors that are to be erased from there on.
     erase: u32,
+    /// Values of the longest record since the last erase.
+    values: u32,
 }
 
 /// The log's place on the flash and what stands there.
@@ -71,8 +75,9 @@ impl Log {
             subsectors: bytes / subsector,
             erasing: None,
             lost: true,
+            values: 0,
         };
-        Self { range, subsector, origin: Origin { first: 0, erase: 0 }, memory }
+        Self { range, subsector, origin: Origin { first: 0, erase: 0, values: 0 }, memory }
     }
 
     pub(super) const fn memory(&self) -> Memory {
@@ -96,6 +101,7 @@ impl Log {
         if !self.memory.lost && self.memory.erasing.is_none() {
             self.memory.written = self.find_end(flash).await?;
         }
+        self.memory.values = self.origin.values;
         Ok(found.repaired)
     }
 
@@ -111,8 +117,18 @@ impl Log {
         Ok(())
     }
 
-    /// Writes a record behind the last. A page that does not take it is passed over.
-    pub(super) async fn append<F: NorFlash>(&mut self, flash: &mut F, entry: &Entry) -> Result<(), Failed> {
+    /// Writes a record behind the last, after noting that it is the longest, if it is. A page that does not take it is passed over.
+    pub(super) async fn append<F: NorFlash>(
+        &mut self,
+        flash: &mut F,
+        pair: &Pair,
+        buffers: &mut Buffers,
+        entry: &Entry,
+    ) -> Result<(), Failed> {
+        let values = entry.values.len() as u32;
+        if values > self.origin.values && !self.memory.is_full() && self.memory.erasing.is_none() {
+            self.move_to(flash, pair, buffers, Origin { values, ..self.origin }).await?;
+        }
         for _ in 0..TRIES {
             if self.memory.is_full() || self.memory.erasing.is_some() {
                 return Err(Failed);
@@ -162,12 +178,11 @@ impl Log {
             } else {
                 self.memory.written.div_ceil(per_subsector)
             };
-            self.move_to(flash, pair, buffers, Origin { first: self.origin.first, erase: used.max(1) })
-                .await?;
+            self.move_to(flash, pair, buffers, Origin { erase: used.max(1), ..self.origin }).await?;
             self.memory.erasing = Some(0);
             return Ok(());
         };
-        let Origin { first, erase } = self.origin;
+        let Origin { first, erase, .. } = self.origin;
         if done < erase {
             // Up to the end of the ring at most, where it begins anew.
             let at = (first + done) % self.memory.subsectors;
@@ -179,7 +194,7 @@ impl Log {
             return Ok(());
         }
         let first = (first + erase) % self.memory.subsectors;
-        self.move_to(flash, pair, buffers, Origin { first, erase: 0 }).await?;
+        self.move_to(flash, pair, buffers, Origin { first, erase: 0, values: 0 }).await?;
         (self.memory.lost, self.memory.erasing, self.memory.written) = (false, None, 0);
         Ok(())
     }
@@ -193,6 +208,7 @@ impl Log {
     ) -> Result<(), Failed> {
         pair.write(flash, Key::Log, buffers, |body| origin.encode(body)).await?;
         self.origin = origin;
+        self.memory.values = origin.values;
         Ok(())
     }
 
@@ -235,15 +251,16 @@ impl Log {
 
 impl Origin {
     fn encode(self, body: &mut [u8]) -> usize {
-        let Some(place) = body.first_chunk_mut::<8>() else { return 0 };
-        let [a, b, c, d] = self.first.to_be_bytes();
-        let [e, f, g, h] = self.erase.to_be_bytes();
-        *place = [a, b, c, d, e, f, g, h];
-        8
+        let Some(place) = body.first_chunk_mut::<12>() else { return 0 };
+        let words = [self.first, self.erase, self.values].map(u32::to_be_bytes);
+        place.iter_mut().zip(words.as_flattened()).for_each(|(place, byte)| *place = *byte);
+        12
     }
 
     fn decode(body: &[u8]) -> Option<Self> {
-        let [a, b, c, d, e, f, g, h] = *body.first_chunk::<8>()?;
-        Some(Self { first: u32::from_be_bytes([a, b, c, d]), erase: u32::from_be_bytes([e, f, g, h]) })
+        let (words, _) = body.first_chunk::<12>()?.as_chunks::<4>();
+        let [first, erase, values] = *words.first_chunk()?;
+        let [first, erase, values] = [first, erase, values].map(u32::from_be_bytes);
+        Some(Self { first, erase, values })
     }
 }

@@ -134,7 +134,9 @@ impl<F: NorFlash> Storage<F> {
             }
             Request::Append(entry) => {
                 let done = match &mut self.place {
-                    Some(place) => place.log.append(&mut self.flash, &entry).await,
+                    Some(Place { log, pair, .. }) => {
+                        log.append(&mut self.flash, pair, &mut self.buffers, &entry).await
+                    }
                     None => Err(Failed),
                 };
                 Report::Log { done: done.is_ok(), memory: self.memory() }

@@ -24,7 +24,8 @@ pub const END: u16 = 0x55AA;
 const HEAD: usize = 12;
 const VALUE: usize = 6;
 const TAIL: usize = 6;
-const RECORD_MAX: usize = HEAD + VALUES * VALUE + TAIL;
+/// Bytes of the longest record: 240.
+pub const RECORD_MAX: usize = HEAD + VALUES * VALUE + TAIL;
 
 static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 

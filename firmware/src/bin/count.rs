@@ -27,9 +27,9 @@ fn main() -> ! {
 #[cfg(target_os = "none")]
 mod image {
     use cortex_m_semihosting::hprintln;
-    use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Samples, State, Status};
     use heapless::Vec;
     use narx_core::motor::signal::{Signal, SpeedScale};
+    use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Samples, State, Status};
     use narx_core::recording::{Recording, ReplayError, Replayable, replay_with};
     use narx_core::scope::{Report, Request, Scope, Setup, State as ScopeState, Threshold, Trigger, WORDS};
     use narx_firmware::boards::qemu::instructions::{self, Sum};

@@ -12,9 +12,9 @@ mod image {
     use cortex_m_semihosting::hprintln;
     use heapless::spsc::Queue;
     use narx_core::device::Queues;
-    use narx_core::scope;
     use narx_core::motor::{Board, PwmCommand, Samples};
     use narx_core::node::Identity;
+    use narx_core::scope;
     use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
     use narx_firmware::boards::qemu::flash::Chip;
     use narx_firmware::boards::qemu::pace::{Pace, count_millisecond};

@@ -13,13 +13,7 @@ impl Drive {
 
     /// Samples of as many `signals` as `words` has room for, as of the last step, Q3.12 of their bases.
     #[inline]
-    pub(crate) fn sample(
-        &self,
-        signals: &[Signal],
-        speed: SpeedScale,
-        samples: &Samples,
-        words: &mut [u16],
-    ) {
+    pub(crate) fn sample(&self, signals: &[Signal], speed: SpeedScale, samples: &Samples, words: &mut [u16]) {
         for (word, signal) in words.iter_mut().zip(signals) {
             // Or the compiler would compute every signal there is before the loop.
             let (drive, samples) = core::hint::black_box((self, samples));

@@ -40,8 +40,9 @@ impl Chip {
             return None;
         }
         TAKEN.store(true, Ordering::Relaxed);
+        let memory = &raw mut MEMORY;
         // SAFETY: nobody else names the memory, and this point is reached once: no interrupt takes a chip.
-        let memory = unsafe { &mut *(&raw mut MEMORY) };
+        let memory = unsafe { &mut *memory };
         Some(Self { model: Flash::new(KBYTE_512, memory, 0), timed: false, owed: 0 })
     }
 

@@ -84,11 +84,6 @@ impl Uart {
         OUTGOING - self.outgoing.len()
     }
 
-    /// Bytes that wait for the line.
-    pub fn waiting(&self) -> usize {
-        self.outgoing.len()
-    }
-
     /// Queues all of `bytes`; false, and nothing is queued, if they do not fit.
     pub fn write(&mut self, bytes: &[u8]) -> bool {
         let fits = bytes.len() <= self.room();
