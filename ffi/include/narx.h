@@ -409,6 +409,15 @@
 // Zero crossings.
 #define NARX_PARAMETER_CROSSINGS 289
 
+// Scope trigger.
+#define NARX_PARAMETER_SCOPE_TRIGGER 290
+
+// Scope trigger signal.
+#define NARX_PARAMETER_SCOPE_TRIGGER_SIGNAL 291
+
+// Scope trigger level, 10^-3 of the signal's base.
+#define NARX_PARAMETER_SCOPE_TRIGGER_LEVEL 292
+
 // 64-bit words of a drive on any processor.
 #define NARX_DRIVE_WORDS 1024
 
@@ -795,6 +804,13 @@ size_t narx_drive_align(void);
 narx_status_t narx_drive_init(struct narx_drive_t *drive,
                               size_t size,
                               const struct narx_board_t *board);
+
+// Gives the drive's virtual scope its memory: `words` samples of 16 bits (4096 are as many as parameter 23 can ask for), the caller's own
+// for as long as the drive lives. Without it the scope cannot be armed. Call it after narx_drive_init and before the first narx_drive_step;
+// narx_drive_init takes it away again.
+narx_status_t narx_drive_attach_scope(struct narx_drive_t *drive,
+                                      uint16_t *memory,
+                                      size_t words);
 
 // One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
 // interrupt, once a PWM period; it may interrupt every other call for the same drive but narx_drive_init and itself.
