@@ -13,13 +13,15 @@
 //!                                        |      v
 //!   CAN frames <---- bus ---->         node::Node             the background
 //!
+//!   storage     parameters and log on a flash, for the node
 //!   device      both of them, joined by their queues: what a shell links
+//!   description the tables as an XML document, which the node serves
 //!   master      the other end of the bus, for whatever commands a drive
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
-//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `bus`, `node`, `device`, `master`,
-//! `recording`.
+//! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `scope`, `bus`, `storage`, `description`, `node`,
+//! `device`, `master`, `recording`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
@@ -27,10 +29,13 @@
 #![forbid(unsafe_code)]
 
 pub mod bus;
+pub mod description;
 pub mod device;
 pub mod dictionary;
 pub mod master;
 pub mod motor;
 pub mod node;
 pub mod recording;
+pub mod scope;
+pub mod storage;
 pub mod units;

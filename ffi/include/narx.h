@@ -409,8 +409,17 @@
 // Zero crossings.
 #define NARX_PARAMETER_CROSSINGS 289
 
+// Scope trigger.
+#define NARX_PARAMETER_SCOPE_TRIGGER 290
+
+// Scope trigger signal.
+#define NARX_PARAMETER_SCOPE_TRIGGER_SIGNAL 291
+
+// Scope trigger level, 10^-3 of the signal's base.
+#define NARX_PARAMETER_SCOPE_TRIGGER_LEVEL 292
+
 // 64-bit words of a drive on any processor.
-#define NARX_DRIVE_WORDS 768
+#define NARX_DRIVE_WORDS 1024
 
 // Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 #define NARX_DRIVE_SIZE (NARX_DRIVE_WORDS * 8)
@@ -796,6 +805,13 @@ narx_status_t narx_drive_init(struct narx_drive_t *drive,
                               size_t size,
                               const struct narx_board_t *board);
 
+// Gives the drive's virtual scope its memory: `words` samples of 16 bits (4096 are as many as parameter 23 can ask for), the caller's own
+// for as long as the drive lives. Without it the scope cannot be armed. Call it after narx_drive_init and before the first narx_drive_step;
+// narx_drive_init takes it away again.
+narx_status_t narx_drive_attach_scope(struct narx_drive_t *drive,
+                                      uint16_t *memory,
+                                      size_t words);
+
 // One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
 // interrupt, once a PWM period; it may interrupt every other call for the same drive but narx_drive_init and itself.
 //
@@ -818,6 +834,12 @@ narx_status_t narx_drive_run(struct narx_drive_t *drive,
 
 // The next frame to send, or NARX_NOTHING. Call it until there is nothing. Background half.
 narx_status_t narx_drive_poll_frame(struct narx_drive_t *drive, struct narx_frame_t *frame);
+
+// The next frame of a download that the master has asked for, or NARX_NOTHING; nothing while narx_drive_poll_frame has
+// frames. Call it when no more than one frame is in the controller, the one that is on the bus: more would delay what
+// the drive has to say next. A program that never calls it serves no downloads. Background half.
+narx_status_t narx_drive_poll_bulk_frame(struct narx_drive_t *drive,
+                                         struct narx_frame_t *frame);
 
 // Writes a parameter as the master does: number, access, range and state are checked, then it acts as PROTOCOL.md
 // says. `value` is the raw value: its unit and scale stand there, too; a 32-bit unsigned one is passed as its bits.

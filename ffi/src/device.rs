@@ -11,13 +11,14 @@ use crate::samples::narx_samples_t;
 use crate::status::narx_status_t::{self, *};
 use core::mem::{align_of, size_of};
 use core::sync::atomic::{AtomicU32, Ordering};
+use narx_core::bus::Frame;
 use narx_core::device::{Background, ControlTick, Queues};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::{Board, PwmCommand, Samples};
-use narx_core::node::Identity;
+use narx_core::node::{Identity, Node};
 
 /// 64-bit words of a drive on any processor.
-pub const NARX_DRIVE_WORDS: usize = 768;
+pub const NARX_DRIVE_WORDS: usize = 1024;
 
 /// Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 pub const NARX_DRIVE_SIZE: usize = NARX_DRIVE_WORDS * 8;
@@ -69,6 +70,27 @@ pub unsafe extern "C" fn narx_drive_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { init(drive, size, board) })
+}
+
+/// Gives the drive's virtual scope its memory: `words` samples of 16 bits (4096 are as many as parameter 23 can ask for), the caller's own
+/// for as long as the drive lives. Without it the scope cannot be armed. Call it after narx_drive_init and before the first narx_drive_step;
+/// narx_drive_init takes it away again.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_drive_attach_scope(
+    drive: *mut narx_drive_t,
+    memory: *mut u16,
+    words: usize,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h, and the memory is the caller's promise.
+    let run = || unsafe {
+        pointer::check(memory)?;
+        if words > usize::from(u16::MAX) {
+            return Err(NARX_ERROR_SIZE);
+        }
+        tick(drive)?.attach_scope(core::slice::from_raw_parts_mut(memory, words));
+        Ok(())
+    };
+    pointer::status(run())
 }
 
 /// One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
@@ -131,14 +153,19 @@ pub unsafe extern "C" fn narx_drive_poll_frame(
     frame: *mut narx_frame_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    let run = || unsafe {
-        let background = background(drive)?;
-        // A frame that cannot be handed out stays.
-        pointer::check(frame)?;
-        let sent = background.node().poll_frame().ok_or(NARX_NOTHING)?;
-        pointer::write(frame, sent.into())
-    };
-    pointer::status(run())
+    unsafe { poll(drive, frame, Node::poll_frame) }
+}
+
+/// The next frame of a download that the master has asked for, or NARX_NOTHING; nothing while narx_drive_poll_frame has
+/// frames. Call it when no more than one frame is in the controller, the one that is on the bus: more would delay what
+/// the drive has to say next. A program that never calls it serves no downloads. Background half.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_drive_poll_bulk_frame(
+    drive: *mut narx_drive_t,
+    frame: *mut narx_frame_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    unsafe { poll(drive, frame, Node::poll_bulk_frame) }
 }
 
 /// Writes a parameter as the master does: number, access, range and state are checked, then it acts as PROTOCOL.md
@@ -168,6 +195,24 @@ pub unsafe extern "C" fn narx_drive_get_parameter(
     let run = || unsafe {
         let read = background(drive)?.node().read_parameter(number);
         pointer::write(value, read.ok_or(NARX_ERROR_UNKNOWN_PARAMETER)?)
+    };
+    pointer::status(run())
+}
+
+/// # Safety
+/// As the calls that it is the body of.
+unsafe fn poll(
+    drive: *mut narx_drive_t,
+    frame: *mut narx_frame_t,
+    next: fn(&mut Node) -> Option<Frame>,
+) -> narx_status_t {
+    // SAFETY: the caller's promise.
+    let run = || unsafe {
+        let background = background(drive)?;
+        // A frame that cannot be handed out stays.
+        pointer::check(frame)?;
+        let sent = next(background.node()).ok_or(NARX_NOTHING)?;
+        pointer::write(frame, sent.into())
     };
     pointer::status(run())
 }

@@ -28,9 +28,9 @@ mod text;
 
 pub use board::{narx_board_default, narx_board_t, narx_channel_t};
 pub use device::{
-    NARX_DRIVE_SIZE, NARX_DRIVE_WORDS, narx_drive_align, narx_drive_get_parameter, narx_drive_handle_frame,
-    narx_drive_init, narx_drive_poll_frame, narx_drive_run, narx_drive_set_parameter, narx_drive_size,
-    narx_drive_step, narx_drive_t,
+    NARX_DRIVE_SIZE, NARX_DRIVE_WORDS, narx_drive_align, narx_drive_attach_scope, narx_drive_get_parameter,
+    narx_drive_handle_frame, narx_drive_init, narx_drive_poll_bulk_frame, narx_drive_poll_frame,
+    narx_drive_run, narx_drive_set_parameter, narx_drive_size, narx_drive_step, narx_drive_t,
 };
 pub use frame::narx_frame_t;
 pub use pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t, narx_pwm_command_t};

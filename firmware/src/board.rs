@@ -29,6 +29,10 @@ pub trait BackgroundSide {
     /// Whether a frame can be [sent](Self::send).
     fn is_ready_to_send(&self) -> bool;
 
+    /// Whether a bulk frame can be [sent](Self::send): no more than one frame is in the controller, the one that is on the
+    /// bus. More would delay what the drive has to say next.
+    fn is_ready_for_bulk(&self) -> bool;
+
     /// Gives a frame to the CAN controller, which has just been seen to be ready.
     fn send(&mut self, frame: &Frame);
 

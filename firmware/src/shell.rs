@@ -1,9 +1,12 @@
 //! What every board does alike: the control interrupt and the background loop around the device's two halves.
 
 use crate::board::{BackgroundSide, TickSide};
+use core::pin::pin;
 use core::sync::atomic::{AtomicU8, Ordering};
+use core::task::{Context, Waker};
 use narx_core::device;
 use narx_core::node::Action;
+use narx_core::storage::{Mailbox, Opened};
 
 /// Slow inputs are read this often, ms.
 pub const INPUTS_MS: u64 = 10;
@@ -66,6 +69,7 @@ pub struct Background<'a, B> {
     device: device::Background<'a>,
     board: B,
     progress: &'a Progress,
+    flash: Option<&'a Mailbox>,
     ticks_per_inputs: u64,
     inputs_due: u64,
     seen: Option<u64>,
@@ -79,16 +83,34 @@ impl<'a, B: BackgroundSide> Background<'a, B> {
             device,
             board,
             progress,
+            flash: None,
             ticks_per_inputs: INPUTS_MS * ticks_per_ms,
             inputs_due: 0,
             seen: None,
         }
     }
 
+    /// With a flash, which answered `opened`: requests go to the mailbox and reports come from there.
+    #[must_use]
+    pub fn with_flash(mut self, mailbox: &'a Mailbox, opened: &Opened) -> Self {
+        self.device.node().attach_storage(opened);
+        Self { flash: Some(mailbox), ..self }
+    }
+
     /// Runs for ever.
     pub fn run(mut self) -> ! {
         loop {
             self.pass();
+        }
+    }
+
+    /// Runs for ever, and gives the task that serves the flash a turn in every pass.
+    pub fn run_with(mut self, task: impl Future) -> ! {
+        let mut task = pin!(task);
+        loop {
+            self.pass();
+            // A task without an end: whoever polls it in every pass needs no waker.
+            let _ = task.as_mut().poll(&mut Context::from_waker(Waker::noop()));
         }
     }
 
@@ -99,6 +121,7 @@ impl<'a, B: BackgroundSide> Background<'a, B> {
         self.receive();
         self.read_inputs(now);
         self.device.run(now);
+        self.serve_flash();
         self.send();
         self.board.apply(self.device.node().outputs());
         if let Some(Action::Reboot) = self.device.node().poll_action() {
@@ -131,8 +154,23 @@ impl<'a, B: BackgroundSide> Background<'a, B> {
         {
             self.board.send(&frame);
         }
+        while self.board.is_ready_for_bulk()
+            && let Some(frame) = self.device.node().poll_bulk_frame()
+        {
+            self.board.send(&frame);
+        }
         // A bus that takes nothing is no fault of the drive: frames wait or are dropped, and control goes on.
         self.progress.note(CAN);
+    }
+
+    fn serve_flash(&mut self) {
+        let Some(mailbox) = self.flash else { return };
+        if let Some(report) = mailbox.take_report() {
+            self.device.node().handle_storage(report);
+        }
+        if let Some(request) = self.device.node().poll_storage() {
+            mailbox.ask(request);
+        }
     }
 
     fn read_inputs(&mut self, now: u64) {

@@ -1,16 +1,20 @@
 //! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
 
 use narx_core::bus::Frame;
-use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, ToDrive};
+use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive, XmlCommand};
 use narx_core::device::Queues;
 use narx_core::dictionary::Parameters;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};
 use narx_core::node::{Identity, Node, Outputs, SlowInputs};
+use narx_core::storage::{Mailbox, Report, Request, Storage};
 use narx_firmware::board::{BackgroundSide, TickSide};
 use narx_firmware::shell::{Background, Control, INPUTS_MS, Progress};
+use narx_sim::flash::{Flash, KBYTE_512, finish};
 use std::cell::RefCell;
 use std::collections::VecDeque;
+use std::pin::pin;
 use std::rc::Rc;
+use std::task::{Context, Waker};
 
 /// What has happened on the board.
 #[derive(Default)]
@@ -20,6 +24,8 @@ struct Paper {
     arriving: VecDeque<Frame>,
     sent: Vec<Frame>,
     bus_full: bool,
+    /// Frames in the controller: the bus takes one in a pass.
+    waiting: usize,
     inputs_read: u64,
     fed: u64,
     reboots: u64,
@@ -49,6 +55,7 @@ impl BackgroundSide for Side {
     fn wait(&mut self) {
         let mut paper = self.0.borrow_mut();
         paper.now += u64::from(!paper.clock_stopped);
+        paper.waiting = paper.waiting.saturating_sub(1);
     }
 
     fn receive(&mut self) -> Option<Frame> {
@@ -59,8 +66,14 @@ impl BackgroundSide for Side {
         !self.0.borrow().bus_full
     }
 
+    fn is_ready_for_bulk(&self) -> bool {
+        self.0.borrow().waiting < 2
+    }
+
     fn send(&mut self, frame: &Frame) {
-        self.0.borrow_mut().sent.push(*frame);
+        let mut paper = self.0.borrow_mut();
+        paper.sent.push(*frame);
+        paper.waiting += 1;
     }
 
     fn slow_inputs(&mut self) -> SlowInputs {
@@ -137,6 +150,59 @@ fn a_bus_that_takes_nothing_and_one_that_floods_stop_neither_control_nor_watchdo
     let paper = side.0.borrow();
     assert!(paper.sent.is_empty());
     assert_eq!((paper.commands.len(), paper.fed), (10_000, 10_000));
+}
+
+#[test]
+fn the_flash_is_served_between_passes() {
+    let memory = vec![0xFF; 512 << 10].leak();
+    let mut storage = Storage::new(Flash::new(KBYTE_512, memory, 0));
+    assert_eq!(finish(storage.format(&Parameters::new())), Some(true));
+    let Some(Report::Opened(opened)) = finish(storage.execute(Request::Open)) else { panic!("opened") };
+    let (side, progress, mailbox) = (Side::default(), Progress::new(), Mailbox::new());
+    let mut queues = Queues::new();
+    let (tick, device) = queues.power_up(Identity::default(), Board::BENCH, opened.parameters.clone());
+    let mut control = Control::new(tick, side.clone(), &progress);
+    let mut background = Background::new(device, side.clone(), &progress).with_flash(&mailbox, &opened);
+    let addresses = Node::new(Identity::default(), Board::BENCH).addresses();
+    let mut task = pin!(mailbox.serve(&mut storage));
+    for number in 0..7_000 {
+        if number == 6_000 {
+            let written = [(99, 1234), (256, 0), (256, 1)];
+            let frames =
+                written.map(|(number, value)| ToDrive::SetParameter { number, value }.encode(addresses));
+            side.0.borrow_mut().arriving.extend(frames);
+        }
+        control.interrupt();
+        background.pass();
+        let _ = task.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+    }
+    let paper = side.0.borrow();
+    let stored = FromDrive::Parameter { number: 256, value: 1, status: ParameterStatus::Done };
+    assert!(
+        paper
+            .sent
+            .iter()
+            .any(|frame| matches!(FromDrive::decode(frame), Ok((_, message)) if message == stored))
+    );
+    assert_eq!(paper.fed, 7_000);
+}
+
+#[test]
+fn a_download_flows_as_fast_as_the_bus_and_fills_no_queue() {
+    let addresses = Node::new(Identity::default(), Board::BENCH).addresses();
+    let side = run(9_000, |tick, paper| {
+        if tick == 7_000 {
+            paper.sent.clear();
+            paper.arriving.push_back(ToDrive::DownloadXml(XmlCommand::Start).encode(addresses));
+        }
+        // Two of the download, and a status and a fault word.
+        assert!(paper.waiting <= 4, "{}", paper.waiting);
+        true
+    });
+    let paper = side.0.borrow();
+    let data = |frame: &&Frame| matches!(FromDrive::decode(frame), Ok((_, FromDrive::XmlData { .. })));
+    let downloaded = paper.sent.iter().filter(data).count();
+    assert!((1_980..=2_000).contains(&downloaded), "the bus takes one frame a pass: {downloaded}");
 }
 
 #[test]

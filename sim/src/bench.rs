@@ -4,11 +4,13 @@
 //!  host frames <--> bus <--> Node --Event--> Drive --PwmCommand--> Plant
 //!                             ^                |  ^                   |
 //!                             +----Status------+  +------Samples------+
+//!           flash <--Request--  --Report--> Node
 //! ```
 //!
 //! One call of [`Bench::step`] is one control tick. Same configuration, same frames, same bits.
 
 use crate::can::{Attachment, Bus, BusStatistics, NodeIndex, NotQueued, Received};
+use crate::flash::{Flash, MBIT_256, Sparse, finish};
 use crate::plant::{Observation, Plant, PlantConfig};
 use crate::recording::RecordingBuffer;
 use crate::trace::{Signal, Trace};
@@ -21,10 +23,21 @@ use narx_core::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};
+use narx_core::scope::{self, Scope};
+use narx_core::storage::{Opened, Report, Request, Storage};
 use narx_core::units::{ElectricalAngle, ElectricalSpeed};
 
 /// Bit rate of the drive's bus (Table 2).
 pub const BITRATE: u32 = 500_000;
+/// What the simulated board says of itself.
+pub const IDENTITY: Identity = Identity {
+    build_number: 1,
+    source_modified: false,
+    build_date: 20_261_120,
+    hardware_release: 1,
+    software_release: 0x0001,
+};
+
 /// The board reads its slow inputs this often, ms.
 const INPUTS_MS: u64 = 10;
 
@@ -32,13 +45,15 @@ const INPUTS_MS: u64 = 10;
 const PLACES: usize = 3;
 /// Frames that wait at each place on the bus.
 const QUEUE: usize = 64;
+/// Frames of a download in the drive's controller: one on the bus, and one to follow it without a gap.
+const BULK: usize = 2;
 
 /// What a bench is made of.
 #[derive(Clone, Debug)]
 pub struct BenchConfig {
     /// The physical side.
     pub plant: PlantConfig,
-    /// Stored parameters of the drive.
+    /// Parameters that are stored on the drive's flash.
     pub parameters: Parameters,
     /// Goes into recordings; cut at 255 bytes.
     pub label: String,
@@ -52,6 +67,10 @@ pub struct Bench {
     plant: Plant,
     drive: Drive,
     node: Node,
+    scope: Scope<Vec<u16>>,
+    storage: Storage<Flash<Sparse>>,
+    /// What the flash answers when it has finished, and when that is, ns.
+    report: Option<(u64, Report)>,
     bus: Bus<PLACES, QUEUE>,
     device: NodeIndex,
     host: NodeIndex,
@@ -100,17 +119,32 @@ pub const SIGNALS: [Signal; 26] = [
 ];
 
 impl Bench {
-    /// Powers up a drive with its stored parameters on the plant.
+    /// Powers up a drive on the plant; the configuration's parameters stand on its flash of 256 Mbit, the log is empty.
     pub fn new(config: &BenchConfig) -> Self {
+        let mut storage = Storage::new(Flash::new(MBIT_256, Sparse::new(), 0));
+        // A new flash takes every set.
+        finish(storage.format(&config.parameters));
+        Self::with_storage(config, storage)
+    }
+
+    /// The same with a flash from somewhere else: what stands there counts, and the configuration's parameters do not.
+    pub fn with_flash(config: &BenchConfig, flash: Flash<Sparse>) -> Self {
+        Self::with_storage(config, Storage::new(flash))
+    }
+
+    fn with_storage(config: &BenchConfig, storage: Storage<Flash<Sparse>>) -> Self {
         let board = config.plant.board;
         let mut bus = Bus::new(BITRATE);
         let [device, host, monitor] = bus.attach_all();
         bus.set_attachment(monitor, Attachment::ListenOnly);
-        let node = Node::with_parameters(identity(), board, config.parameters.clone());
+        let node = Node::with_parameters(IDENTITY, board, config.parameters.clone());
         let mut bench = Self {
             plant: Plant::new(&config.plant),
             drive: Drive::new(Coefficients::default()),
             node,
+            scope: Scope::new(Vec::new()),
+            storage,
+            report: None,
             bus,
             device,
             host,
@@ -130,13 +164,18 @@ impl Bench {
         bench
     }
 
-    /// Power-up or reboot of the drive: state is lost, parameters stay.
+    /// Power-up or reboot of the drive: what is not stored is lost.
     fn boot(&mut self) {
-        let parameters = self.node.parameters().clone();
         let board = *self.node.board();
+        let Some(Report::Opened(opened)) = finish(self.storage.execute(Request::Open)) else { return };
+        self.storage.flash().take_busy();
+        self.report = None;
+        let Opened { parameters, .. } = opened.clone();
         // A set that does not build leaves the drive with none: the node says so, and it refuses to start.
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
-        self.node = Node::with_parameters(identity(), board, parameters);
+        self.node = Node::with_parameters(IDENTITY, board, parameters);
+        self.node.attach_storage(&opened);
+        self.scope = Scope::new(alloc::vec![0; scope::WORDS]);
         self.event = self.node.poll_event();
         self.recorder = self.record.then(|| self.begin_recording()).flatten();
     }
@@ -168,6 +207,7 @@ impl Bench {
             self.drive.handle_event(event.clone());
         }
         let command = self.drive.step(&samples);
+        self.scope.step(&self.drive, &samples);
         let status = self.drive.poll_status();
         self.plant.finish_period(&command);
         if let Some(recorder) = &mut self.recorder
@@ -184,6 +224,19 @@ impl Bench {
     }
 
     /// What the firmware's background loop does once a tick.
+    /// Between the scope and the node.
+    fn serve_scope(&mut self) {
+        if self.scope.has_report()
+            && self.node.takes_scope_report()
+            && let Some(report) = self.scope.poll()
+        {
+            self.node.handle_scope(report);
+        }
+        if let Some(request) = self.node.poll_scope() {
+            self.scope.handle(request);
+        }
+    }
+
     fn background(&mut self) {
         let now = self.plant.tick();
         let now_ns = self.now_ns();
@@ -195,6 +248,7 @@ impl Bench {
             let inputs = self.plant.slow_inputs();
             self.node.handle_inputs(inputs);
         }
+        self.serve_scope();
         self.node.poll(now);
         // The controller takes what fits; the rest waits in the node.
         while self.bus.queued(self.device) < QUEUE / 2
@@ -203,6 +257,13 @@ impl Bench {
             // Room was just seen.
             let _ = self.bus.send(self.device, frame, now_ns);
         }
+        while self.bus.queued(self.device) < BULK
+            && let Some(frame) = self.node.poll_bulk_frame()
+        {
+            // Room was just seen.
+            let _ = self.bus.send(self.device, frame, now_ns);
+        }
+        self.serve_flash(now_ns);
         // Most often there is none, and an event is large.
         match self.node.poll_event() {
             None => self.event = None,
@@ -211,6 +272,32 @@ impl Bench {
         if let Some(Action::Reboot) = self.node.poll_action() {
             self.boot();
         }
+    }
+
+    /// The node's requests to the flash. What one does happens at once, and is told when the flash would be ready.
+    fn serve_flash(&mut self, now_ns: u64) {
+        if self.report.as_ref().is_some_and(|(due, _)| *due <= now_ns)
+            && let Some((_, report)) = self.report.take()
+        {
+            self.node.handle_storage(report);
+        }
+        if self.report.is_none()
+            && let Some(request) = self.node.poll_storage()
+        {
+            let report = finish(self.storage.execute(request));
+            let due = now_ns + self.storage.flash().take_busy();
+            self.report = report.map(|report| (due, report));
+        }
+    }
+
+    /// The drive's flash, to look at and to break.
+    pub const fn flash(&mut self) -> &mut Flash<Sparse> {
+        self.storage.flash()
+    }
+
+    /// Takes the flash out of the drive, to put it into another one.
+    pub fn into_flash(self) -> Flash<Sparse> {
+        self.storage.into_flash()
     }
 
     /// Queues a frame of the host; it takes part in the arbitration from now on.
@@ -359,16 +446,5 @@ impl Bench {
             seen.winding_temperature,
             seen.peak_current,
         ]
-    }
-}
-
-/// What the simulated board says of itself.
-fn identity() -> Identity {
-    Identity {
-        build_number: 1,
-        source_modified: false,
-        build_date: 20_261_120,
-        hardware_release: 1,
-        software_release: 0x0001,
     }
 }

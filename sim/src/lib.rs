@@ -12,6 +12,7 @@ pub mod bench;
 pub mod can;
 pub mod commissioning;
 pub mod engineering;
+pub mod flash;
 pub mod plant;
 pub mod presets;
 pub mod random;

@@ -14,8 +14,10 @@ BROADCAST_SECONDS = 0.05
 """Between two status words (parameter 111), in the drive's time."""
 
 REQUEST_WORD, MOTOR_CMD, REBOOT = 0x0AAD5202, 0x0AAD5266, 0x0AAD5265
-PARAMETER_REQUEST, PARAMETER = 0x0AAD546E, 0x1552A86E
+PARAMETER_REQUEST, PARAMETER_SET, PARAMETER = 0x0AAD546E, 0x0AAD526E, 0x1552A86E
+LOG_DATA = 0x1552A88C
 REBOOT_ACKNOWLEDGED, STATUS_WORD, FAULT_WORD, MEASUREMENT_5 = 0x1552A865, 0x1552A803, 0x1552A804, 0x1552A8CD
+XML_DOWNLOAD_REQUEST, XML_DOWNLOAD_ANSWER, XML_DOWNLOAD_DATA = 0x0AAD5482, 0x1552A882, 0x1552A883
 STATE = 261
 
 
@@ -29,6 +31,8 @@ class Master:
         self.rpm = 0
         self.seen = {}
         """The last data of every identifier."""
+        self.log = []
+        """The data of all frames of a log download."""
         self.broadcasts = 0
         self._due = 0.0
         self._deadline = time.monotonic() + WALL_SECONDS
@@ -51,6 +55,8 @@ class Master:
         message = self.bus.recv(0.01)
         if message is not None:
             self.seen[message.arbitration_id] = bytes(message.data)
+            if message.arbitration_id == LOG_DATA:
+                self.log.append(bytes(message.data))
             self.broadcasts += message.arbitration_id == STATUS_WORD
         return message
 
@@ -74,15 +80,26 @@ class Master:
 
         def answered():
             nonlocal asked
-            if PARAMETER not in self.seen and asked != self.broadcasts:
+            if not self.answers(number) and asked != self.broadcasts:
                 asked = self.broadcasts
                 self.send(PARAMETER_REQUEST, number)
-            return PARAMETER in self.seen
+            return self.answers(number)
 
         self.wait(seconds, answered, f"answer about parameter {number}")
         answer = self.seen[PARAMETER]
-        assert int.from_bytes(answer[0:2], "big") == number and answer[6:8] == b"\0\0"
+        assert answer[6:8] == b"\0\0"
         return int.from_bytes(answer[2:6], "big", signed=True)
+
+    def write(self, number, value, seconds=1.0):
+        """Writes a parameter; word 3 of the answer."""
+        self.seen.pop(PARAMETER, None)
+        self.send(PARAMETER_SET, number, value >> 16 & 0xFFFF, value & 0xFFFF)
+        self.wait(seconds, lambda: self.answers(number), f"answer to the write of parameter {number}")
+        return int.from_bytes(self.seen[PARAMETER][6:8], "big")
+
+    def answers(self, number):
+        """Whether the last answer is about this parameter; one may be a late answer to a question that was asked twice."""
+        return PARAMETER in self.seen and int.from_bytes(self.seen[PARAMETER][0:2], "big") == number
 
     def wait_for_state(self, state, seconds):
         self.wait(seconds, lambda: self.parameter(STATE) == state, f"state {state}")

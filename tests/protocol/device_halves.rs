@@ -53,3 +53,56 @@ fn a_background_that_is_late_loses_no_state_and_stops_no_tick() {
     assert_eq!(background.node().status().state, tick.drive().state());
     assert!(background.node().status().tick >= 99_990);
 }
+
+/// The scope's requests and blocks pass between the halves, however seldom the background runs.
+#[test]
+fn a_scope_works_between_the_halves() {
+    for (words, pause) in [(64, 1), (64, 40), (0, 1)] {
+        let mut memory = vec![0; words];
+        let mut queues = Queues::new();
+        let (mut tick, mut background) =
+            queues.power_up(Identity::default(), Board::BENCH, Parameters::new());
+        if words > 0 {
+            tick.attach_scope(&mut memory);
+        }
+        let (mut record, mut states) = (Vec::new(), Vec::new());
+        for now in 0..20_000 {
+            tick.step(&at_rest(now));
+            if !now.is_multiple_of(pause) {
+                continue;
+            }
+            let addresses = background.node().addresses();
+            let request = match now {
+                4_000 | 8_000 => Some(ToDrive::TriggerScope),
+                12_000 => Some(ToDrive::DownloadScope),
+                _ => None,
+            };
+            if let Some(request) = request {
+                background.node().handle_frame(&request.encode(addresses));
+            }
+            background.run(now);
+            if now % 4_000 == 2_000 {
+                states.push(background.node().read_parameter(number::SCOPE_STATE).unwrap());
+            }
+            while background.node().poll_frame().is_some() {}
+            while let Some(frame) = background.node().poll_bulk_frame() {
+                let FromDrive::ScopeData { address, data } = FromDrive::decode(&frame).unwrap().1 else {
+                    panic!("{frame:?}")
+                };
+                assert_eq!(usize::from(address), record.len());
+                record.extend(data);
+            }
+        }
+        let refused = background.node().read_parameter(number::REFUSED_FRAMES).unwrap();
+        if words == 0 {
+            assert_eq!(
+                (states, record.len(), refused),
+                (vec![0; 5], 0, 3),
+                "without memory nothing is armed"
+            );
+        } else {
+            // 21 samples of three signals; the last block is filled up.
+            assert_eq!((states, record.len(), refused), (vec![0, 1, 3, 3, 3], 63, 0));
+        }
+    }
+}

@@ -1,22 +1,28 @@
 //! PROTOCOL.md: its tables are made from the code, and stay so. `UPDATE=1`, set by `cargo xtask generate`, rewrites them.
 
 use narx_core::bus::Id;
-use narx_core::bus::narmotion::{Addresses, MessageId, SIGNALS};
-use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Parameter};
+use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, MessageId, NAMES, SIGNALS};
+use narx_core::description::{LOG_RECORD, LogEntry};
+use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Kind, Parameter};
 use narx_core::motor::fault::Cause;
+use narx_core::motor::signal::DRIVE_SIGNALS;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Name of a block and what makes it.
 type Block = (&'static str, fn() -> String);
 
-const BLOCKS: [Block; 6] = [
+const BLOCKS: [Block; 10] = [
     ("causes", causes),
     ("categories", categories),
     ("general", || parameters(0..78)),
     ("control", || parameters(78..122)),
     ("own", || parameters(256..u16::MAX)),
     ("signals", signals),
+    ("fields", fields),
+    ("names", names),
+    ("scope", scope),
+    ("record", record),
 ];
 
 fn causes() -> String {
@@ -43,6 +49,78 @@ fn signals() -> String {
         let step = Decimal { digits: 1, exponent: signal.exponent };
         let (name, unit) = (signal.name, signal.unit);
         writeln!(out, "| MEASUREMENT_{frame} | {words} | {name} | {kind} | {unit} | {step} |").unwrap();
+    }
+    out
+}
+
+fn fields() -> String {
+    let mut out = String::from(
+        "| message | type | word | bits | field | unit | values |\n|---|---|---|---|---|---|---|\n",
+    );
+    for message in MESSAGES.iter().filter(|message| !message.name.starts_with("MEASUREMENT")) {
+        for field in message.fields() {
+            let (word, high) = (field.first_bit / 16, 15 - field.first_bit % 16);
+            let (words, bits) = match field.bits {
+                32 => (format!("{word}-{}", word + 1), "all".into()),
+                16 => (word.to_string(), "all".into()),
+                1 => (word.to_string(), high.to_string()),
+                length => (word.to_string(), format!("{high}-{}", high + 1 - length)),
+            };
+            let values = match field.meaning {
+                Meaning::Number if field.signed => "int16",
+                Meaning::Number => "",
+                Meaning::Named(names) => names.of,
+                Meaning::Faults => "section 4",
+                Meaning::ParameterNumber | Meaning::ParameterValue => "section 5",
+            };
+            let (kind, name, unit) = (message.kind as u8, field.name, field.unit);
+            writeln!(out, "| {} | {kind} | {words} | {bits} | {name} | {unit} | {values} |", message.name)
+                .unwrap();
+        }
+    }
+    out
+}
+
+fn names() -> String {
+    let mut out = String::from("| values | |\n|---|---|\n");
+    for names in NAMES {
+        let values: Vec<String> =
+            names.values.iter().map(|(value, name)| format!("{value} {name}")).collect();
+        writeln!(out, "| {} | {} |", names.of, values.join(", ")).unwrap();
+    }
+    out
+}
+
+fn scope() -> String {
+    let mut out = String::from("| bit | signal | base | unit |\n|---|---|---|---|\n");
+    for (bit, signal) in DRIVE_SIGNALS.iter().enumerate() {
+        writeln!(out, "| {bit} | {} | {} | {} |", signal.name, signal.base, signal.unit).unwrap();
+    }
+    out
+}
+
+/// Words of each part: those of a value repeat, and what follows them stands behind all n.
+fn record() -> String {
+    let mut out = String::from("| words | part | type | unit | parameters |\n|---|---|---|---|---|\n");
+    let words = |entry: &LogEntry| if entry.kind == Kind::U16 { 1 } else { 2 };
+    let stride: usize = LOG_RECORD.iter().filter(|entry| entry.per_value).map(words).sum();
+    let (mut place, mut suffix) = (0, String::new());
+    for (index, entry) in LOG_RECORD.iter().enumerate() {
+        if entry.per_value {
+            suffix = format!(" + {stride} i");
+        } else if index > 0 && LOG_RECORD[index - 1].per_value {
+            (place, suffix) = (place - stride, format!(" + {stride} n"));
+        }
+        let first = format!("{place}{suffix}");
+        place += words(entry);
+        let at = if words(entry) == 1 { first } else { format!("{first}, {}{suffix}", place - 1) };
+        let parameters = match entry.parameters {
+            None => String::new(),
+            Some((first, last)) if first == last => first.to_string(),
+            Some((first, last)) => format!("{first} to {last}"),
+        };
+        let (name, kind, unit) = (entry.name, entry.kind.label(), entry.unit);
+        writeln!(out, "| {at} | {name} | {kind} | {unit} | {parameters} |").unwrap();
     }
     out
 }
@@ -79,11 +157,7 @@ fn parameters(numbers: std::ops::Range<u16>) -> String {
 
 fn parameter(row: &Parameter) -> String {
     let value = |digits| Decimal { digits, exponent: row.exponent };
-    let access = match row.access {
-        Access::ReadOnly => "read-only",
-        Access::Stopped => "stopped",
-        Access::Live => "live",
-    };
+    let access = row.access.label();
     let acts = match (row.access, row.command, row.effect) {
         (Access::ReadOnly, ..) => "",
         (_, true, Effect::NextStart) => "on a rising edge, at the next start",
@@ -134,7 +208,7 @@ fn generated_tables_are_up_to_date() {
 #[test]
 fn identifiers_in_the_message_table_agree_with_the_code() {
     let (_, text) = document();
-    let mut found = 0;
+    let mut found = Vec::new();
     for line in text.lines() {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();
         let [_, opcode, _, kind, identifier, direction, ..] = cells[..] else { continue };
@@ -153,7 +227,10 @@ fn identifiers_in_the_message_table_agree_with_the_code() {
             _ => Addresses::FACTORY.to_drive(id.kind, id.opcode),
         };
         assert_eq!(id, composed, "{line}");
-        found += 1;
+        found.push((cells[2].to_owned(), id));
     }
-    assert_eq!(found, 33, "the 32 identifiers of Figure 14 and the request of REBOOT");
+    let table: Vec<_> =
+        MESSAGES.iter().map(|row| (row.name.to_owned(), row.id(Addresses::FACTORY))).collect();
+    assert_eq!(found.len(), 33, "the 32 identifiers of Figure 14 and the request of REBOOT");
+    assert!(table.iter().all(|row| found.contains(row)) && table.len() == found.len());
 }

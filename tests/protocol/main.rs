@@ -2,18 +2,24 @@
 
 mod bench;
 mod broadcast;
+mod described;
+mod description;
 mod device;
 mod device_halves;
 mod dictionary;
 mod document;
+mod download_bench;
 mod inputs;
 mod master;
 mod master_bench;
 mod master_downloads;
 mod master_link;
+mod master_log;
 mod master_report;
 mod master_requests;
+mod messages;
 mod node;
 mod pair;
 mod parameters;
+mod scope;
 mod wire;

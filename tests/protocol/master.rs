@@ -4,7 +4,7 @@ use crate::bench::frame;
 use crate::pair::{Pair, is_command, said};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, StatusWord, ToDrive};
 use narx_core::dictionary::{PARAMETER_COUNT, Parameters, number};
-use narx_core::master::{Config, Download, Master, NotTaken, Request, Service};
+use narx_core::master::{Config, DescriptionReader, Download, Master, NotTaken, Request, Service};
 use narx_core::motor::event::{Request as MotorRequest, Status};
 use narx_core::motor::state::State;
 use proptest::prelude::*;
@@ -134,6 +134,7 @@ fn polling_when_it_says_is_enough() {
 #[test]
 fn a_master_is_small() {
     assert!(size_of::<Master>() <= 4096, "{} bytes", size_of::<Master>());
+    assert!(size_of::<DescriptionReader>() <= 512, "{} bytes", size_of::<DescriptionReader>());
 }
 
 #[test]

@@ -201,18 +201,20 @@ fn services_of_the_drive() {
     assert_eq!(rig.ask(Request::Run(Service::ResetCalibration)).result, Ok(1));
     rig.run(0.5);
     assert_eq!(offset(&rig), Some(0));
-    let refused = rig.ask(Request::Run(Service::Store)).result.unwrap_err();
-    assert!(matches!(refused, RequestError::Refused(_)), "there is no store yet");
-
     let rate = Request::Write { number: number::SPEED_RATE, raw: 777 };
     assert_eq!(rig.ask(rate).result, Ok(777));
+    assert_eq!(rig.ask(Request::Run(Service::Store)).result, Ok(1));
+    let refused = rig.ask(Request::Run(Service::Store)).result.unwrap_err();
+    assert!(matches!(refused, RequestError::Refused(_)), "once a second at most");
     assert_eq!(rig.ask(Request::Reboot).result, Ok(0));
     rig.until(State::Initialization);
     rig.until(State::Standby);
+    assert_eq!(rig.ask(Request::Read { number: number::SPEED_RATE }).result, Ok(777), "it was stored");
 
-    rig.master.download(Download::Description).unwrap();
-    rig.run(1.0);
-    assert_eq!(rig.master.poll_download(), Some(Err(DownloadError::NoAnswer)), "nor a description");
+    // There is no scope yet.
+    rig.master.download(Download::Scope { words: 3 }).unwrap();
+    rig.run(2.0);
+    assert_eq!(rig.master.poll_download(), Some(Err(DownloadError::NoAnswer)));
     assert_eq!(rig.bench.node().read_parameter(number::REFUSED_FRAMES), Some(3), "asked three times");
 }
 

@@ -10,6 +10,7 @@ use narx_core::master::{
 use narx_core::motor::event::Status;
 use narx_core::motor::state::State;
 use narx_core::node::Action;
+use narx_core::scope::{Report, State as ScopeState};
 use narx_core::units::Volts;
 
 const MS: u64 = 1000;
@@ -163,7 +164,10 @@ fn messages_without_an_answer_are_checked_by_the_refused_frames() {
     assert_eq!(pair.ask(Request::DigitalOutputs(outputs)).result, refused, "the line is an input now");
     pair.bench.enter(State::HallClosedLoop);
     assert_eq!(pair.ask(Request::DisableHallSupply(false)).result, refused);
-    assert_eq!(pair.ask(Request::TriggerScope).result, refused, "there is none yet");
+    // This node has no scope beside it: what was asked to arm has neither done so nor refused.
+    assert_eq!(pair.ask(Request::TriggerScope).result, Ok(0));
+    pair.bench.node.handle_scope(Report::State(ScopeState::Recording));
+    assert_eq!(pair.ask(Request::TriggerScope).result, refused, "it records");
     assert_eq!(RequestError::NotObeyed.to_string(), "the drive has refused the request");
     assert_eq!(pair.bench.refused(), 3);
 }

@@ -1,7 +1,7 @@
 //! The node: commands, answers, broadcasts, and what it must ignore.
 
 use crate::bench::{Bench, IDENTITY, frame, speed};
-use narx_core::bus::narmotion::{FromDrive, MotorMode, ToDrive, XmlCommand};
+use narx_core::bus::narmotion::{FromDrive, MotorMode, ToDrive};
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::event::{Event, Health, Request, Status};
@@ -143,21 +143,6 @@ fn reboot_is_acknowledged_before_it_happens() {
     assert_eq!(bench.messages(), [FromDrive::Reboot]);
     assert_eq!(bench.node.poll_action(), Some(Action::Reboot));
     assert_eq!(bench.node.poll_action(), None);
-}
-
-#[test]
-fn what_is_not_there_yet_is_refused_and_counted() {
-    let mut bench = Bench::new();
-    let requests = [
-        ToDrive::TriggerScope,
-        ToDrive::DownloadScope,
-        ToDrive::DownloadXml(XmlCommand::Length),
-        ToDrive::DownloadXml(XmlCommand::Start),
-    ];
-    for request in requests {
-        bench.send(request);
-    }
-    assert_eq!((bench.refused(), bench.messages()), (4, vec![]));
 }
 
 #[test]

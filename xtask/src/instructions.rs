@@ -20,6 +20,7 @@ const HEAD: &str = "\
 # vector.NAME    every `Drive::step` of a conformance vector
 # state.NAME     every `Drive::step` of all vectors that ends in a state (Table 6 of the specification)
 # running.NAME   every `Drive::step` of a motor that just runs, from 0.2 s after its closed loop began to the end of the run
+# scope.NAME     what a virtual scope of eight signals adds to every tick of that motor: waiting for an edge, recording, being read
 # floor.NAME     every call of a bare tick by hand in C, without any of our features (xtask/floor/tick.c, -O3), fed with the speed of running.NAME
 # plant.NAME     every period of the simulated motor and power stage of the virtual drive
 ";

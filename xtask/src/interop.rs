@@ -1,9 +1,14 @@
-//! What other people's tools make of our files: python-can reads the logs that we write.
+//! What other people's tools make of our files: python-can reads the logs, cantools the database, xmlschema the description.
 
 use crate::steps::{self, Outcome};
-use crate::{candump, install};
+use crate::{candump, dbc, decoded, install};
+use narx_core::bus::narmotion::{Addresses, MESSAGES, ToDrive, Words, XmlCommand};
 use narx_core::bus::{Frame, Id};
+use narx_core::dictionary::Parameters;
+use narx_core::motor::Board;
+use narx_core::node::{Identity, Node};
 use narx_sim::can::Bus;
+use narx_sim::random::Random;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
@@ -29,9 +34,20 @@ pub fn run(root: &Path) -> Outcome {
     )
 }
 
-/// A candump log of frames as they came over the simulated bus, and the same frames as a table.
-fn write_samples(directory: &Path) -> std::io::Result<()> {
+/// Writes what the tests read, but the demonstration.
+///
+/// # Errors
+/// The folder cannot be written.
+pub fn write_samples(directory: &Path) -> std::io::Result<()> {
     fs::create_dir_all(directory)?;
+    write_logs(directory)?;
+    fs::write(directory.join("narx.dbc"), dbc::render())?;
+    fs::write(directory.join("decoded.csv"), decoded_frames())?;
+    fs::write(directory.join("description.xml"), description())
+}
+
+/// A candump log of frames as they came over the simulated bus, and the same frames as a table.
+fn write_logs(directory: &Path) -> std::io::Result<()> {
     let mut bus = Bus::<2, 64>::new(500_000);
     let (Some(sender), Some(receiver)) = (bus.attach(), bus.attach()) else {
         return Err(std::io::Error::other("no place on the bus"));
@@ -84,4 +100,50 @@ fn sample_frames() -> Vec<Frame> {
             Some(length) => Frame::remote(id?, length),
         })
         .collect()
+}
+
+/// Random frames of every message, with a line for each signal of the database: what core's decoders read.
+fn decoded_frames() -> String {
+    let mut random = Random::new(1);
+    let mut table = String::from("id,data,signal,value\n");
+    for message in &MESSAGES {
+        let count = if message.fields().count() == 0 { 1 } else { 300 };
+        for _ in 0..count {
+            let frame = decoded::random_frame(message, &mut || random.bits());
+            // An acknowledgement that is none.
+            let Ok(values) = decoded::values(message, &frame) else { continue };
+            let data: String = frame.payload().iter().map(|byte| format!("{byte:02x}")).collect();
+            let id = frame.id().raw();
+            let _ = writeln!(table, "{id},{data},,");
+            for (signal, value) in dbc::physical(message, &values) {
+                let _ = writeln!(table, "{id},{data},{signal},{value}");
+            }
+        }
+    }
+    table
+}
+
+/// The description as a master downloads it: words in their place, cut at the length that was answered.
+fn description() -> Vec<u8> {
+    let mut node = Node::with_parameters(Identity::default(), Board::BENCH, Parameters::new());
+    let mut ask = |command| {
+        node.handle_frame(&ToDrive::DownloadXml(command).encode(Addresses::FACTORY));
+        for now in 0..1000 {
+            node.poll(now);
+        }
+        let frames: Vec<Frame> =
+            std::iter::from_fn(|| node.poll_frame().or_else(|| node.poll_bulk_frame())).collect();
+        let words = frames.iter().filter_map(|frame| Words::of(frame).ok());
+        words
+            .filter(|(id, _)| (130..=131).contains(&id.opcode.raw()))
+            .map(|(_, Words(words))| words)
+            .collect()
+    };
+    let answer: Vec<[u16; 4]> = ask(XmlCommand::Length);
+    let length = answer.first().map_or(0, |words| usize::from(words[0]) * 2);
+    let data = ask(XmlCommand::Start);
+    let mut text: Vec<u8> =
+        data.iter().flat_map(|[_, a, b, c]| [*a, *b, *c]).flat_map(u16::to_be_bytes).collect();
+    text.truncate(length);
+    text
 }

@@ -7,6 +7,8 @@ pub mod commutations;
 pub mod coverage;
 pub mod cross;
 pub mod csv;
+pub mod dbc;
+pub mod decoded;
 pub mod demo;
 pub mod driven;
 pub mod firmware;

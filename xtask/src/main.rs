@@ -6,6 +6,7 @@ use std::process::{Command, ExitCode};
 use xtask::bench;
 use xtask::callgrind;
 use xtask::coverage;
+use xtask::dbc;
 use xtask::demo;
 use xtask::firmware;
 use xtask::header;
@@ -47,6 +48,12 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Make docs/narx.dbc anew: every message and signal as a CAN database
+    Dbc {
+        /// Write nothing; fail if the database differs from the code
+        #[arg(long)]
+        check: bool,
+    },
     /// Build a firmware image, and run it where there is an emulator for its board
     Firmware(firmware::Arguments),
     /// Make tests/golden/instructions.toml anew: instructions of every control tick on a Cortex-M4F
@@ -56,7 +63,7 @@ enum Job {
         check: bool,
     },
     /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
-    /// C header, type declarations, golden figures
+    /// CAN database, the C header, type declarations, golden figures
     Generate,
     /// Make ffi/include/narx.h anew: the C header
     Header {
@@ -84,6 +91,7 @@ fn main() -> ExitCode {
         Job::Instructions { check } => instructions::command(root, check),
         Job::Callgrind { check } => callgrind::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
+        Job::Dbc { check } => dbc::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
@@ -108,6 +116,7 @@ fn generate(root: &Path) -> ExitCode {
             run(tests.current_dir(root).env("INSTA_UPDATE", "always"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
+        Step::new("CAN database", move || dbc::regenerate(root, false)),
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),

@@ -35,6 +35,23 @@ pub enum Category {
 }
 
 impl Category {
+    /// Every category in the order of its printed number.
+    pub const ALL: [Self; 13] = [
+        Self::CommonInfo,
+        Self::Identification,
+        Self::Calibration,
+        Self::Machine,
+        Self::Control,
+        Self::CommandSaturation,
+        Self::Limitation,
+        Self::Timing,
+        Self::Instrumentation,
+        Self::LoggingData,
+        Self::LoggingControl,
+        Self::Services,
+        Self::Diagnostics,
+    ];
+
     /// The printed label.
     pub const fn label(self) -> &'static str {
         match self {

@@ -124,24 +124,24 @@ pub(super) const GENERAL: [Parameter; 78] = [
         .factory(1_000_000)
         .about("Gain of the scaling from volts to the transmitted pressure."),
     Parameter::new(number::SCOPE_CHANNELS, "Virtual Scop Channels Selection", Instrumentation, U32)
-        .range(0, u32::MAX as i64)
+        .range(1, (1 << 22) - 1)
         .factory(7)
-        .about("Signals that the scope records: one bit each."),
+        .about("Signals that the scope records: one bit each. It reads 4 in a tick."),
     Parameter::new(number::SCOPE_SAMPLES, "Virtual Scop Samples Number", Instrumentation, U16)
         .unit("samples", 0)
         .range(1, 4096)
         .factory(256)
-        .about("Samples that the scope records of each signal."),
+        .about("Samples that the scope records of each signal, as far as its memory has room."),
     Parameter::new(number::SCOPE_PRESCALER, "Virtual Scop Sampling Prescaler", Instrumentation, U16)
         .range(1, 10000)
         .factory(1)
-        .about("Control ticks from one scope sample to the next."),
+        .about("Control ticks from one scope sample to the next, at least one for every 4 signals."),
     Parameter::new(number::SCOPE_SAMPLING_TIME, "Virtual Scop Sampling Time", Instrumentation, U32)
         .unit("s", -6)
         .range(0, u32::MAX as i64)
         .factory(100)
         .read_only()
-        .about("Time from one scope sample to the next: prescaler times the control period."),
+        .about("Time from one scope sample to the next."),
     Parameter::new(number::SCOPE_TRIGGER_PHASE, "Virtual Scop Trig phase", Instrumentation, U16)
         .unit("samples", 0)
         .range(0, 4096)

@@ -251,3 +251,9 @@ pub const CROSSING: u16 = 287;
 pub const CROSSING_MARGIN: u16 = 288;
 /// Zero crossings.
 pub const CROSSINGS: u16 = 289;
+/// Scope trigger.
+pub const SCOPE_TRIGGER: u16 = 290;
+/// Scope trigger signal.
+pub const SCOPE_TRIGGER_SIGNAL: u16 = 291;
+/// Scope trigger level, 10^-3 of the signal's base.
+pub const SCOPE_TRIGGER_LEVEL: u16 = 292;

@@ -1,12 +1,14 @@
 //! Our own parameters, from number 256 on.
 
-use super::category::Category::{CommandSaturation, Control, Diagnostics, Limitation, Machine, Services};
+use super::category::Category::{
+    CommandSaturation, Control, Diagnostics, Instrumentation, Limitation, Machine, Services,
+};
 use super::number;
 use super::parameter::Kind::{I32, U16, U32};
 use super::parameter::Parameter;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Parameter; 34] = [
+pub(super) const OWN: [Parameter; 37] = [
     Parameter::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -197,4 +199,21 @@ pub(super) const OWN: [Parameter; 34] = [
         .factory(0)
         .read_only()
         .about("Zero crossings accepted since power-up, wrapping."),
+    Parameter::new(number::SCOPE_TRIGGER, "Scope trigger", Instrumentation, U16)
+        .range(0, 6)
+        .factory(0)
+        .about(
+            "What begins the record of an armed scope, besides a second request: 0 nothing, 1 signal above the level, 2 \
+             below it, 3 its rising edge through the level, 4 its falling edge, 5 a change of the drive's state, 6 a new bit in \
+             FAULT_WORD.",
+        ),
+    Parameter::new(number::SCOPE_TRIGGER_SIGNAL, "Scope trigger signal", Instrumentation, U16)
+        .range(0, 21)
+        .factory(3)
+        .about("Signal that parameter 290 compares: its bit in parameter 22."),
+    Parameter::new(number::SCOPE_TRIGGER_LEVEL, "Scope trigger level", Instrumentation, I32)
+        .unit("-", -3)
+        .range(-8000, 7999)
+        .factory(0)
+        .about("Level that parameter 290 compares with, in bases of the signal."),
 ];

@@ -77,12 +77,51 @@ impl Kind {
         }
     }
 
+    /// Smallest number of this kind.
+    pub const fn smallest(self) -> i64 {
+        match self {
+            Self::U16 | Self::U32 => 0,
+            Self::I32 => i32::MIN as i64,
+        }
+    }
+
+    /// Largest number of this kind.
+    pub const fn largest(self) -> i64 {
+        match self {
+            Self::U16 => u16::MAX as i64,
+            Self::I32 => i32::MAX as i64,
+            Self::U32 => u32::MAX as i64,
+        }
+    }
+
     /// Name as C and the data base files write it.
     pub const fn label(self) -> &'static str {
         match self {
             Self::U16 => "uint16",
             Self::I32 => "int32",
             Self::U32 => "uint32",
+        }
+    }
+}
+
+impl Access {
+    /// Name as the description writes it.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::ReadOnly => "read-only",
+            Self::Stopped => "stopped",
+            Self::Live => "live",
+        }
+    }
+}
+
+impl Effect {
+    /// Name as the description writes it.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Immediately => "at once",
+            Self::NextStart => "next start",
+            Self::Reboot => "reboot",
         }
     }
 }

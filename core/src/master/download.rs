@@ -6,16 +6,19 @@
 //!  scope         ------------------------------------------> start --> stream --> gaps? start again
 //!  log           size of a record --> first, number, 0, 1 --> stream --> gaps? first, number, ... of the first gap
 //! ```
+//!
+//! Of the log a whole record counts, once its CRC is right.
 
 use super::error::{DownloadError, NotTaken};
 use super::requests::Todo;
 use super::stream::{Piece, Stream};
 use crate::bus::narmotion::FromDrive;
+use crate::storage::record::RECORD_MAX;
 use fixed::types::I4F12;
 use heapless::Deque;
 
-/// Chunks that may wait for the caller; what finds no room is asked for again.
-const CHUNKS: usize = 16;
+/// Chunks that may wait for the caller, as many as the longest log record has; what finds no room is asked for again.
+const CHUNKS: usize = RECORD_MAX / 6;
 
 /// What to download.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +30,8 @@ pub enum Download {
         /// Its length: selected signals times samples, at most 65 536.
         words: u32,
     },
-    /// Records of the log.
+    /// Records of the log. Each comes in as many words as parameter 69 says and has been checked; in the place of one that the drive
+    /// cannot read there are zeros.
     Log {
         /// Index of the first one.
         first: u32,
@@ -114,7 +118,8 @@ impl Transfer {
 
     /// Whether there is something to send.
     pub(super) fn is_sending(&self) -> bool {
-        self.stream.as_ref().is_some_and(|stream| self.aborted || !stream.is_listening())
+        let waits = |stream: &Stream| stream.wants_room() && !self.chunks.is_empty();
+        self.stream.as_ref().is_some_and(|stream| self.aborted || !(stream.is_listening() || waits(stream)))
     }
 
     /// When the drive has been silent for too long.
@@ -134,6 +139,9 @@ impl Transfer {
         let stream = self.stream.as_mut()?;
         if self.aborted && !stream.stop() {
             self.end_with(Err(DownloadError::Aborted));
+            return None;
+        }
+        if stream.wants_room() && !self.chunks.is_empty() {
             return None;
         }
         stream.next(now)
@@ -164,8 +172,8 @@ impl Transfer {
         let Some(stream) = &mut self.stream else { return };
         let Some(piece) = stream.hear(message, now) else { return };
         let Piece { begin, end, data } = piece;
-        let wanted = !self.chunks.is_full() && stream.missing.take(begin, end);
-        let is_last = stream.note(&piece, wanted);
+        let wanted = stream.take(&piece, CHUNKS - self.chunks.len());
+        let is_last = stream.is_last(&piece);
         if wanted {
             // Room was just seen.
             let _ = self.chunks.push_back(Chunk { offset: begin, data, length: (end - begin) as u8 });
@@ -178,8 +186,11 @@ impl Transfer {
 
     /// Asks for what is missing, unless that was in vain too often.
     fn again(&mut self) {
-        if self.stream.as_mut().is_some_and(|stream| !stream.again()) {
-            self.end_with(Err(DownloadError::NoAnswer));
+        if let Some(stream) = &mut self.stream
+            && !stream.again()
+        {
+            let failure = stream.failure();
+            self.end_with(Err(failure));
         }
     }
 

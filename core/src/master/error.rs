@@ -46,8 +46,13 @@ pub enum DownloadError {
     NoAnswer,
     /// The drive refuses one of the log's parameters.
     Refused(Refusal),
-    /// There is no log memory: a record has no size.
+    /// There is no log memory, or it has records of another form: parameter 69 is the size of none.
     NoLog,
+    /// A record of the log comes whole and is not what was written, however often it is asked for.
+    Spoiled {
+        /// Its number.
+        record: u32,
+    },
     /// Ended by [`super::Master::abort_download`].
     Aborted,
 }
@@ -92,6 +97,7 @@ impl fmt::Display for DownloadError {
             Self::NoAnswer => f.write_str("nothing comes from the drive, or nothing more"),
             Self::Refused(refusal) => refusal.fmt(f),
             Self::NoLog => f.write_str("there is no log memory"),
+            Self::Spoiled { record } => write!(f, "record {record} of the log has a wrong number or CRC"),
             Self::Aborted => f.write_str("the download was aborted"),
         }
     }

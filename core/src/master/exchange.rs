@@ -1,6 +1,10 @@
 //! One message that wants an answer: sent again when none comes, given up after some attempts.
 
 use crate::bus::narmotion::{FromDrive, ParameterStatus, ToDrive, XmlCommand};
+use crate::dictionary::number;
+
+/// A store is answered when it is done, which takes up to ten seconds on a flash that must be erased first.
+const STORE_ATTEMPTS: u8 = 100;
 
 /// Who has asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,8 +47,16 @@ struct UnderWay {
 impl Exchange {
     /// Sends `message`, for the first time at `now`.
     pub(super) const fn begin(&mut self, message: ToDrive, owner: Owner, attempts: u8, now: u64) {
-        // A second reboot would restart the drive once more.
-        let left = if matches!(message, ToDrive::Reboot) { 0 } else { attempts.saturating_sub(1) };
+        let left = match message {
+            // A second reboot would restart the drive once more.
+            ToDrive::Reboot => 0,
+            ToDrive::SetParameter { number: number::STORE | number::STORE_ONCE, value: 1 }
+                if attempts < STORE_ATTEMPTS =>
+            {
+                STORE_ATTEMPTS - 1
+            }
+            _ => attempts.saturating_sub(1),
+        };
         self.0 = Some(UnderWay { message, owner, sent: now, left });
     }
 

@@ -16,10 +16,13 @@
 //! belongs to what was asked. An answer that comes later than the time-out, or twice, may be taken for that of the next
 //! message on the same parameter.
 
+mod assembly;
 mod commands;
+mod described;
 mod download;
 mod error;
 mod exchange;
+mod markup;
 mod measurements;
 mod missing;
 mod parameters;
@@ -27,6 +30,7 @@ mod report;
 mod requests;
 mod stream;
 
+pub use described::{DescribedParameter, DescriptionError, DescriptionReader, Reason};
 pub use download::{Chunk, Download, Progress};
 pub use error::{DownloadError, NotTaken, Refusal, RequestError};
 pub use measurements::Measurements;

@@ -1,5 +1,6 @@
 //! One download from its first question to its last word: what is asked when, and where words belong.
 
+use super::assembly::Assembly;
 use super::download::Download;
 use super::error::{DownloadError, Refusal};
 use super::missing::Missing;
@@ -22,6 +23,9 @@ pub(super) struct Stream {
     pub(super) total: u32,
     /// Words of a log record, when they are known.
     record: Option<NonZeroU32>,
+    assembly: Assembly,
+    /// A record has come whole and was not what was written.
+    spoiled: bool,
     pub(super) missing: Missing,
     pass: Pass,
     /// Passes without a new word that are left.
@@ -57,7 +61,7 @@ struct Pass {
     end: u32,
     /// What comes next, if nothing is lost.
     next: u32,
-    /// It has brought a word that was missing.
+    /// It has brought a word that was missing; of the log, a record.
     useful: bool,
     /// When something was last heard of it, microseconds.
     heard: u64,
@@ -81,6 +85,8 @@ impl Stream {
             phase: Phase::Length,
             total: 0,
             record: None,
+            assembly: Assembly::default(),
+            spoiled: false,
             missing: Missing::default(),
             pass: Pass::default(),
             left,
@@ -167,14 +173,70 @@ impl Stream {
         (begin < end).then_some(Piece { begin, end, data })
     }
 
-    /// A piece has come: whether it was wanted, and whether the drive has nothing more to say.
-    pub(super) fn note(&mut self, piece: &Piece, wanted: bool) -> bool {
+    /// Takes a piece while there is room for `room` chunks: whether the caller gets it.
+    pub(super) fn take(&mut self, piece: &Piece, room: usize) -> bool {
+        if let Some(words) = self.record {
+            return self.take_of_record(piece, words, room);
+        }
+        let taken = room > 0 && self.missing.take(piece.begin, piece.end);
+        self.pass.useful |= taken;
+        taken
+    }
+
+    /// A record counts when all of it has come and its CRC is right. It is begun only where all of it has room, so that
+    /// even a slow caller gets one after the other.
+    fn take_of_record(&mut self, piece: &Piece, words: NonZeroU32, room: usize) -> bool {
+        let (place, offset) = (piece.begin / words, piece.begin % words);
+        if !self.missing.wants(piece.begin, piece.end) {
+            return false;
+        }
+        if !self.assembly.is_at(place) {
+            if room < words.get() as usize / 3 {
+                return false;
+            }
+            self.assembly.begin(place);
+        }
+        let new = self.assembly.put(offset, piece.data);
+        if self.assembly.is_complete(words.get()) {
+            let begin = place * words.get();
+            let sound = self.assembly.is_sound(self.number_at(place));
+            self.pass.useful |= sound && self.missing.take(begin, begin + words.get());
+            self.spoiled |= !sound;
+            self.assembly = Assembly::default();
+        }
+        new
+    }
+
+    /// Whether the drive has nothing more to say behind this piece.
+    pub(super) fn is_last(&mut self, piece: &Piece) -> bool {
         let pass = &mut self.pass;
-        pass.useful |= wanted;
         // The late end of the turn before is no end of this one.
         let late = pass.next == pass.begin && piece.begin > pass.begin;
         pass.next = pass.next.max(piece.end);
         self.phase == Phase::Stream && piece.end == pass.end && !late
+    }
+
+    /// Why it is given up.
+    pub(super) fn failure(&self) -> DownloadError {
+        match (self.record, self.missing.first()) {
+            (Some(words), Some((begin, _))) if self.spoiled => {
+                DownloadError::Spoiled { record: self.number_at(begin / words) }
+            }
+            _ => DownloadError::NoAnswer,
+        }
+    }
+
+    /// Whether it waits until the caller has taken what has come: records need room.
+    pub(super) fn wants_room(&self) -> bool {
+        self.phase == Phase::First
+    }
+
+    /// Number of the record at this place of the download.
+    fn number_at(&self, place: u32) -> u32 {
+        match self.what {
+            Download::Log { first, .. } => first.saturating_add(place),
+            _ => place,
+        }
     }
 
     /// Asks for what is missing; false if that was in vain too often.
@@ -206,7 +268,7 @@ impl Stream {
 
     fn set_record(&mut self, bytes: u32) -> Result<(), DownloadError> {
         let Download::Log { records, .. } = self.what else { return Ok(()) };
-        let words = NonZeroU32::new(bytes.div_ceil(2)).ok_or(DownloadError::NoLog)?;
+        let words = Assembly::words(bytes).and_then(NonZeroU32::new).ok_or(DownloadError::NoLog)?;
         self.record = Some(words);
         self.set_total(records.saturating_mul(words.get()));
         Ok(())
@@ -215,6 +277,7 @@ impl Stream {
     /// The log is asked for its first gap, in whole records; of the others the drive sends everything.
     fn prepare(&mut self) {
         self.phase = Phase::Start;
+        self.assembly = Assembly::default();
         self.pass = Pass { end: self.total, ..Pass::default() };
         if let (Some(record), Some((begin, end))) = (self.record, self.missing.first()) {
             self.phase = Phase::First;

@@ -244,6 +244,11 @@ impl Control {
         self.setpoint.value()
     }
 
+    /// What the speed loop wants, raw I16F16 V.
+    pub const fn speed_voltage(&self) -> i32 {
+        self.speed_voltage
+    }
+
     /// What was applied last.
     pub const fn output(&self) -> Output {
         self.output

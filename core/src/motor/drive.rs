@@ -3,6 +3,7 @@
 mod calm;
 mod pattern;
 mod reports;
+mod signals;
 mod transitions;
 
 use super::coefficients::Coefficients;

@@ -141,6 +141,11 @@ impl Measurement {
         self.bus_voltage
     }
 
+    /// Bus current of one period as [`step`](Self::step) saw it, raw I16F16.
+    pub const fn bus_current_of(&self, scales: &MeasurementScales, samples: &Samples) -> i32 {
+        scales.bus_current.convert(samples.bus_current).wrapping_sub(self.zero.zero)
+    }
+
     /// Filtered bus current as of the last step, raw I16F16.
     #[inline]
     pub const fn bus_current(&self) -> i32 {

@@ -45,6 +45,7 @@ pub mod pwm;
 pub mod coefficients;
 pub mod event;
 pub mod front_end;
+pub mod signal;
 
 pub use coefficients::{BuildError, Coefficients};
 pub use commutation::{Direction, Leg, Step};

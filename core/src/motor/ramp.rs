@@ -1,6 +1,5 @@
 //! Rate limit of a set-point.
 
-use crate::units::saturate64;
 use serde::{Deserialize, Serialize};
 
 /// A value that approaches its target by at most a rate per step; 16 extra fraction bits keep slow ramps moving.
@@ -26,9 +25,9 @@ impl Ramp {
         self.value = (value as i64) << 16;
     }
 
-    /// Where it is (raw I16F16).
+    /// Where it is (raw I16F16). It never leaves the range of what it was set to and of its targets.
     #[inline]
     pub const fn value(&self) -> i32 {
-        saturate64(self.value >> 16)
+        (self.value >> 16) as i32
     }
 }

@@ -1,7 +1,7 @@
 //! What the drive sends on its own: status, faults, measurements.
 
 use super::{Node, scale};
-use crate::bus::narmotion::{ControlMode, FromDrive, Measurement, MotorMode, StatusWord};
+use crate::bus::narmotion::{ControlMode, FromDrive, Measurement, MotorMode, StatusWord, Words};
 use crate::dictionary::{Parameters, number};
 use crate::motor::commutation::Direction;
 use crate::motor::event::Status;
@@ -65,7 +65,8 @@ fn shortest(board: &Board) -> u64 {
 impl Node {
     /// Status and fault words always; measurements while the master is heard.
     pub(super) fn broadcast(&mut self) {
-        self.send(FromDrive::Status(status_word(&self.status)));
+        self.send(FromDrive::Status(self.status_word()));
+        self.forget_log_end();
         self.send(FromDrive::Faults(self.status.faults));
         self.outbox.discard_measurements();
         if self.status.command_expired {
@@ -102,6 +103,38 @@ impl Node {
         self.parameters.raw(number::MOTOR_POLE_PAIRS)
     }
 
+    /// STATUS_WORD (Table 8).
+    pub(super) fn status_word(&self) -> StatusWord {
+        let status = &self.status;
+        let control = match status.state {
+            State::Initialization | State::Standby | State::Fault => ControlMode::Off,
+            State::RotorLock | State::OpenLoop => ControlMode::OpenLoop,
+            State::SensorlessClosedLoop | State::SensorlessAutoRestart => ControlMode::Sensorless,
+            State::HallClosedLoop => ControlMode::Hall,
+        };
+        let mode = match (status.state, status.direction) {
+            (State::Initialization | State::Standby, _) => MotorMode::Standby,
+            (State::Fault, _) => MotorMode::Fault,
+            (_, Direction::Forward) => MotorMode::Drive,
+            (_, Direction::Reverse) => MotorMode::Reverse,
+        };
+        let log = self.log_status();
+        StatusWord {
+            mode,
+            control,
+            logging: log.state,
+            memory_full: log.full,
+            memory_erased: log.erased,
+            read_enable: log.read_enable,
+            erase_enable: log.erase_enable,
+        }
+    }
+
+    /// The words of MEASUREMENT_0 to 5.
+    pub(super) fn measurement_words(&self) -> [Words; 6] {
+        self.measurements().map(Measurement::encode)
+    }
+
     fn measurements(&self) -> [Measurement; 6] {
         let Self { status, parameters, .. } = self;
         let inputs = self.inputs.unwrap_or_default();
@@ -136,23 +169,6 @@ impl Node {
             },
         ]
     }
-}
-
-/// STATUS_WORD of a report (Table 8). There is no log yet: its bits are 0.
-fn status_word(status: &Status) -> StatusWord {
-    let control = match status.state {
-        State::Initialization | State::Standby | State::Fault => ControlMode::Off,
-        State::RotorLock | State::OpenLoop => ControlMode::OpenLoop,
-        State::SensorlessClosedLoop | State::SensorlessAutoRestart => ControlMode::Sensorless,
-        State::HallClosedLoop => ControlMode::Hall,
-    };
-    let mode = match (status.state, status.direction) {
-        (State::Initialization | State::Standby, _) => MotorMode::Standby,
-        (State::Fault, _) => MotorMode::Fault,
-        (_, Direction::Forward) => MotorMode::Drive,
-        (_, Direction::Reverse) => MotorMode::Reverse,
-    };
-    StatusWord { mode, control, ..StatusWord::default() }
 }
 
 fn centivolts(value: Volts) -> i16 {

@@ -5,19 +5,28 @@
 //!  frames ----- handle_frame --> +------+ --- poll_frame --> frames
 //!  Status ---- handle_status --> | Node | --- poll_event --> Event, to the control tick
 //!  slow inputs handle_inputs --> |      | -- poll_action --> what only the shell can do
+//!  Report ----- handle_scope --> |      | --- poll_scope --> Request, to the scope in the control tick's half
+//!  flash ---- handle_storage --> |      | - poll_storage --> what the flash shall do
 //!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
 //! ```
 //!
-//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left.
+//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left; `poll_bulk_frame`
+//! only as far as the bus has taken what it gave before.
 
 mod broadcast;
+mod bulk;
 mod commands;
+mod description;
 mod inputs;
+mod log;
 mod outbox;
 mod parameters;
 mod requests;
 mod scale;
+mod scope;
+mod storage;
 
+pub use crate::description::Identity;
 pub use inputs::SlowInputs;
 
 use crate::bus::Frame;
@@ -28,25 +37,15 @@ use crate::motor::event::{Event, Health, SlowMeasurements, Status};
 use crate::motor::fault::FaultWord;
 use crate::motor::front_end::Board;
 use broadcast::Autosend;
+use bulk::Turn;
 use commands::Commands;
+use description::Download;
+use log::Log;
 use outbox::Outbox;
 use parameters::Edges;
+use scope::ScopeLink;
 use serde::{Deserialize, Serialize};
-
-/// What the firmware and the board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Identity {
-    /// Build number of the firmware.
-    pub build_number: u16,
-    /// Built from sources that were not committed.
-    pub source_modified: bool,
-    /// Date of the build, YYYYMMDD in decimal.
-    pub build_date: u32,
-    /// Release of the board.
-    pub hardware_release: u16,
-    /// Release of the firmware: major in the high byte, minor in the low byte.
-    pub software_release: u16,
-}
+use storage::Flash;
 
 /// What the shell does for the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,8 +84,14 @@ pub struct Node {
     hall_supply_disabled: bool,
     autosend: Autosend,
     outbox: Outbox,
+    download: Download,
+    /// Whose turn it is to send a bulk frame.
+    turn: Turn,
     pending: Pending,
     counters: Counters,
+    flash: Flash,
+    log: Log,
+    scope: ScopeLink,
     /// Parameter for which the present set does not build.
     rejected: Option<u16>,
 }
@@ -135,8 +140,13 @@ impl Node {
             hall_supply_disabled: false,
             autosend: Autosend::default(),
             outbox: Outbox::default(),
+            download: Download::default(),
+            turn: Turn::default(),
             pending: Pending { coefficients: true, ..Pending::default() },
             counters: Counters::default(),
+            flash: Flash::default(),
+            log: Log::default(),
+            scope: ScopeLink::default(),
             rejected: None,
         };
         node.put(number::HARDWARE_RELEASE, identity.hardware_release.into());
@@ -188,15 +198,19 @@ impl Node {
     /// Takes the condition of the parameter store and of the self-tests, at boot and when it changes.
     pub fn handle_health(&mut self, health: Health) {
         self.pending.health = Some(health);
+        self.flash.note_health(health);
         let mapped = !health.store_faults.contains(FaultWord::STORE_MISMATCH);
         self.put(number::MEMORY_MAPPING_FLAG, i32::from(mapped));
     }
 
-    /// Advances time to the control tick `now`: queues the broadcasts that are due.
+    /// Advances time to the control tick `now`: queues the broadcasts that are due, and samples what is logged.
     pub fn poll(&mut self, now: u64) {
+        self.flash.advance(now);
+        self.run_log(now);
         if self.autosend.is_due(now, &self.parameters, &self.board) {
             self.broadcast();
         }
+        self.measure_description();
     }
 
     /// The next frame to send, control and status before measurements.

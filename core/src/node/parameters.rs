@@ -1,5 +1,6 @@
 //! Reading and writing parameters.
 
+use super::storage::part_of;
 use super::{Node, scale};
 use crate::bus::narmotion::{FromDrive, ParameterStatus};
 use crate::dictionary::{Access, Category, Dictionary, Parameter, ParameterError, number};
@@ -42,11 +43,14 @@ impl Node {
     /// The raw value of a parameter as the bus reads it, live ones included; `None` for an unknown number.
     pub fn read_parameter(&self, number: u16) -> Option<i32> {
         let status = &self.status;
+        if let Some(value) = self.read_log_parameter(number) {
+            return Some(value);
+        }
         Some(match number {
             number::SCOPE_SAMPLING_TIME => {
-                let prescaler = i64::from(self.parameters.raw(number::SCOPE_PRESCALER));
-                (prescaler * 1_000_000 / i64::from(self.board.tick_rate.max(1))) as i32
+                super::scope::sampling_time(&self.parameters, self.board.tick_rate)
             }
+            number::SCOPE_STATE => self.scope.state() as i32,
             number::DRIVE_STATE => status.state as i32,
             number::REFUSED_FRAMES => self.counters.refused as i32,
             number::MALFORMED_FRAMES => self.counters.malformed as i32,
@@ -76,7 +80,8 @@ impl Node {
         if row.access == Access::ReadOnly {
             return ParameterStatus::ReadOnly;
         }
-        if !row.accepts(raw) {
+        let slot = (number::LOGGING_SLOT_FIRST..=number::LOGGING_SLOT_LAST).contains(&number);
+        if !row.accepts(raw) || (slot && !self.can_log(raw)) {
             return ParameterStatus::OutOfRange;
         }
         if !self.is_allowed_now(row, raw) {
@@ -86,6 +91,9 @@ impl Node {
             return self.write_command(number, raw != 0);
         }
         self.put(number, raw);
+        if slot || number == number::LOG_PERIOD {
+            self.log.restart();
+        }
         if matters_to_the_tick(row) {
             self.after_change();
         }
@@ -171,9 +179,20 @@ impl Node {
             if number == number::HALL_CALIBRATE && self.parameters.raw(number) != 0 {
                 self.pending.calibrate = Some(false);
             }
+            if number == number::LOG_READ_REQUEST {
+                self.abort_download();
+            }
             self.edges.arm(number);
             self.put(number, 0);
             return ParameterStatus::Done;
+        }
+        if self.flash.answers_later(number) {
+            // A 1 over a 1 comes from a master that has waited long: the answer to the first one is its answer, too.
+            return if self.edges.is_armed(number) {
+                ParameterStatus::Storage
+            } else {
+                ParameterStatus::Done
+            };
         }
         if self.edges.is_armed(number) {
             let status = self.run_command(number);
@@ -194,13 +213,16 @@ impl Node {
             }
             number::RESET_CALIBRATION => self.reset_calibration(),
             number::AUTO_CALIBRATE => {
-                if self.auto_calibrate().is_err() {
-                    return ParameterStatus::OutOfRange;
-                }
+                return match self.auto_calibrate() {
+                    Ok(()) => ParameterStatus::Done,
+                    Err(_) => ParameterStatus::OutOfRange,
+                };
             }
             number::HALL_CALIBRATE => self.pending.calibrate = Some(true),
-            // There is no parameter store and no log memory yet.
-            _ => return ParameterStatus::Storage,
+            number::STORE | number::STORE_ONCE => return self.begin_store(part_of(number), number),
+            number::LOG_READ_REQUEST => return self.begin_download(),
+            number::LOG_ERASE_REQUEST => return self.begin_erase(),
+            _ => {}
         }
         ParameterStatus::Done
     }

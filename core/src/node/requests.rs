@@ -2,12 +2,12 @@
 
 use super::Node;
 use crate::bus::Frame;
-use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ToDrive};
+use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
 use crate::dictionary::{Category, Parameters, number};
 use crate::motor::state::State;
 
 /// A well-formed request that is not obeyed: silent on the bus, counted in parameter 274.
-struct Refused;
+pub(super) struct Refused;
 
 impl Node {
     /// Takes a frame from the bus. Only data frames of 8 bytes from the configured master to this drive are obeyed;
@@ -50,6 +50,9 @@ impl Node {
             }
             ToDrive::SetParameter { number, value } => {
                 let status = self.write_parameter(number, value);
+                if status == ParameterStatus::Done && value == 1 && self.flash.answers_later(number) {
+                    return Ok(());
+                }
                 let value = self.read_parameter(number).unwrap_or(0);
                 self.send(FromDrive::Parameter { number, value, status });
             }
@@ -73,16 +76,18 @@ impl Node {
             ToDrive::RestoreFactory { serial } => self.restore_factory(serial)?,
             ToDrive::DigitalOutputs(outputs) => self.set_digital(outputs)?,
             ToDrive::DisableHallSupply(disable) => self.disable_hall_supply(disable)?,
-            ToDrive::TriggerScope | ToDrive::DownloadScope | ToDrive::DownloadXml(_) => return Err(Refused),
+            ToDrive::DownloadXml(command) => self.serve_description(command),
+            ToDrive::TriggerScope => self.scope.trigger(&self.parameters)?,
+            ToDrive::DownloadScope => self.scope.download()?,
         }
         Ok(())
     }
 
     /// Factory values of everything but the board's own facts: device number and calibration (category 02, which
-    /// parameter 258 resets). Addresses follow at the next boot.
+    /// parameter 258 resets), in force and stored. Addresses follow at the next boot.
     fn restore_factory(&mut self, serial: u16) -> Result<(), Refused> {
         self.require_stopped()?;
-        if self.parameters.raw(number::DEVICE_NUMBER) != i32::from(serial) {
+        if self.parameters.raw(number::DEVICE_NUMBER) != i32::from(serial) || !self.can_store_factory() {
             return Err(Refused);
         }
         let mut restored = Parameters::new();
@@ -99,6 +104,8 @@ impl Node {
         }
         self.parameters = restored;
         self.after_change();
+        self.log.restart();
+        self.store_factory();
         Ok(())
     }
 
@@ -137,7 +144,7 @@ impl Node {
         }
     }
 
-    fn count_refused(&mut self) {
+    pub(super) fn count_refused(&mut self) {
         self.counters.refused = self.counters.refused.saturating_add(1);
     }
 }

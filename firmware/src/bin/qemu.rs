@@ -14,6 +14,9 @@ mod image {
     use narx_core::device::Queues;
     use narx_core::motor::{Board, PwmCommand, Samples};
     use narx_core::node::Identity;
+    use narx_core::scope;
+    use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
+    use narx_firmware::boards::qemu::flash::Chip;
     use narx_firmware::boards::qemu::pace::{Pace, count_millisecond};
     use narx_firmware::boards::qemu::uart::{self, INCOMING, Receiver};
     use narx_firmware::boards::qemu::watchdog::Watchdog;
@@ -22,6 +25,7 @@ mod image {
     use narx_firmware::shell::{Background, Control, Progress};
     use narx_sim::can::slcan::Adapter;
     use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
+    use narx_sim::flash::finish;
     use narx_sim::plant::{Plant, PlantConfig};
     use narx_sim::presets::{Preset, preset};
 
@@ -38,6 +42,8 @@ mod image {
         static mut COMMANDS: Queue<PwmCommand, 2> = Queue::new();
         static mut INCOMING_BYTES: Queue<u8, INCOMING> = Queue::new();
         static mut ARGUMENTS: [u8; ARGUMENTS_MAX] = [0; ARGUMENTS_MAX];
+        static mut MAILBOX: Mailbox = Mailbox::new();
+        static mut SCOPE: [u16; scope::WORDS] = [0; scope::WORDS];
 
         let Some((preset, supply)) = choose(semihosting::arguments(ARGUMENTS)) else {
             semihosting::exit(false)
@@ -55,7 +61,12 @@ mod image {
             peripherals.SCB.set_priority(SystemHandler::SysTick, 0xC0);
         }
 
-        let (tick, device) = QUEUES.power_up(IDENTITY, Board::BENCH, commissioning.parameters);
+        let mailbox: &'static Mailbox = MAILBOX;
+        let Some(chip) = Chip::take() else { semihosting::exit(false) };
+        let mut storage = Storage::new(chip);
+        let Some(opened) = open(&mut storage, &commissioning) else { semihosting::exit(false) };
+        let (mut tick, device) = QUEUES.power_up(IDENTITY, Board::BENCH, opened.parameters.clone());
+        tick.attach_scope(SCOPE);
         let (samples, samples_out) = SAMPLES.split();
         let (commands_in, commands) = COMMANDS.split();
         let (uart, receiver) = uart::open(INCOMING_BYTES);
@@ -72,8 +83,27 @@ mod image {
             pace: Pace::start(peripherals.SYST),
             watchdog: Watchdog::start(),
             stack: 0,
+            bus_free_at: 0,
         };
-        Background::new(device, world, &PROGRESS).run()
+        storage.flash().start_clock();
+        Background::new(device, world, &PROGRESS)
+            .with_flash(mailbox, &opened)
+            .run_with(mailbox.serve(&mut storage))
+    }
+
+    /// What the flash holds. One that holds nothing, as after power-up, becomes that of a commissioned drive.
+    fn open(storage: &mut Storage<Chip>, commissioning: &Commissioning) -> Option<Opened> {
+        let look = |storage: &mut Storage<Chip>| match finish(storage.execute(Request::Open)) {
+            Some(Report::Opened(opened)) => Some(opened),
+            _ => None,
+        };
+        let opened = look(storage)?;
+        if opened.faults.is_empty() {
+            return Some(opened);
+        }
+        storage.flash().clear();
+        finish(storage.format(&commissioning.parameters))?;
+        look(storage)
     }
 
     /// The control interrupt.

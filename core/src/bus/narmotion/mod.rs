@@ -5,6 +5,7 @@
 mod from_drive;
 mod id;
 mod measurement;
+mod message;
 mod signal;
 mod to_drive;
 mod word;
@@ -13,6 +14,7 @@ mod words;
 pub use from_drive::{FromDrive, ParameterStatus};
 pub use id::{Addresses, MessageId, MessageKind, Opcode, Priority};
 pub use measurement::Measurement;
+pub use message::{Field, MESSAGES, Meaning, Message, NAMES, Names};
 pub use signal::{SIGNALS, Signal};
 pub use to_drive::{DigitalOutputs, ToDrive, XmlCommand};
 pub use word::{ControlMode, MotorMode, RequestWord, StatusWord};

@@ -75,6 +75,12 @@ impl Calm {
         self.others = 0;
     }
 
+    /// Ticks that the stations have not been told of.
+    #[inline]
+    pub(super) const fn slept(&self) -> u32 {
+        self.all.granted.wrapping_sub(self.all.left)
+    }
+
     /// Nothing but a commutation is due.
     #[inline]
     pub(super) const fn commutates(&self) -> bool {
@@ -243,7 +249,7 @@ impl Drive {
 
     /// Where the rotor is by the running mode: angle and speed, u32 turn and 2^-32 turn a tick.
     #[inline]
-    fn place(&self) -> (u32, i32) {
+    pub(super) fn place(&self) -> (u32, i32) {
         if self.listens {
             let rotor = self.sensorless.rotor();
             (rotor.angle(), rotor.speed())

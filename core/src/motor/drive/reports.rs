@@ -1,7 +1,7 @@
 //! What the tick reports, and when.
 
 use super::Drive;
-use crate::motor::commutation::Step;
+use crate::motor::commutation::{Direction, Step};
 use crate::motor::event::{Limiter, Status};
 use crate::motor::samples::Samples;
 use crate::motor::state::State;
@@ -63,6 +63,30 @@ impl Drive {
         self.reports = Reports { state, faults, stirred, due: true, tick, terminals };
     }
 
+    /// Set-point after saturation and ramp while a speed loop runs, signed, raw I16F16 electrical rev/s.
+    pub(super) fn setpoint(&self) -> i32 {
+        let closed = match self.machine.state() {
+            State::HallClosedLoop => true,
+            State::SensorlessClosedLoop | State::SensorlessAutoRestart => self.sensorless.is_running(),
+            _ => false,
+        };
+        let setpoint = if closed { self.control.setpoint() } else { 0 };
+        match self.machine.direction() {
+            Direction::Forward => setpoint,
+            Direction::Reverse => setpoint.saturating_neg(),
+        }
+    }
+
+    /// Speed by back-EMF, signed, raw I16F16 electrical rev/s; 0 if nobody listens.
+    pub(super) const fn speed_sensorless(&self) -> i32 {
+        if self.listens { self.sensorless_speed() } else { 0 }
+    }
+
+    /// Electrical angle that the commutation uses, u32 turn.
+    pub(super) const fn angle(&self) -> u32 {
+        if self.listens { self.sensorless.rotor().angle() } else { self.rotor.hall_position().angle }
+    }
+
     fn status(&self) -> Status {
         let c = &self.coefficients;
         let direction = self.machine.direction();
@@ -70,15 +94,6 @@ impl Drive {
         let hall = self.rotor.hall_diagnostics();
         let (voltage, current) = (self.measurement.bus_voltage(), self.measurement.bus_current());
         let power = (i64::from(voltage) * i64::from(current)) >> 16;
-        let closed = match state {
-            State::HallClosedLoop => true,
-            State::SensorlessClosedLoop | State::SensorlessAutoRestart => self.sensorless.is_running(),
-            _ => false,
-        };
-        let setpoint = if closed { self.control.setpoint() } else { 0 };
-        let sensorless = self.listens;
-        let angle =
-            if sensorless { self.sensorless.rotor().angle() } else { self.rotor.hall_position().angle };
         let (crossing, crossing_margin, crossings) = self.sensorless.why();
         Status {
             tick: self.reports.tick,
@@ -90,14 +105,10 @@ impl Drive {
             refusal: self.machine.refusal(),
             supply_low: voltage < c.protection.supply_low,
             direction,
-            setpoint: ElectricalSpeed::from_bits(setpoint.saturating_mul(direction.sign())),
+            setpoint: ElectricalSpeed::from_bits(self.setpoint()),
             speed_hall: self.rotor.hall_speed(),
-            speed_sensorless: ElectricalSpeed::from_bits(if sensorless {
-                self.sensorless_speed()
-            } else {
-                0
-            }),
-            angle: ElectricalAngle((angle >> 16) as u16),
+            speed_sensorless: ElectricalSpeed::from_bits(self.speed_sensorless()),
+            angle: ElectricalAngle((self.angle() >> 16) as u16),
             sectors: self.rotor.sectors(),
             bus_voltage: Volts::from_bits(voltage),
             bus_current: Amps::from_bits(current),

@@ -7,6 +7,7 @@
 //!   UART0 <─> slcan adapter <─> Background                      one period after the other, held back to real time
 //! ```
 
+pub mod flash;
 pub mod instructions;
 mod kept;
 mod owned;

@@ -16,6 +16,8 @@ use narx_sim::plant::Plant;
 
 /// Bit rate of the drive's bus, bit/s (Table 2). An adapter set to another hears and says nothing.
 const BITRATE: u32 = 500_000;
+/// What a frame occupies the bus at least, whole ticks: 131 bits of a 29-bit frame with 8 bytes.
+const FRAME_TICKS: u64 = 3;
 /// Control ticks a millisecond.
 const TICKS_PER_MS: u64 = 10;
 /// The stack is looked at this often, ticks: every ten seconds of the drive.
@@ -58,6 +60,8 @@ pub struct World {
     pub watchdog: Watchdog,
     /// Most of the stack that was seen used, bytes.
     pub stack: usize,
+    /// When a bus would have taken what was sent, ticks: the serial line is faster than one.
+    pub bus_free_at: u64,
 }
 
 impl World {
@@ -90,6 +94,7 @@ impl BackgroundSide for World {
         self.plant.finish_period(&command);
         self.uart.pump();
         let tick = self.plant.tick();
+        super::flash::set_now(tick);
         if tick.is_multiple_of(STACK_TICKS) {
             self.note_stack();
         }
@@ -113,7 +118,12 @@ impl BackgroundSide for World {
         self.uart.room() >= LINE_MAX
     }
 
+    fn is_ready_for_bulk(&self) -> bool {
+        self.is_ready_to_send() && self.now() >= self.bus_free_at
+    }
+
     fn send(&mut self, frame: &Frame) {
+        self.bus_free_at = self.bus_free_at.max(self.now()) + FRAME_TICKS;
         let line = self.adapter.handle_frame(frame, self.now() / TICKS_PER_MS);
         if let Some(line) = line.filter(|_| self.is_on_bus())
             && !self.uart.write(&line)

@@ -1,0 +1,87 @@
+//! The description that the drive serves: an XML document of its parameters, messages, states, faults, scope signals and
+//! log records. It is rendered from the tables as it is streamed, so there is no copy of it in memory.
+//!
+//! ```text
+//!   SECTIONS --line by line--> Window --bytes--> frames
+//!      |                         ^
+//!      +-- dictionary, MESSAGES, Cause::TABLE ...    Cursor: line, bytes of it that are gone
+//! ```
+//!
+//! A line is rendered anew for each piece that is read of it: that costs time, of which a drive that downloads has plenty, and saves
+//! memory, which it has not. `docs/narx.xsd` is the document's schema.
+
+mod identity;
+mod log;
+mod sections;
+mod window;
+
+pub use identity::Identity;
+pub use log::{LOG_RECORD, LogEntry};
+
+use crate::bus::narmotion::Addresses;
+use core::fmt;
+use serde::{Deserialize, Serialize};
+use window::{Counter, Window};
+
+/// Version of the document's form; another one is for other readers.
+pub const FORMAT: u16 = 1;
+
+/// The document of one drive. Nothing in it changes until the drive reboots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Document {
+    /// Firmware and board.
+    pub identity: Identity,
+    /// Of the drive and its master: identifiers of messages depend on them.
+    pub addresses: Addresses,
+    /// Control ticks per second.
+    pub tick_rate: u32,
+}
+
+/// A place in a document.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Cursor {
+    line: u16,
+    /// Bytes of the line that have been read.
+    offset: u16,
+}
+
+impl Document {
+    /// Reads on from `cursor` into `out` and tells how many bytes that were; less than there is room for at the end alone.
+    pub fn read(&self, cursor: &mut Cursor, out: &mut [u8]) -> usize {
+        let mut filled = 0;
+        while let Some(room) = out.get_mut(filled..).filter(|room| !room.is_empty())
+            && usize::from(cursor.line) < sections::LINES
+        {
+            let mut window = Window::new(cursor.offset, room);
+            // An error says that the window is full.
+            let whole = self.write_line(cursor.line, &mut window).is_ok();
+            let written = window.written();
+            filled += written;
+            *cursor = if whole {
+                Cursor { line: cursor.line + 1, offset: 0 }
+            } else {
+                Cursor { offset: cursor.offset + written as u16, ..*cursor }
+            };
+        }
+        filled
+    }
+
+    /// Length of a line, bytes; `None` behind the last one. The sum over all lines from 0 on is the length of the document.
+    pub fn line_length(&self, line: u16) -> Option<u16> {
+        if usize::from(line) >= sections::LINES {
+            return None;
+        }
+        let mut counter = Counter::default();
+        // Counting does not fail.
+        let _ = self.write_line(line, &mut counter);
+        Some(counter.bytes())
+    }
+
+    /// Writes the whole document.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, out: &mut dyn fmt::Write) -> fmt::Result {
+        (0..sections::LINES as u16).try_for_each(|line| self.write_line(line, out))
+    }
+}

@@ -1,0 +1,44 @@
+//! Bulk frames: downloads, behind everything else that the drive sends.
+
+use super::Node;
+use crate::bus::Frame;
+use serde::{Deserialize, Serialize};
+
+/// The downloads that there are: frames of those under way take turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Turn {
+    #[default]
+    Description,
+    Log,
+    Scope,
+}
+
+impl Turn {
+    const fn next(self) -> Self {
+        match self {
+            Self::Description => Self::Log,
+            Self::Log => Self::Scope,
+            Self::Scope => Self::Description,
+        }
+    }
+}
+
+impl Node {
+    /// The next bulk frame: none while anything else waits. Give the controller a second one while the first is on the bus, and
+    /// no third: whatever is sent later waits behind them.
+    pub fn poll_bulk_frame(&mut self) -> Option<Frame> {
+        if !self.outbox.is_empty() {
+            return None;
+        }
+        let turn = self.turn;
+        [turn, turn.next(), turn.next().next()].into_iter().find_map(|turn| {
+            let frame = match turn {
+                Turn::Description => self.next_of_description(),
+                Turn::Log => self.next_of_log(),
+                Turn::Scope => self.next_of_scope(),
+            };
+            self.turn = turn.next();
+            frame
+        })
+    }
+}

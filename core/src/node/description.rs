@@ -1,0 +1,106 @@
+//! XML_DOWNLOAD_REQUEST: the description's length, and its text.
+
+use super::Node;
+use crate::bus::Frame;
+use crate::bus::narmotion::{FromDrive, XmlCommand};
+use crate::description::{Cursor, Document};
+use serde::{Deserialize, Serialize};
+
+/// Lines measured in one poll, so that a request for the length never holds up the background.
+const LINES_A_POLL: usize = 4;
+/// Bytes in a frame of data: three words.
+const BYTES: usize = 6;
+
+/// Where length and download stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Download {
+    length: Length,
+    /// Requests for the length that wait for their answer.
+    asked: u8,
+    stream: Option<Stream>,
+}
+
+/// What is known of the document's length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Length {
+    /// Bytes of the lines before this one.
+    Before {
+        line: u16,
+        bytes: u32,
+    },
+    Words(u16),
+}
+
+/// A download under way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Stream {
+    cursor: Cursor,
+    /// Of the next word.
+    address: u16,
+}
+
+impl Default for Length {
+    fn default() -> Self {
+        Self::Before { line: 0, bytes: 0 }
+    }
+}
+
+impl Node {
+    /// Takes the request. Asking for the length ends a download; a start begins from the first word, whatever was sent before.
+    pub(super) fn serve_description(&mut self, command: XmlCommand) {
+        self.download.stream = match command {
+            XmlCommand::Start => Some(Stream::default()),
+            XmlCommand::Length => None,
+        };
+        if command == XmlCommand::Length {
+            self.download.asked = self.download.asked.saturating_add(1);
+            self.answer_length();
+        }
+    }
+
+    /// Measures on while somebody waits for the length.
+    pub(super) fn measure_description(&mut self) {
+        if self.download.asked == 0 {
+            return;
+        }
+        let document = self.document();
+        for _ in 0..LINES_A_POLL {
+            let Length::Before { line, bytes } = self.download.length else { break };
+            self.download.length = match document.line_length(line) {
+                Some(more) => Length::Before { line: line + 1, bytes: bytes.saturating_add(more.into()) },
+                // A word has two bytes; what more than 65 535 of them would be is the business of a test.
+                None => Length::Words(bytes.div_ceil(2).min(u16::MAX.into()) as u16),
+            };
+        }
+        self.answer_length();
+    }
+
+    /// The next frame of a download. The last one is filled up with zeros, and an odd last byte with a line's end.
+    pub(super) fn next_of_description(&mut self) -> Option<Frame> {
+        let Stream { mut cursor, address } = self.download.stream?;
+        let mut text = [0; BYTES];
+        let length = self.document().read(&mut cursor, &mut text);
+        if length % 2 == 1
+            && let Some(odd) = text.get_mut(length)
+        {
+            *odd = b'\n';
+        }
+        let next = Stream { cursor, address: address.wrapping_add(BYTES as u16 / 2) };
+        self.download.stream = (length == BYTES).then_some(next);
+        let [a, b, c, d, e, f] = text;
+        let data = [[a, b], [c, d], [e, f]].map(u16::from_be_bytes);
+        (length > 0).then(|| FromDrive::XmlData { address, data }.encode(self.addresses))
+    }
+
+    fn answer_length(&mut self) {
+        if let Length::Words(words) = self.download.length {
+            for _ in 0..core::mem::take(&mut self.download.asked) {
+                self.send(FromDrive::XmlLength { words });
+            }
+        }
+    }
+
+    const fn document(&self) -> Document {
+        Document { identity: self.identity, addresses: self.addresses, tick_rate: self.board.tick_rate }
+    }
+}

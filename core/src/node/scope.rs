@@ -1,0 +1,157 @@
+//! The virtual scope as the bus sees it: LOG VIRTUAL SCOPE, parameters 22 to 26, 260 and 290 to 292.
+
+use super::Node;
+use super::requests::Refused;
+use crate::bus::Frame;
+use crate::bus::narmotion::FromDrive;
+use crate::dictionary::{Parameters, number};
+use crate::motor::signal::{Signal, SpeedScale};
+use crate::scope::{Block, Report, Request, Setup, State, Threshold, Trigger, period};
+use heapless::{Deque, Vec};
+use serde::{Deserialize, Serialize};
+
+/// Blocks that wait for the bus.
+const BLOCKS: usize = 8;
+
+/// What the node knows of the scope.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct ScopeLink {
+    /// As the scope last told, or as it will be by the request that waits.
+    state: State,
+    request: Option<Request>,
+    /// An arming was asked for, and the scope has not answered.
+    arms: bool,
+    /// Where the next block of the download begins, while one is under way.
+    expected: Option<u16>,
+    blocks: Deque<Block, BLOCKS>,
+}
+
+impl ScopeLink {
+    /// What the scope does.
+    pub(super) const fn state(&self) -> State {
+        self.state
+    }
+
+    /// The first request arms, the next one forces the trigger.
+    pub(super) fn trigger(&mut self, parameters: &Parameters) -> Result<(), Refused> {
+        match self.state {
+            State::Armed if self.request.is_none() => self.request = Some(Request::Force),
+            State::Idle | State::Done => {
+                self.request = Some(Request::Arm(setup(parameters).ok_or(Refused)?));
+                self.stop_download();
+                (self.state, self.arms) = (State::Armed, true);
+            }
+            State::Armed | State::Recording => return Err(Refused),
+        }
+        Ok(())
+    }
+
+    /// The record from its first word, whatever was sent of it before.
+    pub(super) fn download(&mut self) -> Result<(), Refused> {
+        if self.state != State::Done {
+            return Err(Refused);
+        }
+        self.blocks.clear();
+        (self.expected, self.request) = (Some(0), Some(Request::Read));
+        Ok(())
+    }
+
+    /// Nothing more is sent.
+    fn stop_download(&mut self) {
+        self.blocks.clear();
+        self.expected = None;
+    }
+
+    /// Takes what the scope says; true if it could not be armed. Blocks of a download that was begun anew are not sent.
+    fn take(&mut self, report: Report) -> bool {
+        match report {
+            Report::State(state) => {
+                let refused = core::mem::take(&mut self.arms) && state == State::Idle;
+                self.state = state;
+                refused
+            }
+            Report::Block(block) => {
+                if self.expected == Some(block.address) && self.blocks.push_back(block).is_ok() {
+                    self.expected = (!block.last).then_some(block.address.wrapping_add(3));
+                }
+                false
+            }
+        }
+    }
+}
+
+impl PartialEq for ScopeLink {
+    fn eq(&self, other: &Self) -> bool {
+        (self.state, &self.request, self.arms, self.expected)
+            == (other.state, &other.request, other.arms, other.expected)
+            && self.blocks.iter().eq(other.blocks.iter())
+    }
+}
+
+impl Node {
+    /// There is room for another report of the scope. What is not taken now waits with whoever has it.
+    pub fn takes_scope_report(&self) -> bool {
+        !self.scope.blocks.is_full()
+    }
+
+    /// Takes a report of the scope.
+    pub fn handle_scope(&mut self, report: Report) {
+        if self.scope.take(report) {
+            self.count_refused();
+        }
+    }
+
+    /// The next request to the scope.
+    pub fn poll_scope(&mut self) -> Option<Request> {
+        self.scope.request.take()
+    }
+
+    /// The next frame of the download, as far as it has come.
+    pub(super) fn next_of_scope(&mut self) -> Option<Frame> {
+        let Block { address, words, .. } = self.scope.blocks.pop_front()?;
+        Some(FromDrive::ScopeData { address, data: words }.encode(self.addresses))
+    }
+}
+
+/// Time from one sample to the next (parameter 25), us.
+pub(super) fn sampling_time(parameters: &Parameters, tick_rate: u32) -> i32 {
+    let signals = parameters.raw(number::SCOPE_CHANNELS).count_ones() as usize;
+    let ticks = period(signals, parameters.raw(number::SCOPE_PRESCALER) as u16);
+    (i64::from(ticks) * 1_000_000 / i64::from(tick_rate.max(1))) as i32
+}
+
+/// What the parameters ask for; `None` if a signal is not known.
+fn setup(parameters: &Parameters) -> Option<Setup> {
+    let mut signals = Vec::new();
+    let channels = parameters.raw(number::SCOPE_CHANNELS) as u32;
+    for bit in (0..32).filter(|bit| channels >> bit & 1 == 1) {
+        signals.push(Signal::of_bit(bit)?).ok()?;
+    }
+    let word = |number| parameters.raw(number) as u16;
+    Some(Setup {
+        signals,
+        samples: word(number::SCOPE_SAMPLES),
+        prescaler: word(number::SCOPE_PRESCALER),
+        before: word(number::SCOPE_TRIGGER_PHASE),
+        trigger: trigger(parameters)?,
+        speed: SpeedScale::new(word(number::MOTOR_POLE_PAIRS)),
+    })
+}
+
+fn trigger(parameters: &Parameters) -> Option<Trigger> {
+    let threshold = |above| {
+        let signal = Signal::of_bit(parameters.raw(number::SCOPE_TRIGGER_SIGNAL) as u8)?;
+        // Thousandths of a base to 4096ths.
+        let level = (parameters.raw(number::SCOPE_TRIGGER_LEVEL) * 4096 / 1000) as i16;
+        Some(Threshold { signal, level, above })
+    };
+    Some(match parameters.raw(number::SCOPE_TRIGGER) {
+        1 => Trigger::Level(threshold(true)?),
+        2 => Trigger::Level(threshold(false)?),
+        3 => Trigger::Edge(threshold(true)?),
+        4 => Trigger::Edge(threshold(false)?),
+        5 => Trigger::StateChange,
+        6 => Trigger::Fault,
+        _ => Trigger::Forced,
+    })
+}

@@ -1,0 +1,71 @@
+//! What the scope is asked to record, and when.
+
+use crate::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Signals that are read in one tick. More share as many further ticks: a tick's time is the control's.
+pub const SIGNALS_A_TICK: usize = 4;
+
+/// A recording that is asked for. It does not follow later changes of the parameters.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Setup {
+    /// The signals of a sample, in the order of their bits (parameter 22).
+    pub signals: Vec<Signal, { DRIVE_SIGNALS.len() }>,
+    /// Samples of each (parameter 23), as far as the memory has room.
+    pub samples: u16,
+    /// Ticks from one to the next (parameter 24), at least as many as reading it takes: [`period`](Self::period).
+    pub prescaler: u16,
+    /// Samples from before the trigger (parameter 26), fewer than all.
+    pub before: u16,
+    /// What the scope waits for.
+    pub trigger: Trigger,
+    /// Of the speeds.
+    pub speed: SpeedScale,
+}
+
+/// What begins the recording. A second trigger request does so, too, whatever is chosen here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Trigger {
+    /// Nothing else does.
+    #[default]
+    Forced,
+    /// The signal is above the level, or below it.
+    Level(Threshold),
+    /// It comes to be above the level, or below it.
+    Edge(Threshold),
+    /// The drive's state changes.
+    StateChange,
+    /// A bit of FAULT_WORD appears.
+    Fault,
+}
+
+/// A side of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Threshold {
+    /// What is compared.
+    pub signal: Signal,
+    /// Sample, Q3.12 of the signal's base.
+    pub level: i16,
+    /// Above it, else below.
+    pub above: bool,
+}
+
+impl Threshold {
+    /// `sample` is there. At the level it is on neither side.
+    pub(super) const fn holds(&self, sample: i16) -> bool {
+        if self.above { sample > self.level } else { sample < self.level }
+    }
+}
+
+impl Setup {
+    /// Ticks from one sample to the next.
+    pub fn period(&self) -> u16 {
+        period(self.signals.len(), self.prescaler)
+    }
+}
+
+/// Ticks from one sample of so many signals to the next.
+pub fn period(signals: usize, prescaler: u16) -> u16 {
+    (signals.div_ceil(SIGNALS_A_TICK) as u16).max(prescaler).max(1)
+}

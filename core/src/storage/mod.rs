@@ -1,0 +1,278 @@
+//! The flash: parameters, their mirror, and the log, over any NOR flash.
+//!
+//! ```text
+//!  Node --- Request --> Storage::execute --> flash        one request at a time, each of bounded length
+//!       <-- Report ---
+//! ```
+//!
+//! [`Storage`] waits for the flash where the shell lets it: in an executor, or in a future that the background loop polls. The
+//! node never waits: it hands out a request, and is told later what has become of it.
+
+mod blank;
+pub mod layout;
+pub mod log;
+mod mailbox;
+mod pair;
+pub mod parameters;
+pub mod record;
+
+pub use layout::Layout;
+pub use log::Memory;
+pub use mailbox::Mailbox;
+pub use parameters::Part;
+pub use record::{Entry, Record};
+
+use crate::dictionary::Parameters;
+use crate::motor::fault::FaultWord;
+use core::ops::Range;
+use embedded_storage_async::nor_flash::NorFlash;
+use log::Log;
+use pair::{Buffers, Failed, Key, Pair};
+use serde::{Deserialize, Serialize};
+
+/// What the node asks of the flash.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant, reason = "a set is stored rarely, moves once, and there is no heap")]
+pub enum Request {
+    /// Look whether the flash answers and what it holds.
+    Open,
+    /// Store a part of the parameters; both parts where a stored one did not fit, or where the flash had another layout.
+    Store(Parameters, Part),
+    /// Write a record behind the last.
+    Append(Entry),
+    /// Read a record.
+    Read(u32),
+    /// Begin to erase the log, or go on with it.
+    Erase,
+}
+
+/// What has become of a request.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant, reason = "as above")]
+pub enum Report {
+    /// What the flash holds.
+    Opened(Opened),
+    /// The parameters are stored, read back and mirrored, or not.
+    Stored {
+        /// It was done.
+        done: bool,
+        /// The log, which a flash gets with its layout.
+        log: Memory,
+    },
+    /// A record is written, or a piece of the log erased, or not.
+    Log {
+        /// It was done.
+        done: bool,
+        /// The log now.
+        memory: Memory,
+    },
+    /// The record, if there is one and it is whole.
+    Record(Option<Record>),
+}
+
+/// What a flash holds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Opened {
+    /// The stored parameters; factory values where none are stored.
+    pub parameters: Parameters,
+    /// Fault bits 26, 30, 31 (Table 9).
+    pub faults: FaultWord,
+    /// A copy was damaged and has been made anew from the other one.
+    pub repaired: bool,
+    /// The log.
+    pub log: Memory,
+}
+
+/// The storage on one flash.
+#[derive(Debug)]
+pub struct Storage<F> {
+    flash: F,
+    place: Option<Place>,
+    buffers: Buffers,
+}
+
+/// What is known once the size of the flash is.
+#[derive(Clone, Debug)]
+struct Place {
+    layout: Layout,
+    pair: Pair,
+    log: Log,
+    /// The flash carries this layout.
+    labelled: bool,
+    /// A part did not fit: the next store writes both.
+    unfit: bool,
+}
+
+/// The first bytes of a label: name and version of the layout. Its third word is the size of the flash, the fourth all
+/// bits of the others inverted and summed up, so that no single wrong bit makes one.
+const LABEL: [u32; 2] = [u32::from_be_bytes(*b"narx"), 1];
+const LABEL_BYTES: usize = 16;
+
+impl<F: NorFlash> Storage<F> {
+    /// Nothing is looked at before the first request, which is [`Request::Open`].
+    pub const fn new(flash: F) -> Self {
+        Self { flash, place: None, buffers: Buffers::new() }
+    }
+
+    /// Gives the flash back.
+    pub fn into_flash(self) -> F {
+        self.flash
+    }
+
+    /// The flash.
+    pub const fn flash(&mut self) -> &mut F {
+        &mut self.flash
+    }
+
+    /// Does what is asked, one step of it: a store, a record, a piece of an erase.
+    pub async fn execute(&mut self, request: Request) -> Report {
+        match request {
+            Request::Open => Report::Opened(self.open().await),
+            Request::Store(parameters, part) => {
+                let done = self.store(&parameters, part).await.is_ok();
+                Report::Stored { done, log: self.memory() }
+            }
+            Request::Append(entry) => {
+                let done = match &mut self.place {
+                    Some(Place { log, pair, .. }) => {
+                        log.append(&mut self.flash, pair, &mut self.buffers, &entry).await
+                    }
+                    None => Err(Failed),
+                };
+                Report::Log { done: done.is_ok(), memory: self.memory() }
+            }
+            Request::Read(index) => {
+                let found = match &self.place {
+                    Some(place) => place.log.read(&mut self.flash, index).await,
+                    None => Err(Failed),
+                };
+                Report::Record(found.unwrap_or(None))
+            }
+            Request::Erase => {
+                let done = match &mut self.place {
+                    Some(Place { log, pair, labelled: true, .. }) => {
+                        log.erase(&mut self.flash, pair, &mut self.buffers).await
+                    }
+                    _ => Err(Failed),
+                };
+                Report::Log { done: done.is_ok(), memory: self.memory() }
+            }
+        }
+    }
+
+    /// Makes a blank flash a drive's: layout, both parts of the parameters, an empty log.
+    pub async fn format(&mut self, parameters: &Parameters) -> bool {
+        self.open().await;
+        let stored = self.store(parameters, Part::Set).await.is_ok();
+        let Some(place) = &mut self.place else { return false };
+        stored && place.log.begin(&mut self.flash, &place.pair, &mut self.buffers).await.is_ok()
+    }
+
+    fn memory(&self) -> Memory {
+        self.place.as_ref().map_or_else(Memory::default, |place| place.log.memory())
+    }
+
+    async fn open(&mut self) -> Opened {
+        let mut opened = Opened {
+            parameters: Parameters::new(),
+            faults: FaultWord::empty(),
+            repaired: false,
+            log: Memory::default(),
+        };
+        if self.load(&mut opened).await.is_err() {
+            opened.faults = FaultWord::STORE_ABSENT;
+            opened.log = Memory::default();
+            self.place = None;
+        }
+        opened
+    }
+
+    async fn load(&mut self, opened: &mut Opened) -> Result<(), Failed> {
+        let Self { flash, place, buffers } = self;
+        let capacity = u32::try_from(flash.capacity()).map_err(|_| Failed)?;
+        let subsector = F::ERASE_SIZE as u32;
+        let layout = Layout::of(capacity, subsector).ok_or(Failed)?;
+        let pair = Pair::of(&layout);
+        let log = Log::new(layout.log.clone(), subsector);
+        let place = place.insert(Place { layout, pair, log, labelled: false, unfit: false });
+        opened.log = place.log.memory();
+        let labels = [
+            is_label(flash, &place.layout.primary.label, capacity).await?,
+            is_label(flash, &place.layout.mirror.label, capacity).await?,
+        ];
+        if labels == [false; 2] {
+            opened.faults = FaultWord::STORE_MISMATCH;
+            return Ok(());
+        }
+        place.labelled = true;
+        opened.repaired |= labels != [true; 2];
+        for (label, whole) in
+            [&place.layout.primary.label, &place.layout.mirror.label].into_iter().zip(labels)
+        {
+            if !whole {
+                write_label(flash, label, capacity).await?;
+            }
+        }
+        for (key, part) in [(Key::Set, Part::Set), (Key::Once, Part::Once)] {
+            let found = place.pair.read(flash, key, buffers).await?;
+            opened.repaired |= found.repaired;
+            if !found.present && part == Part::Set {
+                opened.faults |= FaultWord::STORE_MISMATCH;
+            }
+            if found.present && part.decode(buffers.body(), &mut opened.parameters).is_err() {
+                opened.faults |= FaultWord::STORE_VERSION;
+                place.unfit = true;
+            }
+        }
+        opened.repaired |= place.log.open(flash, &place.pair, buffers).await?;
+        opened.log = place.log.memory();
+        Ok(())
+    }
+
+    /// On a flash without a label the maps are made first and the labels last: a label says that everything is there.
+    async fn store(&mut self, parameters: &Parameters, part: Part) -> Result<(), Failed> {
+        let Self { flash, place: Some(place), buffers } = self else { return Err(Failed) };
+        let Place { layout, pair, labelled, unfit, .. } = place;
+        let one = core::slice::from_ref(&part);
+        let parts = if *labelled && !*unfit { one } else { &[Part::Set, Part::Once] };
+        if !*labelled {
+            for copy in [&layout.primary, &layout.mirror] {
+                blank::erase(flash, copy.label.start..copy.map.end).await?;
+            }
+        }
+        for part in parts {
+            let key = if *part == Part::Set { Key::Set } else { Key::Once };
+            pair.write(flash, key, buffers, |body| part.encode(parameters, body)).await?;
+        }
+        if !*labelled {
+            let capacity = u32::try_from(flash.capacity()).map_err(|_| Failed)?;
+            write_label(flash, &layout.primary.label, capacity).await?;
+            write_label(flash, &layout.mirror.label, capacity).await?;
+            *labelled = true;
+        }
+        *unfit = false;
+        Ok(())
+    }
+}
+
+fn label(capacity: u32) -> [u8; LABEL_BYTES] {
+    let [name, version] = LABEL;
+    let check = !(name.wrapping_add(version).wrapping_add(capacity));
+    let mut bytes = [0; LABEL_BYTES];
+    let (words, _) = bytes.as_chunks_mut::<4>();
+    for (place, word) in words.iter_mut().zip([name, version, capacity, check]) {
+        *place = word.to_be_bytes();
+    }
+    bytes
+}
+
+async fn is_label<F: NorFlash>(flash: &mut F, at: &Range<u32>, capacity: u32) -> Result<bool, Failed> {
+    let mut bytes = [0; LABEL_BYTES];
+    flash.read(at.start, &mut bytes).await.map_err(|_| Failed)?;
+    Ok(bytes == label(capacity))
+}
+
+async fn write_label<F: NorFlash>(flash: &mut F, at: &Range<u32>, capacity: u32) -> Result<(), Failed> {
+    blank::erase(flash, at.clone()).await?;
+    flash.write(at.start, &label(capacity)).await.map_err(|_| Failed)
+}

@@ -1,0 +1,112 @@
+//! The flash of the board: the simulated one, in RAM that a reset leaves alone, as slow as a real one.
+
+use core::future::poll_fn;
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::task::Poll;
+use embedded_storage_async::nor_flash::{ErrorType, MultiwriteNorFlash, NorFlash, ReadNorFlash};
+use narx_sim::flash::{Flash, FlashError, KBYTE_512};
+
+/// Bytes of the flash.
+const BYTES: usize = 512 << 10;
+/// Length of a control tick, ns.
+const TICK_NS: u64 = 100_000;
+
+/// Start-up leaves this section as it is: a flash outlives a reset.
+// SAFETY: every bit pattern is a byte.
+#[unsafe(link_section = ".uninit.FLASH")]
+static mut MEMORY: [u8; BYTES] = [0; BYTES];
+static TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Control ticks since power-up, their low 32 bits.
+static NOW: AtomicU32 = AtomicU32::new(0);
+
+/// Tells the flash the time.
+pub(super) fn set_now(tick: u64) {
+    NOW.store(tick as u32, Ordering::Relaxed);
+}
+
+/// The chip on the board.
+pub struct Chip {
+    model: Flash<&'static mut [u8]>,
+    timed: bool,
+    /// Busy time that has not been waited for, below one tick, ns.
+    owed: u64,
+}
+
+impl Chip {
+    /// The one chip, once. It takes no time before its clock was started.
+    pub fn take() -> Option<Self> {
+        if TAKEN.load(Ordering::Relaxed) {
+            return None;
+        }
+        TAKEN.store(true, Ordering::Relaxed);
+        let memory = &raw mut MEMORY;
+        // SAFETY: nobody else names the memory, and this point is reached once: no interrupt takes a chip.
+        let memory = unsafe { &mut *memory };
+        Some(Self { model: Flash::new(KBYTE_512, memory, 0), timed: false, owed: 0 })
+    }
+
+    /// From now on operations last.
+    pub fn start_clock(&mut self) {
+        self.timed = true;
+        self.model.take_busy();
+    }
+
+    /// All ones, as it comes from its maker.
+    pub fn clear(&mut self) {
+        self.model.clear();
+    }
+
+    /// Until the last operation has ended.
+    async fn settle(&mut self) {
+        self.owed += self.model.take_busy();
+        let ticks = (self.owed / TICK_NS) as u32;
+        if !self.timed || ticks == 0 {
+            return;
+        }
+        self.owed %= TICK_NS;
+        let start = NOW.load(Ordering::Relaxed);
+        poll_fn(|_| match NOW.load(Ordering::Relaxed).wrapping_sub(start) >= ticks {
+            true => Poll::Ready(()),
+            false => Poll::Pending,
+        })
+        .await;
+    }
+}
+
+impl ErrorType for Chip {
+    type Error = FlashError;
+}
+
+impl ReadNorFlash for Chip {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        let done = self.model.read(offset, bytes).await;
+        self.settle().await;
+        done
+    }
+
+    fn capacity(&self) -> usize {
+        self.model.capacity()
+    }
+}
+
+impl NorFlash for Chip {
+    const WRITE_SIZE: usize = 1;
+    const ERASE_SIZE: usize = <Flash<&'static mut [u8]> as NorFlash>::ERASE_SIZE;
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        let done = self.model.write(offset, bytes).await;
+        self.settle().await;
+        done
+    }
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        let done = self.model.erase(from, to).await;
+        self.settle().await;
+        done
+    }
+}
+
+impl MultiwriteNorFlash for Chip {}

@@ -1,0 +1,80 @@
+"""cantools reads the database of every message, and decodes what narx decodes."""
+
+import csv
+import math
+import os
+from itertools import groupby
+from pathlib import Path
+
+import cantools
+import pytest
+
+SAMPLES = Path(os.environ["NARX_INTEROP"])
+COMMITTED = Path(__file__).parents[2] / "docs" / "narx.dbc"
+
+
+@pytest.fixture(scope="module")
+def database():
+    return cantools.database.load_file(COMMITTED, strict=True)
+
+
+@pytest.fixture(scope="module")
+def frames():
+    """Identifier, data and the signals of each frame."""
+    with open(SAMPLES / "decoded.csv", newline="") as table:
+        rows = list(csv.DictReader(table))
+    groups, current = [], None
+    for row in rows:
+        if row["signal"] == "":
+            current = (int(row["id"]), bytes.fromhex(row["data"]), {})
+            groups.append(current)
+        else:
+            current[2][row["signal"]] = float(row["value"])
+    return groups
+
+
+def test_the_committed_database_is_the_one_of_this_code():
+    assert COMMITTED.read_text() == (SAMPLES / "narx.dbc").read_text()
+
+
+def test_every_message_is_there(database, frames):
+    assert len(database.messages) == 33
+    assert all(message.is_extended_frame and message.length == 8 for message in database.messages)
+    assert {message.frame_id for message in database.messages} == {identifier for identifier, _, _ in frames}
+
+
+def test_both_decode_the_same(database, frames):
+    assert len(frames) > 5000
+    for identifier, data, expected in frames:
+        decoded = database.decode_message(identifier, data, decode_choices=False)
+        assert decoded.keys() == expected.keys()
+        for name, value in expected.items():
+            assert math.isclose(float(decoded[name]), value, rel_tol=1e-12), (hex(identifier), data.hex(), name)
+
+
+def test_both_encode_the_same(database, frames):
+    for identifier, data, expected in frames:
+        # Strict: within the ranges that the database states.
+        again = database.encode_message(identifier, expected, scaling=True, strict=True)
+        unused = bytes(a & ~b for a, b in zip(data, again))
+        assert not any(unused) or "FAULT" in database.get_message_by_frame_id(identifier).name, data.hex()
+        assert not any(b & ~a for a, b in zip(data, again))
+
+
+def test_every_parameter_is_multiplexed_by_its_number(database):
+    for name in ["PARAMETER", "PARAMETER_SET"]:
+        message = database.get_message_by_name(name)
+        assert message.is_multiplexed()
+        selected = [signal for signal in message.signals if signal.multiplexer_ids]
+        assert len(selected) == 156
+        for signal in selected:
+            assert signal.name.startswith(f"P{signal.multiplexer_ids[0]}_")
+    offset = database.get_message_by_name("PARAMETER").get_signal_by_name("P15_Temperature_calib_offset")
+    assert (offset.scale, offset.unit, offset.minimum, offset.maximum, offset.is_signed) == (0.1, "degC", -50, 50, True)
+
+
+def test_names_fit_every_reader(database):
+    names = [signal.name for message in database.messages for signal in message.signals]
+    assert max(map(len, names)) <= 32
+    for _, group in groupby(sorted((m.name, s.name) for m in database.messages for s in m.signals)):
+        assert len(list(group)) == 1

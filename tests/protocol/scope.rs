@@ -1,0 +1,451 @@
+//! The virtual scope: what it records, when, and how the record reaches the master.
+
+use narx_core::bus::narmotion::{Addresses, ToDrive};
+use narx_core::dictionary::number;
+use narx_core::master::{Answer, Chunk, Download, Request};
+use narx_core::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
+use narx_core::motor::{Board, Coefficients, Drive, Samples, State};
+use narx_core::scope::{
+    Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Scope, Setup, State as ScopeState,
+};
+use narx_core::scope::{Threshold, Trigger};
+use narx_sim::commissioning::Mode;
+use narx_sim::plant::Injection;
+use narx_sim::presets::preset;
+use narx_sim::session::{Session, SessionConfig};
+use proptest::prelude::*;
+
+/// A motor that runs with hall sensors, or is about to.
+fn session(mode: Mode) -> Session {
+    let preset = preset("ec45-flat-50w-18v").unwrap();
+    let config = SessionConfig {
+        rated_current: preset.data.rated_current,
+        trace: false,
+        ..SessionConfig::new(preset.motor, 18.0, mode)
+    };
+    Session::new(&config).unwrap()
+}
+
+fn running(mode: Mode, rpm: i32) -> Session {
+    let mut session = session(mode);
+    session.start(rpm);
+    session.run(4.0);
+    assert!(matches!(session.bench().status().state, State::HallClosedLoop | State::SensorlessClosedLoop));
+    session
+}
+
+fn ask(session: &mut Session, request: Request) -> Answer {
+    session.master().request(request).unwrap();
+    for _ in 0..20_000 {
+        session.step();
+        if let Some(answer) = session.master().poll_answer() {
+            return answer;
+        }
+    }
+    panic!("no answer to {request:?}");
+}
+
+fn write(session: &mut Session, number: u16, raw: i32) {
+    let answer = ask(session, Request::Write { number, raw });
+    assert!(answer.result.is_ok(), "{answer:?}");
+}
+
+/// Bits of parameter 22.
+fn bits(signals: &[Signal]) -> i32 {
+    signals.iter().map(|signal| 1 << *signal as i32).sum()
+}
+
+fn set_up(session: &mut Session, signals: &[Signal], samples: i32, prescaler: i32, before: i32) {
+    write(session, number::SCOPE_CHANNELS, bits(signals));
+    write(session, number::SCOPE_SAMPLES, samples);
+    write(session, number::SCOPE_PRESCALER, prescaler);
+    write(session, number::SCOPE_TRIGGER_PHASE, before);
+}
+
+fn set_trigger(session: &mut Session, kind: i32, signal: Signal, level: i32) {
+    write(session, number::SCOPE_TRIGGER, kind);
+    write(session, number::SCOPE_TRIGGER_SIGNAL, signal as i32);
+    write(session, number::SCOPE_TRIGGER_LEVEL, level);
+}
+
+fn press(session: &mut Session) -> Answer {
+    ask(session, Request::TriggerScope)
+}
+
+fn scope_state(session: &Session) -> i32 {
+    session.bench().node().read_parameter(number::SCOPE_STATE).unwrap()
+}
+
+fn wait(session: &mut Session, state: ScopeState) {
+    for _ in 0..100_000 {
+        if scope_state(session) == state as i32 {
+            return;
+        }
+        session.step();
+    }
+    panic!("the scope stays {}", scope_state(session));
+}
+
+/// The record, a row for each sample.
+fn download(session: &mut Session, signals: usize, samples: usize) -> Vec<Vec<i16>> {
+    let words = signals * samples;
+    session.master().download(Download::Scope { words: words as u32 }).unwrap();
+    let mut record = vec![None; words];
+    for _ in 0..100_000 {
+        session.step();
+        while let Some(chunk) = session.master().poll_chunk() {
+            let Chunk { offset, .. } = chunk;
+            for (place, sample) in (offset as usize..).zip(chunk.samples()) {
+                record[place] = Some(sample.to_bits());
+            }
+        }
+        if let Some(end) = session.master().poll_download() {
+            assert_eq!(end, Ok(words as u32));
+            let record: Vec<i16> = record.into_iter().map(Option::unwrap).collect();
+            return record.chunks(signals).map(<[i16]>::to_vec).collect();
+        }
+    }
+    panic!("the download does not end");
+}
+
+/// Value of a sample in its unit.
+fn value(signal: Signal, sample: i16) -> f64 {
+    let base = DRIVE_SIGNALS[signal as usize].base;
+    f64::from(sample) / 4096.0 * base.digits as f64 * 10_f64.powi(base.exponent.into())
+}
+
+#[test]
+fn the_table_is_in_the_order_of_the_bits() {
+    for (bit, row) in DRIVE_SIGNALS.iter().enumerate() {
+        assert_eq!(row.signal as usize, bit, "{}", row.name);
+        assert_eq!(Signal::of_bit(bit as u8), Some(row.signal));
+    }
+    assert_eq!(Signal::of_bit(DRIVE_SIGNALS.len() as u8), None);
+}
+
+/// What is recorded is what the drive answered and what the plant did, tick by tick.
+#[test]
+fn a_record_is_what_happened() {
+    use Signal::{BusVoltage, Duty, SpeedHall, Step};
+    let signals = [SpeedHall, BusVoltage, Duty, Step];
+    assert_eq!(signals.len(), SIGNALS_A_TICK);
+    let mut session = running(Mode::Hall, 3000);
+    set_up(&mut session, &signals, 300, 1, 0);
+    press(&mut session);
+    press(&mut session);
+    let mut seen = Vec::new();
+    while scope_state(&session) != ScopeState::Done as i32 {
+        session.step();
+        let command = session.bench().command();
+        seen.push([i32::from(command.duty.to_bits()) >> 3, (command.step as i32) << 11]);
+    }
+    assert!(seen.len() > 100, "some of it went by while the request was answered: {}", seen.len());
+    let record = download(&mut session, signals.len(), 300);
+    let recorded = record.iter().map(|sample| [sample[2], sample[3]].map(i32::from));
+    // The last sample was that of the last tick.
+    assert!(recorded.rev().zip(seen.iter().rev()).all(|(recorded, seen)| recorded == *seen));
+    for sample in &record {
+        let speed = value(SpeedHall, sample[0]);
+        assert!((speed / 3000.0 - 1.0).abs() < 0.05, "{speed}");
+        let voltage = value(BusVoltage, sample[1]);
+        assert!((voltage - 18.0).abs() < 0.5, "{voltage}");
+    }
+    // 3000 rpm, 8 pole pairs: 72 sectors in 30 ms.
+    let steps = record.windows(2).filter(|pair| pair[0][3] != pair[1][3]).count();
+    assert!((70..=74).contains(&steps), "{steps}");
+}
+
+/// Why-channels of a motor without sensors, and its terminals: six signals take two ticks a sample.
+#[test]
+fn a_sensorless_motor_tells_why() {
+    use Signal::{Angle, Crossing, CrossingMargin, Limiter, SpeedSensorless, TerminalA};
+    let signals = [SpeedSensorless, TerminalA, Angle, Limiter, Crossing, CrossingMargin];
+    let mut session = running(Mode::Sensorless, 3000);
+    set_up(&mut session, &signals, 400, 1, 0);
+    assert_eq!(session.bench().node().read_parameter(number::SCOPE_SAMPLING_TIME), Some(200), "us");
+    press(&mut session);
+    press(&mut session);
+    wait(&mut session, ScopeState::Done);
+    let record = download(&mut session, signals.len(), 400);
+    for sample in &record {
+        let speed = value(SpeedSensorless, sample[0]);
+        assert!((speed / 3000.0 - 1.0).abs() < 0.05, "{speed}");
+        assert!((-0.5..19.0).contains(&value(TerminalA, sample[1])));
+        assert_eq!(value(Limiter, sample[3]), 2.0, "the speed loop");
+        assert_eq!(value(Crossing, sample[4]), 1.0, "accepted");
+        assert!(value(CrossingMargin, sample[5]).abs() < 10.0);
+    }
+    // The angle runs on in every tick, asleep or not: 28.8 degrees in 0.2 ms at 400 Hz.
+    for pair in record.windows(2) {
+        let turned = (value(Angle, pair[1][2]) - value(Angle, pair[0][2])).rem_euclid(360.0);
+        assert!((20.0..38.0).contains(&turned), "{turned}");
+    }
+}
+
+#[test]
+fn prescaler_and_pre_trigger() {
+    let signals = [Signal::SetPoint, Signal::State];
+    let mut session = session(Mode::Hall);
+    session.run(0.6);
+    set_up(&mut session, &signals, 200, 7, 50);
+    set_trigger(&mut session, 5, Signal::State, 0);
+    press(&mut session);
+    session.run(0.1);
+    assert_eq!(scope_state(&session), ScopeState::Armed as i32);
+    session.start(2000);
+    wait(&mut session, ScopeState::Done);
+    let record = download(&mut session, 2, 200);
+    let states: Vec<f64> = record.iter().map(|sample| value(Signal::State, sample[1])).collect();
+    assert!(states[..50].iter().all(|state| *state == 1.0), "Standby before the trigger: {states:?}");
+    assert!(states[50..].iter().all(|state| *state == 5.0), "closed loop from its own sample on: {states:?}");
+    // 0.7 ms from one sample to the next on a ramp.
+    let ramp = |sample: &[i16]| value(Signal::SetPoint, sample[0]);
+    let rate = session.bench().node().parameters().raw(number::SPEED_RATE);
+    assert!(ramp(&record[199]) > ramp(&record[60]), "rate {rate}");
+    let gains: Vec<f64> = record[60..200].windows(2).map(|pair| ramp(&pair[1]) - ramp(&pair[0])).collect();
+    let mean = gains.iter().sum::<f64>() / gains.len() as f64;
+    assert!(gains.iter().all(|gain| (gain - mean).abs() < mean + 3.0), "{gains:?}");
+}
+
+/// A trigger by a level, from either side, and by an edge, begins the record where the signal crosses it.
+#[test]
+fn levels_and_edges() {
+    // (kind, level in thousandths of 5000 rpm, speed before and after, the sample before the trigger's own is beyond the level, too)
+    let cases = [(1, 400, 1000, 3000), (2, 400, 3000, 1000), (3, 400, 1000, 3000), (4, 400, 3000, 1000)];
+    for (kind, level, from, to) in cases {
+        let mut session = running(Mode::Hall, from);
+        set_up(&mut session, &[Signal::SpeedHall], 100, 1, 40);
+        set_trigger(&mut session, kind, Signal::SpeedHall, level);
+        press(&mut session);
+        session.run(0.2);
+        assert_eq!(scope_state(&session), ScopeState::Armed as i32, "{kind}: {from} rpm is not beyond");
+        session.set_speed(to as u16);
+        wait(&mut session, ScopeState::Done);
+        let record = download(&mut session, 1, 100);
+        let level = level as f64 * 5.0;
+        let beyond = |sample: &Vec<i16>| (value(Signal::SpeedHall, sample[0]) > level) == (to > from);
+        assert!(record[..40].iter().all(|sample| !beyond(sample)), "{kind}");
+        assert!(beyond(&record[40]), "{kind}: {:?}", record[40]);
+    }
+    // A level that holds at once triggers at once; an edge that is over does not.
+    for (kind, done) in [(1, true), (3, false)] {
+        let mut session = running(Mode::Hall, 3000);
+        set_up(&mut session, &[Signal::SpeedHall], 10, 1, 2);
+        set_trigger(&mut session, kind, Signal::SpeedHall, 400);
+        press(&mut session);
+        session.run(0.1);
+        assert_eq!(scope_state(&session) == ScopeState::Done as i32, done, "{kind}");
+    }
+}
+
+/// The fault is in the record, which waits through acknowledgement and another start until somebody fetches it.
+#[test]
+fn a_capture_of_a_fault_survives() {
+    let signals = [Signal::Duty, Signal::State, Signal::Fault, Signal::Inputs];
+    let mut session = running(Mode::Hall, 2000);
+    set_up(&mut session, &signals, 64, 1, 32);
+    set_trigger(&mut session, 6, Signal::Fault, 0);
+    press(&mut session);
+    session.run(0.1);
+    assert_eq!(scope_state(&session), ScopeState::Armed as i32);
+    session.bench_mut().plant_mut().inject(Injection::Break);
+    session.run(0.2);
+    assert_eq!(session.bench().status().state, State::Fault);
+    session.bench_mut().plant_mut().clear(Injection::Break);
+    session.stop();
+    session.run(1.5);
+    session.start(1000);
+    session.run(2.0);
+    assert_eq!(session.bench().status().state, State::HallClosedLoop);
+    assert_eq!(scope_state(&session), ScopeState::Done as i32);
+    let record = download(&mut session, signals.len(), 64);
+    let faults: Vec<f64> = record.iter().map(|sample| value(Signal::Fault, sample[2])).collect();
+    assert!(faults[..32].iter().all(|fault| *fault == -1.0), "{faults:?}");
+    assert!(faults[32..].iter().all(|fault| *fault == faults[32] && *fault >= 0.0), "{faults:?}");
+    assert_eq!(value(Signal::State, record[31][1]), 5.0);
+    assert_eq!(value(Signal::State, record[32][1]), 6.0);
+    assert_eq!(record[32][0], 0, "off in the fault's own tick");
+    assert_eq!(value(Signal::Inputs, record[32][3]), 2.0);
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let mut session = session(Mode::Hall);
+    session.run(0.6);
+    let refused = |session: &Session| session.bench().node().read_parameter(number::REFUSED_FRAMES).unwrap();
+    // Nothing recorded yet.
+    session.bench_mut().send(ToDrive::DownloadScope.encode(Addresses::FACTORY)).unwrap();
+    session.run(0.01);
+    assert_eq!(refused(&session), 1);
+    let (one, all) = ([Signal::BusVoltage], DRIVE_SIGNALS.map(|row| row.signal));
+    // Signals that there are not, and none.
+    for raw in [1 << DRIVE_SIGNALS.len(), 0] {
+        assert!(ask(&mut session, Request::Write { number: number::SCOPE_CHANNELS, raw }).result.is_err());
+    }
+    // A third request while it records.
+    set_up(&mut session, &one, 4096, 10, 0);
+    assert!(press(&mut session).result.is_ok());
+    assert!(press(&mut session).result.is_ok());
+    assert_eq!(scope_state(&session), ScopeState::Recording as i32);
+    assert!(press(&mut session).result.is_err());
+    wait(&mut session, ScopeState::Done);
+    // Changing the parameters does not change what was recorded.
+    write(&mut session, number::SCOPE_SAMPLES, 10);
+    assert_eq!(download(&mut session, 1, 4096).len(), 4096);
+    // More than the memory holds is cut: 4096 words for 22 signals.
+    set_up(&mut session, &all, 4096, 1, 4096);
+    press(&mut session);
+    press(&mut session);
+    wait(&mut session, ScopeState::Done);
+    assert_eq!(download(&mut session, 22, 186).len(), 186);
+}
+
+/// Of what 500 kbit/s allow, in stuffed bits, while the drive broadcasts once a minute.
+#[test]
+fn a_download_takes_all_of_the_bus() {
+    let mut session = session(Mode::Hall);
+    session.run(0.6);
+    write(&mut session, number::AUTOSEND_PERIOD, 60_000);
+    set_up(&mut session, &[Signal::BusVoltage], 4096, 1, 0);
+    press(&mut session);
+    press(&mut session);
+    wait(&mut session, ScopeState::Done);
+    session.run(0.1);
+    let (before, begin) = (session.bench().bus_statistics(), session.bench().now_ns());
+    let record = download(&mut session, 1, 4096);
+    let (after, end) = (session.bench().bus_statistics(), session.bench().now_ns());
+    assert!(record.iter().all(|sample| (value(Signal::BusVoltage, sample[0]) - 18.0).abs() < 0.5));
+    let load = (after.busy_ns - before.busy_ns) as f64 / (end - begin) as f64;
+    assert!(load >= 0.95, "{load}");
+}
+
+/// A download that is asked for again begins anew, and arming ends it.
+#[test]
+fn a_download_begins_anew() {
+    let mut session = session(Mode::Hall);
+    session.run(0.6);
+    set_up(&mut session, &[Signal::BusVoltage], 4096, 1, 0);
+    press(&mut session);
+    press(&mut session);
+    wait(&mut session, ScopeState::Done);
+    let whole = download(&mut session, 1, 4096);
+    session.bench_mut().send(ToDrive::DownloadScope.encode(Addresses::FACTORY)).unwrap();
+    session.run(0.1);
+    assert_eq!(download(&mut session, 1, 4096), whole);
+    session.bench_mut().send(ToDrive::DownloadScope.encode(Addresses::FACTORY)).unwrap();
+    session.run(0.1);
+    press(&mut session);
+    session.run(0.1);
+    let load = session.bench().bus_statistics();
+    session.run(0.1);
+    let frames = session.bench().bus_statistics().frames - load.frames;
+    assert!(frames < 100, "only broadcasts: {frames}");
+}
+
+/// The drive answers the same bits whether somebody looks or not.
+#[test]
+fn looking_changes_nothing() {
+    for mode in [Mode::Hall, Mode::Sensorless] {
+        let run = |looks: bool| {
+            let mut session = session(mode);
+            session.start(3000);
+            session.run(3.0);
+            let request = |session: &mut Session, message: ToDrive| {
+                // As many frames in both runs, so that commands arrive at the same time.
+                let message = if looks { message } else { ToDrive::RequestBuildInfo };
+                session.bench_mut().send(message.encode(Addresses::FACTORY)).unwrap();
+            };
+            let set = |number, value| ToDrive::SetParameter { number, value };
+            request(
+                &mut session,
+                set(number::SCOPE_CHANNELS, bits(&[Signal::Angle, Signal::SpeedHall, Signal::Crossing])),
+            );
+            session.run(0.01);
+            request(&mut session, ToDrive::TriggerScope);
+            session.run(0.1);
+            request(&mut session, ToDrive::TriggerScope);
+            session.run(0.2);
+            assert_eq!(scope_state(&session), if looks { 3 } else { 0 });
+            session.bench().digest()
+        };
+        assert_eq!(run(true), run(false), "{mode:?}");
+    }
+}
+
+fn drive() -> Drive {
+    Drive::new(Coefficients::build(&Default::default(), &Board::BENCH).unwrap())
+}
+
+fn setups() -> impl Strategy<Value = Setup> {
+    let signal = || (0..DRIVE_SIGNALS.len() as u8).prop_map(|bit| Signal::of_bit(bit).unwrap());
+    let threshold = (signal(), any::<i16>(), any::<bool>()).prop_map(|(signal, level, above)| Threshold {
+        signal,
+        level,
+        above,
+    });
+    let trigger = prop_oneof![
+        Just(Trigger::Forced),
+        Just(Trigger::StateChange),
+        Just(Trigger::Fault),
+        threshold.clone().prop_map(Trigger::Level),
+        threshold.prop_map(Trigger::Edge),
+    ];
+    let signals = prop::collection::vec(signal(), 0..=DRIVE_SIGNALS.len());
+    (signals, any::<u16>(), 0..20_u16, any::<u16>(), trigger).prop_map(
+        |(signals, samples, prescaler, before, trigger)| Setup {
+            signals: signals.into_iter().collect(),
+            samples,
+            prescaler,
+            before,
+            trigger,
+            speed: SpeedScale::new(4),
+        },
+    )
+}
+
+proptest! {
+    /// Any memory, any requests at any time: a record that is done has as many samples as were asked for and fit, and is read whole.
+    #[test]
+    fn whatever_is_asked(
+        memory in 0..200_usize,
+        requests in prop::collection::vec((0..300_u16, prop_oneof![
+            setups().prop_map(ScopeRequest::Arm), Just(ScopeRequest::Force), Just(ScopeRequest::Read)
+        ]), 1..12),
+    ) {
+        let mut scope = Scope::new(vec![0; memory]);
+        let (mut drive, mut tick, mut length) = (drive(), 0, 0);
+        let (mut read, mut reading) = (Vec::new(), false);
+        for (wait, request) in requests {
+            if let ScopeRequest::Arm(setup) = &request {
+                let wide = setup.signals.len();
+                let room = memory.checked_div(wide).unwrap_or(0);
+                length = wide * room.min(setup.samples.into());
+                reading = false;
+            }
+            if request == ScopeRequest::Read && scope.state() == ScopeState::Done {
+                (reading, read) = (true, Vec::new());
+            }
+            scope.handle(request);
+            for _ in 0..wait {
+                let samples = Samples { tick, bus_voltage: tick as u16 % 2000, ..Samples::default() };
+                drive.step(&samples);
+                scope.step(&drive, &samples);
+                tick += 1;
+                let Some(report) = scope.poll() else { continue };
+                match report {
+                    Report::State(state) => prop_assert_eq!(state, scope.state()),
+                    Report::Block(Block { address, words, last }) => {
+                        prop_assert!(reading);
+                        prop_assert_eq!(usize::from(address), read.len());
+                        read.extend(words);
+                        if last {
+                            prop_assert_eq!(read.len(), length.div_ceil(3) * 3);
+                            reading = false;
+                        }
+                    }
+                }
+            }
+            prop_assert!(length > 0 || scope.state() == ScopeState::Idle);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Single bits that turn over on the flash.
+
+use crate::support::{boot, open, set, small, store};
+use narx_core::motor::fault::FaultWord;
+use narx_core::storage::{Part, Storage, layout::Layout};
+use proptest::prelude::*;
+
+/// Every bit of everything that is stored, in either copy: the set is right, and the copy is seen to be damaged and made
+/// anew. The first and last byte of a subsector of a map are its marks, of whose eight bits four must agree.
+#[test]
+fn every_flipped_bit_of_the_stored_image_is_detected_and_mended() {
+    let chip = small(&set(1));
+    let layout = Layout::of(512 << 10, 4096).unwrap();
+    let mut flips = 0;
+    for (first, bytes) in chip.memory().subsectors() {
+        for (at, _) in (first..).zip(bytes).filter(|(_, byte)| **byte != 0xFF) {
+            let mark = [&layout.primary.map, &layout.mirror.map].iter().any(|map| map.contains(&at))
+                && matches!(at % 4096, 0 | 4095);
+            for bit in 0..8 {
+                let mut flipped = chip.clone();
+                flipped.flip(at, bit);
+                let (opened, after) = boot(&flipped);
+                assert_eq!(opened.faults, FaultWord::empty(), "{at:x}.{bit}");
+                assert_eq!(opened.parameters, set(1), "{at:x}.{bit}");
+                assert!(opened.repaired || mark, "{at:x}.{bit} was not seen");
+                assert!(!opened.log.lost);
+                if bit == 3 {
+                    let (again, _) = boot(&after);
+                    assert_eq!((again.repaired, again.parameters), (false, set(1)), "{at:x}.{bit}");
+                }
+                flips += 1;
+            }
+        }
+    }
+    println!("{flips} flips");
+    assert!(flips > 10_000, "{flips}");
+}
+
+/// With older sets beside it the newest one stays the newest: a wrong bit brings none of them back.
+#[test]
+fn no_flipped_bit_brings_an_older_set_back() {
+    let mut storage = Storage::new(small(&set(0)));
+    open(&mut storage);
+    assert!(store(&mut storage, &set(1), Part::Once));
+    for variant in 1..4 {
+        assert!(store(&mut storage, &set(variant), Part::Set));
+    }
+    let chip = storage.into_flash();
+    let stored = boot(&chip).0.parameters;
+    assert_eq!(stored.raw(narx_core::dictionary::number::SPEED_RATE), 1003);
+    for (first, bytes) in chip.memory().subsectors() {
+        for (at, byte) in (first..).zip(bytes).filter(|(_, byte)| **byte != 0xFF) {
+            let mut flipped = chip.clone();
+            // Each byte once, with one of its eight bits.
+            flipped.flip(at, (at as u8 ^ byte) % 8);
+            let (opened, _) = boot(&flipped);
+            assert_eq!((opened.faults, &opened.parameters), (FaultWord::empty(), &stored), "{at:x}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(500))]
+
+    /// A bit that has fallen where the next set goes: what is stored is read back, so it is stored elsewhere.
+    #[test]
+    fn a_set_is_stored_over_fallen_bits(at in 0..6 * 4096_u32, bit in 0..8_u8, others in prop::collection::vec((0..6 * 4096_u32, 0..8_u8), 0..3)) {
+        let mut chip = small(&set(1));
+        let first = Layout::of(512 << 10, 4096).unwrap().primary.label.start;
+        chip.flip(first + at, bit);
+        let mut storage = Storage::new(chip);
+        prop_assert_eq!(open(&mut storage).parameters, set(1));
+        for (at, bit) in others {
+            // In one copy only: two damaged copies are beyond what a mirror mends.
+            storage.flash().flip(first + at % (3 * 4096), bit);
+        }
+        prop_assert!(store(&mut storage, &set(2), Part::Set));
+        prop_assert_eq!(boot(storage.flash()).0.parameters.raw(narx_core::dictionary::number::SPEED_RATE), 1002);
+    }
+
+    /// Whatever stands on the flash: no panic, and a store that works afterwards.
+    #[test]
+    fn no_content_makes_it_panic(seed in any::<u64>(), labelled: bool, density in 1..=8_u32) {
+        let mut chip = small(&set(1));
+        let layout = Layout::of(512 << 10, 4096).unwrap();
+        let mut random = narx_sim::random::Random::new(seed);
+        let first = if labelled { layout.primary.map.start } else { layout.primary.label.start };
+        for at in first..layout.mirror.map.end {
+            if labelled && layout.mirror.label.contains(&at) {
+                continue;
+            }
+            let bits = random.bits();
+            if bits as u32 % 8 < density {
+                (0..8).filter(|bit| bits >> (8 + bit) & 1 == 1).for_each(|bit| chip.flip(at, bit as u8));
+            }
+        }
+        let mut storage = Storage::new(chip);
+        open(&mut storage);
+        prop_assert!(store(&mut storage, &set(2), Part::Set));
+        let (opened, _) = boot(storage.flash());
+        prop_assert_eq!(opened.parameters.raw(narx_core::dictionary::number::SPEED_RATE), 1002);
+        prop_assert_eq!(opened.faults, FaultWord::empty());
+    }
+}

@@ -1,0 +1,13 @@
+//! The flash: parameters that survive every power cut, and the log.
+
+mod bench;
+mod bulk;
+mod cuts;
+mod device;
+mod flash;
+mod flips;
+mod log;
+mod master;
+mod node;
+mod store;
+mod support;

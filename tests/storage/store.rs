@@ -1,0 +1,200 @@
+//! The parameter store: what comes back, what the faults are, and how they are cured.
+
+use crate::support::{blank, boot, formatted, now, open, set, small, store};
+use narx_core::dictionary::{Parameters, number};
+use narx_core::motor::fault::FaultWord;
+use narx_core::storage::layout::{Layout, capacity};
+use narx_core::storage::{Part, Report, Request, Storage};
+use narx_sim::flash::{KBYTE_512, MBIT_256, MBYTE_256};
+
+const SUBSECTOR: u32 = 4096;
+
+#[test]
+fn the_size_is_the_devices_and_five_per_cent_are_fenced_off() {
+    let cases = [
+        ([0x20, 0xBA, 0x19], Some(32 << 20)),
+        ([0x20, 0xBA, 0x22], Some(256 << 20)),
+        ([0xEF, 0x40, 0x19], Some(32 << 20)),
+        ([0xFF, 0xFF, 0xFF], None),
+        ([0, 0, 0], None),
+        ([0x20, 0xBA, 0x23], None),
+    ];
+    for (identification, bytes) in cases {
+        assert_eq!(capacity(identification), bytes, "{identification:x?}");
+    }
+    for bytes in [32 << 20, 256 << 20, 512 << 10] {
+        let layout = Layout::of(bytes, SUBSECTOR).unwrap();
+        let subsectors = bytes / SUBSECTOR;
+        assert_eq!(layout.log, 0..subsectors * 95 / 100 * SUBSECTOR);
+        let mut end = layout.log.end;
+        for range in [&layout.primary.label, &layout.primary.map, &layout.mirror.label, &layout.mirror.map] {
+            assert_eq!((range.start, range.start % SUBSECTOR, range.end % SUBSECTOR), (end, 0, 0));
+            end = range.end;
+        }
+        assert!(end <= bytes);
+        assert_eq!(layout.primary.map.len(), layout.mirror.map.len());
+    }
+    // 256 Mbit: 7782 of 8192 subsectors.
+    assert_eq!(Layout::of(32 << 20, SUBSECTOR).unwrap().log.end, 7782 * 4096);
+    assert_eq!(Layout::of(64 << 10, SUBSECTOR), None);
+    assert_eq!(Layout::of(0, SUBSECTOR), None);
+}
+
+#[test]
+fn both_parts_come_back_on_every_size() {
+    for identification in [KBYTE_512, MBIT_256, MBYTE_256] {
+        let chip = formatted(identification, &set(1));
+        let (opened, chip) = boot(&chip);
+        assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), false));
+        assert_eq!(opened.parameters, set(1));
+        assert!(opened.log.is_erased());
+        // Each part is stored by itself.
+        let mut storage = Storage::new(chip);
+        open(&mut storage);
+        assert!(store(&mut storage, &set(2), Part::Set));
+        let (opened, _) = boot(storage.flash());
+        assert_eq!(opened.parameters.raw(number::SPEED_RATE), 1002);
+        assert_eq!(opened.parameters.raw(number::HV_CURRENT_OFFSET), 1);
+        assert!(store(&mut storage, &set(2), Part::Once));
+        assert_eq!(boot(storage.flash()).0.parameters, set(2));
+    }
+}
+
+#[test]
+fn the_drives_own_values_and_commands_are_not_stored() {
+    let mut parameters = set(1);
+    for (number, raw) in [(number::BUILD_NUMBER, 7), (number::STORE, 1), (number::REFUSED_FRAMES, 9)] {
+        parameters.set(number, raw).unwrap();
+    }
+    let (opened, _) = boot(&small(&parameters));
+    assert_eq!(opened.parameters, set(1));
+}
+
+#[test]
+fn a_flash_without_our_layout_is_fault_26_untouched_and_cured_by_storing() {
+    let mut foreign = blank(KBYTE_512);
+    let text = [0x5A; 3000];
+    let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+    for at in [layout.primary.label.start, layout.mirror.map.start] {
+        now(embedded_storage_async::nor_flash::NorFlash::write(&mut foreign, at, &text)).unwrap();
+    }
+    for chip in [blank(KBYTE_512), foreign] {
+        let (opened, after) = boot(&chip);
+        assert_eq!(opened.faults, FaultWord::STORE_MISMATCH);
+        assert_eq!(opened.parameters, Parameters::new());
+        assert_eq!(after.memory(), chip.memory(), "looking changes nothing");
+        let mut storage = Storage::new(after);
+        open(&mut storage);
+        assert!(store(&mut storage, &set(3), Part::Set));
+        let (opened, _) = boot(storage.flash());
+        assert_eq!((opened.faults, opened.parameters), (FaultWord::empty(), set(3)));
+        assert!(opened.log.lost, "nobody knows what the log's memory holds: it must be erased once");
+    }
+}
+
+#[test]
+fn no_answer_is_fault_30_and_what_was_stored_is_there_when_the_flash_is_back() {
+    let mut chip = small(&set(4));
+    chip.set_absent(true);
+    let (opened, mut chip) = boot(&chip);
+    assert_eq!((opened.faults, opened.log.records), (FaultWord::STORE_ABSENT, 0));
+    let mut storage = Storage::new(chip.clone());
+    open(&mut storage);
+    assert!(!store(&mut storage, &set(5), Part::Set));
+    chip.set_absent(false);
+    let (opened, _) = boot(&chip);
+    assert_eq!((opened.faults, opened.parameters), (FaultWord::empty(), set(4)));
+}
+
+#[test]
+fn a_flash_that_fails_while_storing_says_so() {
+    let mut storage = Storage::new(small(&set(1)));
+    open(&mut storage);
+    storage.flash().set_absent(true);
+    assert!(!store(&mut storage, &set(2), Part::Set));
+    assert_eq!(now(storage.execute(Request::Read(0))), Report::Record(None));
+}
+
+#[test]
+fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
+    let mut chip = small(&set(1));
+    // Taken from the flash, changed by hand, and put back with its checks made anew.
+    let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+    let cases: [(&str, Change, FaultWord, i32); 4] = [
+        (
+            "a number that nobody knows yet",
+            &|body| body.extend([0x03, 0xFF, 0, 0, 0, 9]),
+            FaultWord::empty(),
+            1001,
+        ),
+        ("a number less", &|body| drop(body.drain(4..10)), FaultWord::empty(), 1001),
+        ("a value out of range", &|body| patch(body, number::SPEED_RATE, -5), FaultWord::STORE_VERSION, 2000),
+        ("a form to come", &|body| body[1] = 2, FaultWord::STORE_VERSION, 2000),
+    ];
+    for (what, change, faults, rate) in cases {
+        let mut changed = chip.clone();
+        for map in [&layout.primary.map, &layout.mirror.map] {
+            rewrite(&mut changed, map.clone(), change);
+        }
+        let (opened, after) = boot(&changed);
+        assert_eq!((opened.faults, opened.parameters.raw(number::SPEED_RATE)), (faults, rate), "{what}");
+        // Storing what the drive now has cures it.
+        let mut storage = Storage::new(after);
+        open(&mut storage);
+        assert!(store(&mut storage, &opened.parameters, Part::Set));
+        let (again, _) = boot(storage.flash());
+        assert_eq!((again.faults, again.parameters), (FaultWord::empty(), opened.parameters), "{what}");
+    }
+    chip.restore_power();
+}
+
+/// What is done to a stored set.
+type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
+
+fn patch(body: &mut [u8], number: u16, raw: i32) {
+    let pair = body[4..].chunks_mut(6).find(|pair| pair[..2] == number.to_be_bytes()).unwrap();
+    pair[2..].copy_from_slice(&raw.to_be_bytes());
+}
+
+/// Makes the speed rate of the stored set a value that it cannot have any more.
+pub(crate) fn spoil(chip: &mut crate::support::Chip) {
+    let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+    for map in [&layout.primary.map, &layout.mirror.map] {
+        rewrite(chip, map.clone(), &|body| patch(body, number::SPEED_RATE, -5));
+    }
+}
+
+/// Changes the body of the stored set in one map: count, body, CRC-32 over key and both.
+fn rewrite(chip: &mut crate::support::Chip, map: core::ops::Range<u32>, change: Change) {
+    use sequential_storage::cache::Cache;
+    use sequential_storage::map::{MapConfig, MapStorage};
+    let config = MapConfig::try_new(map).unwrap();
+    let mut map = MapStorage::<u8, _, _>::new(chip, config, Cache::new_uncached());
+    let mut buffer = [0; 2048];
+    let item = now(map.fetch_item::<&[u8]>(&mut buffer, &1)).unwrap().unwrap();
+    let mut bytes = item[..item.len() - 4].to_vec();
+    let mut body = bytes.split_off(4);
+    change(&mut body);
+    bytes.extend(&body);
+    let keyed: Vec<u8> = core::iter::once(1).chain(bytes.iter().copied()).collect();
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&keyed);
+    bytes.extend(crc.to_be_bytes());
+    now(map.store_item(&mut buffer, &1, &bytes.as_slice())).unwrap();
+}
+
+#[test]
+fn wear_is_even_and_bounded() {
+    let mut storage = Storage::new(formatted(MBIT_256, &set(0)));
+    open(&mut storage);
+    let before = storage.flash().counts().erases;
+    const STORES: u32 = 3000;
+    for variant in 0..STORES {
+        assert!(store(&mut storage, &set(variant as i32), Part::Set));
+    }
+    // Two maps of 64 subsectors; at least four sets fill one.
+    let worst = storage.flash().memory().wear_max();
+    let erases = storage.flash().counts().erases - before;
+    assert!(erases <= u64::from(STORES) * 2 / 4, "{erases} erases");
+    assert!(worst <= STORES.div_ceil(4 * 64) + 1, "{worst} erases of one subsector");
+    assert_eq!(boot(storage.flash()).0.parameters.raw(number::SPEED_RATE), 999 + STORES as i32);
+}

@@ -1,0 +1,219 @@
+//! `docs/narx.dbc`: every message and signal as a CAN database, made from core's tables, at the factory addresses.
+
+use crate::decoded;
+use crate::steps::{self, Outcome};
+use narx_core::bus::narmotion::{Addresses, Field, MESSAGES, Meaning, Message, MessageKind};
+use narx_core::dictionary::{Decimal, Dictionary, Kind, Parameter};
+use narx_core::motor::fault::FaultWord;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Writes the database, or with `check` compares it.
+pub fn command(root: &Path, check: bool) -> ExitCode {
+    steps::finish(regenerate(root, check))
+}
+
+/// Writes the database, or with `check` compares it: the closing line.
+///
+/// # Errors
+/// It cannot be written, or differs.
+pub fn regenerate(root: &Path, check: bool) -> Outcome {
+    let path = root.join("docs/narx.dbc");
+    let fresh = render();
+    let same = std::fs::read_to_string(&path).is_ok_and(|old| old == fresh);
+    if check && !same {
+        return Err(format!("{} is out of date: cargo xtask dbc", path.display()));
+    }
+    if !same {
+        std::fs::write(&path, &fresh).map_err(|error| format!("{}: {error}", path.display()))?;
+    }
+    Ok(vec![format!("{} messages, {} bytes", MESSAGES.len(), fresh.len())])
+}
+
+/// Longest name that every reader of the format takes.
+const NAME_MAX: usize = 32;
+
+/// One signal of the database.
+struct Signal {
+    name: String,
+    /// `M` for the multiplexer, `m7` for what it selects with 7.
+    multiplex: String,
+    /// Place of the highest bit, 0..=63 as [`Field::first_bit`].
+    first_bit: u8,
+    bits: u8,
+    signed: bool,
+    exponent: i8,
+    range: (i64, i64),
+    unit: &'static str,
+    values: Vec<(u32, &'static str)>,
+    comment: String,
+}
+
+/// The database as text.
+pub fn render() -> String {
+    let mut out = String::from("VERSION \"\"\n\nNS_ :\n\nBS_:\n\nBU_: Master Drive\n");
+    let mut comments = String::new();
+    let mut values = String::new();
+    for message in &MESSAGES {
+        // Bit 31 marks a 29-bit identifier.
+        let id = message.id(Addresses::FACTORY).encode().raw() | 1 << 31;
+        let (sender, receiver) =
+            if message.kind == MessageKind::SlaveTx { ("Drive", "Master") } else { ("Master", "Drive") };
+        line(&mut out, format_args!("\nBO_ {id} {}: 8 {sender}", message_name(message)));
+        for signal in message.fields().flat_map(|field| signals(&field)) {
+            line(&mut out, format_args!(" SG_ {} {receiver}", signal.declaration()));
+            if !signal.comment.is_empty() {
+                line(
+                    &mut comments,
+                    format_args!("CM_ SG_ {id} {} \"{}\";", signal.name, quoted(&signal.comment)),
+                );
+            }
+            if !signal.values.is_empty() {
+                let list: String = signal
+                    .values
+                    .iter()
+                    .map(|(value, name)| format!(" {value} \"{}\"", quoted(name)))
+                    .collect();
+                line(&mut values, format_args!("VAL_ {id} {}{list} ;", signal.name));
+            }
+        }
+    }
+    out + "\n" + &comments + "\n" + &values
+}
+
+/// What the database's signals are worth in a message in which the decoder read these raw values.
+pub fn physical(message: &Message, values: &[decoded::Value]) -> Vec<(String, Decimal)> {
+    let raw = |name| values.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+    let row = raw("Number").and_then(|number| Dictionary::row(number as u16));
+    let mut physical = Vec::new();
+    for field in message.fields() {
+        let Some(value) = raw(field.name) else { continue };
+        match (field.meaning, row) {
+            (Meaning::Faults, _) => {
+                let faults = FaultWord::from_bits_retain(value as u32);
+                physical.extend(FaultWord::all().iter_names().map(|(name, flag)| {
+                    (name.to_owned(), Decimal { digits: faults.contains(flag).into(), exponent: 0 })
+                }));
+            }
+            (Meaning::ParameterValue, Some(row)) => {
+                physical.push((parameter(&field, row).name, row.engineering(value as i32)));
+            }
+            _ => physical.push((identifier(field.name), Decimal { digits: value, exponent: field.exponent })),
+        }
+    }
+    physical
+}
+
+/// What a field is in the database: one signal, one for each fault, or one for each parameter.
+fn signals(field: &Field) -> Vec<Signal> {
+    let range = match (field.signed, field.bits) {
+        (true, bits) => (-(1 << (bits - 1)), (1 << (bits - 1)) - 1),
+        (false, bits) => (0, (1 << bits) - 1),
+    };
+    let plain = Signal {
+        name: identifier(field.name),
+        multiplex: String::new(),
+        first_bit: field.first_bit,
+        bits: field.bits,
+        signed: field.signed,
+        exponent: field.exponent,
+        range,
+        unit: field.unit,
+        values: Vec::new(),
+        comment: String::new(),
+    };
+    match field.meaning {
+        Meaning::Number => vec![plain],
+        Meaning::Named(names) => {
+            let values: Vec<_> =
+                names.values.iter().map(|(value, name)| (u32::from(*value), *name)).collect();
+            let last = values.iter().map(|(value, _)| *value).max().unwrap_or(0);
+            vec![Signal { values, range: (0, last.into()), ..plain }]
+        }
+        Meaning::Faults => {
+            FaultWord::all().iter_names().map(|(name, flag)| fault(field, name, flag)).collect()
+        }
+        Meaning::ParameterNumber => vec![Signal { multiplex: " M".into(), ..plain }],
+        Meaning::ParameterValue => Dictionary::rows().map(|row| parameter(field, row)).collect(),
+    }
+}
+
+fn fault(field: &Field, name: &str, flag: FaultWord) -> Signal {
+    Signal {
+        name: name.to_owned(),
+        multiplex: String::new(),
+        first_bit: field.first_bit + flag.bits().leading_zeros() as u8,
+        bits: 1,
+        signed: false,
+        exponent: 0,
+        range: (0, 1),
+        unit: "-",
+        values: Vec::new(),
+        comment: String::new(),
+    }
+}
+
+fn parameter(field: &Field, row: &Parameter) -> Signal {
+    let mut name = format!("P{}_{}", row.number, identifier(row.name));
+    name.truncate(NAME_MAX);
+    Signal {
+        name: name.trim_end_matches('_').to_owned(),
+        multiplex: format!(" m{}", row.number),
+        first_bit: field.first_bit,
+        bits: field.bits,
+        signed: row.kind == Kind::I32,
+        exponent: row.exponent,
+        range: (row.min, row.max),
+        unit: row.unit,
+        values: Vec::new(),
+        comment: format!("{}: {}", row.name, row.description),
+    }
+}
+
+impl Signal {
+    fn declaration(&self) -> String {
+        let Self { name, multiplex, bits, exponent, range: (min, max), .. } = self;
+        // Bits are counted from the lowest of byte 0, bytes from the left; big-endian signals are placed by their highest bit.
+        let start = self.first_bit / 8 * 8 + 7 - self.first_bit % 8;
+        let sign = if self.signed { '-' } else { '+' };
+        let scaled = |digits| Decimal { digits, exponent: *exponent };
+        // The format has the one-byte characters of Western Windows, and a file of this project has not.
+        let unit = self.unit.replace("°C", "degC");
+        let unit = if unit == "-" { "" } else { &unit };
+        format!(
+            "{name}{multiplex} : {start}|{bits}@0{sign} ({},0) [{}|{}] \"{unit}\"",
+            scaled(1),
+            scaled(*min),
+            scaled(*max)
+        )
+    }
+}
+
+/// The printed name as an identifier; with its type, where several messages have the name.
+fn message_name(message: &Message) -> String {
+    let name = identifier(message.name);
+    let shared = MESSAGES.iter().filter(|other| other.name == message.name).count() > 1;
+    match message.kind {
+        MessageKind::DataSet if shared => name + "_SET",
+        MessageKind::DataRequest if shared => name + "_REQUEST",
+        _ => name,
+    }
+}
+
+/// Letters and digits of a name, joined by `_`.
+fn identifier(name: &str) -> String {
+    let words: Vec<&str> =
+        name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let joined = words.join("_");
+    if joined.starts_with(|c: char| c.is_ascii_digit()) { format!("_{joined}") } else { joined }
+}
+
+fn quoted(text: &str) -> String {
+    text.replace('"', "'")
+}
+
+fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "{text}");
+}
