@@ -10,7 +10,9 @@
 //! One call of [`Bench::step`] is one control tick. Same configuration, same frames, same bits.
 
 use crate::can::{Attachment, Bus, BusStatistics, NodeIndex, NotQueued, Received};
-use crate::flash::{Flash, MBIT_256, Sparse, finish};
+use crate::chip::Chip;
+#[cfg(feature = "flash")]
+use crate::flash::{Flash, Sparse};
 use crate::plant::{Observation, Plant, PlantConfig};
 use crate::recording::RecordingBuffer;
 use crate::trace::{Signal, Trace};
@@ -24,7 +26,7 @@ use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};
 use narx_core::scope::{self, Scope};
-use narx_core::storage::{Opened, Report, Request, Storage};
+use narx_core::storage::{Opened, Report, Request};
 use narx_core::units::{ElectricalAngle, ElectricalSpeed};
 
 /// Bit rate of the drive's bus (Table 2).
@@ -68,7 +70,7 @@ pub struct Bench {
     drive: Drive,
     node: Node,
     scope: Scope<Vec<u16>>,
-    storage: Storage<Flash<Sparse>>,
+    chip: Chip,
     /// What the flash answers when it has finished, and when that is, ns.
     report: Option<(u64, Report)>,
     bus: Bus<PLACES, QUEUE>,
@@ -121,18 +123,16 @@ pub const SIGNALS: [Signal; 26] = [
 impl Bench {
     /// Powers up a drive on the plant; the configuration's parameters stand on its flash of 256 Mbit, the log is empty.
     pub fn new(config: &BenchConfig) -> Self {
-        let mut storage = Storage::new(Flash::new(MBIT_256, Sparse::new(), 0));
-        // A new flash takes every set.
-        finish(storage.format(&config.parameters));
-        Self::with_storage(config, storage)
+        Self::with_chip(config, Chip::new(&config.parameters))
     }
 
     /// The same with a flash from somewhere else: what stands there counts, and the configuration's parameters do not.
+    #[cfg(feature = "flash")]
     pub fn with_flash(config: &BenchConfig, flash: Flash<Sparse>) -> Self {
-        Self::with_storage(config, Storage::new(flash))
+        Self::with_chip(config, Chip::with_flash(flash))
     }
 
-    fn with_storage(config: &BenchConfig, storage: Storage<Flash<Sparse>>) -> Self {
+    fn with_chip(config: &BenchConfig, chip: Chip) -> Self {
         let board = config.plant.board;
         let mut bus = Bus::new(BITRATE);
         let [device, host, monitor] = bus.attach_all();
@@ -143,7 +143,7 @@ impl Bench {
             drive: Drive::new(Coefficients::default()),
             node,
             scope: Scope::new(Vec::new()),
-            storage,
+            chip,
             report: None,
             bus,
             device,
@@ -167,8 +167,7 @@ impl Bench {
     /// Power-up or reboot of the drive: what is not stored is lost.
     fn boot(&mut self) {
         let board = *self.node.board();
-        let Some(Report::Opened(opened)) = finish(self.storage.execute(Request::Open)) else { return };
-        self.storage.flash().take_busy();
+        let Some((Report::Opened(opened), _)) = self.chip.execute(Request::Open) else { return };
         self.report = None;
         let Opened { parameters, .. } = opened.clone();
         // A set that does not build leaves the drive with none: the node says so, and it refuses to start.
@@ -284,20 +283,20 @@ impl Bench {
         if self.report.is_none()
             && let Some(request) = self.node.poll_storage()
         {
-            let report = finish(self.storage.execute(request));
-            let due = now_ns + self.storage.flash().take_busy();
-            self.report = report.map(|report| (due, report));
+            self.report = self.chip.execute(request).map(|(report, busy)| (now_ns + busy, report));
         }
     }
 
     /// The drive's flash, to look at and to break.
+    #[cfg(feature = "flash")]
     pub const fn flash(&mut self) -> &mut Flash<Sparse> {
-        self.storage.flash()
+        self.chip.flash()
     }
 
     /// Takes the flash out of the drive, to put it into another one.
+    #[cfg(feature = "flash")]
     pub fn into_flash(self) -> Flash<Sparse> {
-        self.storage.into_flash()
+        self.chip.into_flash()
     }
 
     /// Queues a frame of the host; it takes part in the arbitration from now on.

@@ -10,8 +10,11 @@ extern crate alloc;
 #[cfg(feature = "alloc")]
 pub mod bench;
 pub mod can;
+#[cfg(feature = "alloc")]
+mod chip;
 pub mod commissioning;
 pub mod engineering;
+#[cfg(feature = "flash")]
 pub mod flash;
 pub mod plant;
 pub mod presets;

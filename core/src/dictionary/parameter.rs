@@ -182,6 +182,7 @@ impl Parameter {
         Self { effect: Effect::Reboot, ..self }
     }
     pub(super) const fn about(self, description: &'static str) -> Self {
-        Self { description, ..self }
+        // Texts are half of the table's bytes.
+        if cfg!(feature = "description") { Self { description, ..self } } else { self }
     }
 }

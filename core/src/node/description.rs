@@ -6,6 +6,8 @@ use crate::bus::narmotion::{FromDrive, XmlCommand};
 use crate::description::{Cursor, Document};
 use serde::{Deserialize, Serialize};
 
+/// Whether this build has a description to serve.
+pub(super) const SERVES: bool = cfg!(feature = "description");
 /// Lines measured in one poll, so that a request for the length never holds up the background.
 const LINES_A_POLL: usize = 4;
 /// Bytes in a frame of data: three words.
@@ -60,7 +62,7 @@ impl Node {
 
     /// Measures on while somebody waits for the length.
     pub(super) fn measure_description(&mut self) {
-        if self.download.asked == 0 {
+        if !SERVES || self.download.asked == 0 {
             return;
         }
         let document = self.document();
@@ -77,7 +79,7 @@ impl Node {
 
     /// The next frame of a download. The last one is filled up with zeros, and an odd last byte with a line's end.
     pub(super) fn next_of_description(&mut self) -> Option<Frame> {
-        let Stream { mut cursor, address } = self.download.stream?;
+        let Stream { mut cursor, address } = self.download.stream.filter(|_| SERVES)?;
         let mut text = [0; BYTES];
         let length = self.document().read(&mut cursor, &mut text);
         if length % 2 == 1

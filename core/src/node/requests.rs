@@ -1,6 +1,7 @@
 //! What a frame of the master makes the node do.
 
 use super::Node;
+use super::description::SERVES;
 use crate::bus::Frame;
 use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
 use crate::dictionary::{Category, Parameters, number};
@@ -76,7 +77,8 @@ impl Node {
             ToDrive::RestoreFactory { serial } => self.restore_factory(serial)?,
             ToDrive::DigitalOutputs(outputs) => self.set_digital(outputs)?,
             ToDrive::DisableHallSupply(disable) => self.disable_hall_supply(disable)?,
-            ToDrive::DownloadXml(command) => self.serve_description(command),
+            ToDrive::DownloadXml(command) if SERVES => self.serve_description(command),
+            ToDrive::DownloadXml(_) => return Err(Refused),
             ToDrive::TriggerScope => self.scope.trigger(&self.parameters)?,
             ToDrive::DownloadScope => self.scope.download()?,
         }
