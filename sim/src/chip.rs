@@ -59,9 +59,9 @@ mod without_flash {
         stored: Parameters,
     }
 
-    /// Nothing can be written to it.
+    /// No memory for one.
     const NO_LOG: Memory =
-        Memory { records: 0, written: 0, subsectors: 0, erasing: None, lost: true, values: 0 };
+        Memory { records: 0, written: 0, subsectors: 0, erasing: None, lost: false, values: 0 };
 
     impl Chip {
         /// One that holds these parameters.

@@ -208,6 +208,9 @@ impl Log {
     }
 }
 
+/// Whether this build logs.
+const LOGS: bool = cfg!(feature = "log");
+
 /// Bits 24:16 of the status word.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LogStatus {
@@ -221,6 +224,9 @@ pub(super) struct LogStatus {
 impl Node {
     /// The next frame of a download.
     pub(super) fn next_of_log(&mut self) -> Option<Frame> {
+        if !LOGS {
+            return None;
+        }
         self.log.frame().map(|message| message.encode(self.addresses))
     }
 
@@ -228,7 +234,7 @@ impl Node {
     pub(super) fn run_log(&mut self, now: u64) {
         let memory = self.log.memory;
         let logs = self.flash.is_ready() && !memory.is_full() && memory.erasing.is_none() && !self.log.erase;
-        if memory.records == 0 || !logs || self.slots().next().is_none() {
+        if !LOGS || memory.records == 0 || !logs || self.slots().next().is_none() {
             self.log.due = None;
             return;
         }
@@ -283,7 +289,7 @@ impl Node {
         let start = self.parameters.raw_u32(number::LOG_READ_START);
         let count = self.parameters.raw_u32(number::LOG_READ_COUNT);
         let memory = self.log.memory;
-        if !self.flash.is_ready() || memory.lost || !self.log.is_idle() {
+        if !LOGS || !self.flash.is_ready() || memory.lost || !self.log.is_idle() {
             return ParameterStatus::Storage;
         }
         let end = start.saturating_add(count);
