@@ -7,6 +7,7 @@ mod device;
 mod device_halves;
 mod dictionary;
 mod document;
+mod hardware;
 mod inputs;
 mod master;
 mod master_bench;
