@@ -21,6 +21,8 @@ ROOT = Path(__file__).parents[2]
 SNAPSHOT = ROOT / "tests/protocol/snapshots/protocol__description__text_of_the_description.snap"
 DATABASE = cantools.database.load_file(ROOT / "docs" / "narx.dbc", strict=True)
 
+BROADCAST_SECONDS = 0.05
+"""Between two status words (parameter 111)."""
 STATE, SCOPE_STATE, SPEED_RATE = 261, 260, 99
 STANDBY, HALL_CLOSED_LOOP = 1, 5
 SCOPE_ARMED, SCOPE_DONE = 1, 3
@@ -125,30 +127,25 @@ class Client:
     def speed(self):
         return self.last("MEASUREMENT_5")["Mechanical_estimated_speed_HES"]
 
-    def answer(self, number, seconds=5.0):
-        """Waits for the drive's next word about a parameter: its raw value and the status."""
+    def answers(self, number, since=0):
+        """The drive's words about a parameter among what was heard since: raw values, each with its status."""
         identifier = DATABASE.get_message_by_name("PARAMETER").frame_id
-        found = []
+        words = (struct.unpack(">HiH", data) for heard, data in self.heard[since:] if heard == identifier)
+        return [(value, status) for about, value, status in words if about == number]
 
-        def has_come():
-            message = self.pump()
-            if message is not None and message.arbitration_id == identifier:
-                asked, value, status = struct.unpack(">HiH", message.data)
-                found.extend([(value, status)] if asked == number else [])
-            return found
-
-        self.wait(seconds, has_come, f"answer about parameter {number}")
-        return found[0]
+    def ask(self, number, message, *words):
+        since = len(self.heard)
+        self.send(message, number, *words)
+        self.wait(5.0, lambda: self.answers(number, since), f"answer about parameter {number}")
+        return self.answers(number, since)[0]
 
     def read(self, number):
-        self.send("PARAMETER_REQUEST", number)
-        value, status = self.answer(number)
+        value, status = self.ask(number, "PARAMETER_REQUEST")
         assert status == 0
         return value
 
     def write(self, number, value):
-        self.send("PARAMETER_SET", number, value >> 16 & 0xFFFF, value & 0xFFFF)
-        return self.answer(number)
+        return self.ask(number, "PARAMETER_SET", value >> 16 & 0xFFFF, value & 0xFFFF)
 
     def wait_for(self, number, value, seconds=5.0):
         self.wait(seconds, lambda: self.read(number) == value, f"{value} of parameter {number}")
@@ -156,19 +153,25 @@ class Client:
     def download(self, request, words, data, count):
         """Asks, and puts three words of each data frame behind each other."""
         identifier = DATABASE.get_message_by_name(data).frame_id
-        content = bytearray()
+        content, seen = bytearray(), len(self.heard)
 
         def is_complete():
-            message = self.pump()
-            if message is not None and message.arbitration_id == identifier:
-                assert 2 * int.from_bytes(message.data[0:2], "big") == len(content), "in order and without a gap"
-                content.extend(message.data[2:8])
+            nonlocal seen
+            for heard, payload in self.heard[seen:]:
+                if heard == identifier:
+                    assert 2 * int.from_bytes(payload[0:2], "big") == len(content), "in order and without a gap"
+                    content.extend(payload[2:8])
+            seen = len(self.heard)
             return len(content) >= 2 * count
 
         self.send(request, *words)
-        self.wait(20.0, is_complete, f"{count} words")
+        self.wait(30.0, is_complete, f"{count} words")
         assert not any(content[2 * count :]), "filled with zeros"
         return bytes(content[: 2 * count])
+
+    def count(self, name, since=0):
+        identifier = DATABASE.get_message_by_name(name).frame_id
+        return sum(heard == identifier for heard, _ in self.heard[since:])
 
 
 def between_marks(client, own=()):
@@ -233,12 +236,13 @@ def test_parameters_are_read_and_written_and_everybody_sees_the_answers(connect)
     assert one.write(SPEED_RATE, 1234) == (1234, 0)
     assert two.read(SPEED_RATE) == 1234
     assert two.last("PARAMETER") == {"Number": SPEED_RATE, "P99_Speed_setpoint_rate": 1234, "Status": 0}
+    one.run(0.2)
     assert one.write(SPEED_RATE, 0) == (1234, 3), "out of range, and kept"
     assert two.write(STATE, 1)[1] == 2, "read-only"
     assert one.write(200, 1) == (0, 1), "unknown"
-    two.send("PARAMETER_REQUEST", SPEED_RATE)
-    assert two.answer(200) == (0, 1), "an answer to the other one"
-    assert two.answer(SPEED_RATE) == (1234, 0)
+    two.run(0.2)
+    assert two.answers(200) == [(0, 1)], "an answer to the other one"
+    assert one.answers(STATE)[-1][1] == 2
 
 
 def test_the_description_is_the_one_of_the_snapshot(connect):
@@ -295,16 +299,17 @@ def test_rubbish_and_clients_that_break_off_or_never_read_disturb_nobody(drive, 
     brief.sendall(b"O\rT0AAD520280000")
     brief.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     brief.close()
-    status = DATABASE.get_message_by_name("STATUS_WORD").frame_id
-    before, end = len(master.heard), time.monotonic() + 3.0
-    while time.monotonic() < end:
+    before, start = len(master.heard), time.monotonic()
+    while time.monotonic() < start + 3.0:
         try:
             shouter.send(rubbish)
         except BlockingIOError:
             pass
         master.pump()
-    count = sum(heard == status for heard, _ in master.heard[before:])
-    assert 50 <= count <= 65, "60 broadcasts in 3 s"
+    # On a busy machine some come late; none is missing.
+    due = 3.0 / BROADCAST_SECONDS - 2
+    master.wait(3.0, lambda: master.count("STATUS_WORD", before) >= due, f"{due} broadcasts")
+    assert master.count("STATUS_WORD", before) <= (time.monotonic() - start) / BROADCAST_SECONDS + 2
     assert not any(master.last("FAULT_WORD").values())
     assert abs(master.speed - 2000) <= 20
     shouter.close()
@@ -364,7 +369,6 @@ def test_the_link_goes_with_the_drive(tmp_path):
 
 def test_simulated_time_follows_the_clock_and_makes_up_for_a_stall(drive, connect):
     client = Client(connect("tcp"))
-    status = DATABASE.get_message_by_name("STATUS_WORD").frame_id
     client.wait(5.0, lambda: client.last("STATUS_WORD"), "broadcast")
     client.heard.clear()
     start = time.monotonic()
@@ -374,8 +378,8 @@ def test_simulated_time_follows_the_clock_and_makes_up_for_a_stall(drive, connec
     drive.process.send_signal(signal.SIGCONT)
     client.run(2.5)
     passed = time.monotonic() - start
-    count = sum(heard == status for heard, _ in client.heard)
-    assert abs(count - passed / 0.05) <= 4, f"{count} broadcasts in {passed:.2f} s"
+    count = client.count("STATUS_WORD")
+    assert abs(count - passed / BROADCAST_SECONDS) <= 4, f"{count} broadcasts in {passed:.2f} s"
 
 
 def test_it_ends_by_itself_and_may_run_faster():

@@ -11,8 +11,8 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError};
 pub(super) const PIECES: usize = 4;
 /// Bytes of a piece at most.
 pub(super) const PIECE: usize = 1024;
-/// Lines that wait for a client that does not read: half a second of a full bus.
-pub(super) const LINES: usize = 1024;
+/// Lines that wait for a client that does not read: five seconds of a full bus, longer than any download but that of a log.
+pub(super) const LINES: usize = 16_384;
 /// Frames that wait for the bus.
 pub(super) const FRAMES: usize = 256;
 /// Bytes of a client that are looked at in a control tick, so that rubbish costs the others no time: a serial line of 10 Mbit/s.
