@@ -411,3 +411,13 @@ def test_a_port_that_is_taken_is_named(drive):
     refused = subprocess.run([XTASK, "drive", "--tcp", f"{host}:{port}"], capture_output=True, text=True, timeout=10)
     assert refused.returncode == 1
     assert f"--tcp {host}:{port}" in refused.stderr
+
+
+def test_a_link_replaces_no_file(tmp_path):
+    precious = tmp_path / "precious"
+    precious.write_text("kept")
+    command = [XTASK, "drive", "--tcp", "127.0.0.1:0", "--pty", "--link", str(precious)]
+    refused = subprocess.run(command, capture_output=True, text=True, timeout=10)
+    assert refused.returncode == 1
+    assert refused.stderr.startswith(f"--pty --link {precious}: ")
+    assert precious.read_text() == "kept"

@@ -103,7 +103,7 @@ impl Hub {
         let faults = status.faults.bits();
         let dropped: u64 = self.clients.iter().map(|(_, client)| client.dropped().lines).sum();
         format!(
-            "{time:.1} s  {} {}, {rpm:.0} rpm, faults {faults:08X}, {clients} clients, {dropped} lines dropped",
+            "{time:.1} s  {} {}, {rpm:.0} rpm, faults {faults:08X}, {clients} connected, {dropped} lines dropped",
             state as u8,
             state.name()
         )

@@ -141,8 +141,11 @@ fn terminal(arguments: &Arguments, hub: &mut Hub) -> Result<Option<pty::Terminal
     if !arguments.pty {
         return Ok(None);
     }
-    let (terminal, connection) =
-        pty::open(arguments.link.as_deref()).map_err(|error| format!("--pty: {error}"))?;
+    let refused = |error: io::Error| match &arguments.link {
+        Some(link) => format!("--pty --link {}: {error}", link.display()),
+        None => format!("--pty: {error}"),
+    };
+    let (terminal, connection) = pty::open(arguments.link.as_deref()).map_err(refused)?;
     say(&format!(
         "pty  can.Bus(interface=\"slcan\", channel=\"{}\", bitrate=500000)",
         terminal.path().display()
