@@ -382,6 +382,21 @@ def test_simulated_time_follows_the_clock_and_makes_up_for_a_stall(drive, connec
     assert abs(count - passed / BROADCAST_SECONDS) <= 4, f"{count} broadcasts in {passed:.2f} s"
 
 
+def test_a_motor_runs_through_a_stall_of_the_program(drive, connect):
+    master = Client(connect("tcp"))
+    master.mode = 0
+    master.wait_for(STATE, STANDBY)
+    master.mode, master.rpm = 1, 2000
+    master.wait(5.0, lambda: abs(master.speed - 2000) <= 20, "set-point")
+    drive.process.send_signal(signal.SIGSTOP)
+    # Four times the drive's time-out: but its time stands still, too.
+    master.run(1.0)
+    drive.process.send_signal(signal.SIGCONT)
+    master.run(1.5)
+    assert master.read(STATE) == HALL_CLOSED_LOOP
+    assert not any(master.last("FAULT_WORD").values())
+
+
 def test_it_ends_by_itself_and_may_run_faster():
     start = time.monotonic()
     drive = Drive("--seconds", "20", "--speed", "10", "--verbose")
