@@ -319,6 +319,31 @@ def test_rubbish_and_clients_that_break_off_or_never_read_disturb_nobody(drive, 
     assert master.read(STATE) == HALL_CLOSED_LOOP
 
 
+def test_who_is_one_too_many_is_turned_away_until_another_leaves(drive):
+    def is_served(client):
+        client.settimeout(5.0)
+        try:
+            client.sendall(b"N\r")
+            return client.recv(100) == b"NNARX\r"
+        except ConnectionError:
+            return False
+
+    clients = [socket.create_connection(drive.address) for _ in range(32)]
+    assert all(map(is_served, clients))
+    with socket.create_connection(drive.address) as late:
+        assert not is_served(late)
+    clients.pop().close()
+    end = time.monotonic() + 5.0
+    while time.monotonic() < end:
+        with socket.create_connection(drive.address) as late:
+            if is_served(late):
+                break
+    else:
+        raise AssertionError("no place becomes free")
+    for client in clients:
+        client.close()
+
+
 @pytest.mark.parametrize("door", ["tcp", "pty"])
 def test_a_client_may_leave_and_come_back(drive, door):
     for round in range(3):
