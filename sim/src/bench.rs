@@ -317,6 +317,11 @@ impl Bench {
         self.bus.receive(self.monitor)
     }
 
+    /// The host's place: who sent what [`Bench::send`] took.
+    pub const fn host(&self) -> NodeIndex {
+        self.host
+    }
+
     /// Cuts the host off the bus, or connects it again.
     pub fn set_host(&mut self, attachment: Attachment) {
         self.bus.set_attachment(self.host, attachment);

@@ -76,6 +76,29 @@ impl SessionConfig {
         }
         Ok(commissioning)
     }
+
+    /// Powers up a commissioned drive with nobody else on its bus.
+    ///
+    /// # Errors
+    /// As [`commission`](Self::commission).
+    pub fn power_up(&self) -> Result<(Bench, Commissioning), SessionError> {
+        let commissioning = self.commission()?;
+        let mut plant = PlantConfig::new(self.motor, self.supply);
+        plant.load = self.load;
+        plant.supply = SupplyConfig { voltage: self.supply, ..plant.supply };
+        plant.hall.offset_deg = self.hall_offset_deg;
+        plant.ambient = self.ambient;
+        plant.seed = self.seed;
+        // No position is special; this one is not on a sector's edge.
+        plant.angle_deg = 77.0;
+        let bench = Bench::new(&BenchConfig {
+            plant,
+            parameters: commissioning.parameters.clone(),
+            label: self.label.clone(),
+            trace: self.trace,
+        });
+        Ok((bench, commissioning))
+    }
 }
 
 /// Why a session cannot be.
@@ -128,21 +151,7 @@ impl Session {
     /// # Errors
     /// As [`SessionConfig::commission`].
     pub fn new(config: &SessionConfig) -> Result<Self, SessionError> {
-        let commissioning = config.commission()?;
-        let mut plant = PlantConfig::new(config.motor, config.supply);
-        plant.load = config.load;
-        plant.supply = SupplyConfig { voltage: config.supply, ..plant.supply };
-        plant.hall.offset_deg = config.hall_offset_deg;
-        plant.ambient = config.ambient;
-        plant.seed = config.seed;
-        // No position is special; this one is not on a sector's edge.
-        plant.angle_deg = 77.0;
-        let bench = Bench::new(&BenchConfig {
-            plant,
-            parameters: commissioning.parameters.clone(),
-            label: config.label.clone(),
-            trace: config.trace,
-        });
+        let (bench, commissioning) = config.power_up()?;
         let addresses = bench.node().addresses();
         let mut master = Master::new(Config { addresses, read_parameters: false, ..Config::default() });
         master.stop();

@@ -9,6 +9,7 @@ mod device_halves;
 mod dictionary;
 mod document;
 mod download_bench;
+mod hardware;
 mod inputs;
 mod master;
 mod master_bench;

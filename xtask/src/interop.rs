@@ -1,4 +1,5 @@
-//! What other people's tools make of our files: python-can reads the logs, cantools the database, xmlschema the description.
+//! What other people's tools make of our files: python-can reads the logs and commands the virtual drive, cantools reads the
+//! database, xmlschema the description.
 
 use crate::steps::{self, Outcome};
 use crate::{candump, dbc, decoded, install};
@@ -21,7 +22,7 @@ pub fn run(root: &Path) -> Outcome {
     write_samples(&samples).map_err(|error| format!("{}: {error}", samples.display()))?;
     let xtask = env::current_exe().map_err(|error| error.to_string())?;
     let demo = samples.join("demo");
-    steps::run(Command::new(xtask).args(["demo", "--seconds", "1.5", "--rpm", "2000", "--out"]).arg(&demo))?;
+    steps::run(Command::new(&xtask).args(["demo", "--seconds", "1.5", "--rpm", "2000", "--out"]).arg(&demo))?;
     let tests = root.join("tests/interop");
     let python =
         install::python_environment(&target.join("interop-python"), &tests.join("requirements.txt"))?;
@@ -30,6 +31,7 @@ pub fn run(root: &Path) -> Outcome {
             .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider"])
             .arg(&tests)
             .env("NARX_INTEROP", &samples)
+            .env("NARX_XTASK", &xtask)
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )
 }

@@ -8,6 +8,7 @@ use xtask::callgrind;
 use xtask::coverage;
 use xtask::dbc;
 use xtask::demo;
+use xtask::drive;
 use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
@@ -27,6 +28,8 @@ struct Arguments {
 enum Job {
     /// The main job: a motor starts, reaches its speed and holds it
     Demo(demo::Arguments),
+    /// A virtual drive in real time, its CAN bus as slcan for python-can and its like
+    Drive(drive::Arguments),
     /// Measure what narx promises of its control: every goal with its figure and verdict
     Bench(bench::Arguments),
     /// Measure how fast the bench simulates, beside a C loop: a part of `bench`
@@ -85,6 +88,7 @@ fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
+        Job::Drive(arguments) => drive::run(&arguments),
         Job::Bench(arguments) => bench::command(&arguments),
         Job::Speed => bench::speed(),
         Job::Test { target } => test::run(root, target),

@@ -24,7 +24,7 @@ pub const fn worst_case_bits(extended: bool, bytes: u8) -> u32 {
 
 /// What a node compares with the bus while it arbitrates: the lower value wins. Identifier, RTR (or SRR), IDE and
 /// the rest of an extended identifier with its RTR, left-aligned.
-pub(super) fn arbitration_field(frame: &Frame) -> u32 {
+pub fn arbitration_field(frame: &Frame) -> u32 {
     let remote = u32::from(frame.is_remote());
     match frame.id() {
         Id::Standard { raw: id, .. } => u32::from(id) << 21 | remote << 20,

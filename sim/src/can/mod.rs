@@ -13,6 +13,6 @@ mod bus;
 mod node;
 pub mod slcan;
 
-pub use bits::{WireBits, frame_bits, worst_case_bits};
+pub use bits::{WireBits, arbitration_field, frame_bits, worst_case_bits};
 pub use bus::{Bus, BusStatistics, NotQueued};
 pub use node::{Attachment, ErrorState, NodeIndex, Received};

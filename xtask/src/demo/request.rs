@@ -1,30 +1,20 @@
 //! What was asked for, checked before anything runs or is written.
 
+use crate::setup::{self, Refused, Setup, number};
 use clap::{Args, Command, FromArgMatches};
 use narx_sim::commissioning::{Commissioning, Mode};
-use narx_sim::presets::{PRESETS, Preset, preset};
 use narx_sim::session::SessionConfig;
-use std::fmt;
 use std::path::PathBuf;
 
-/// Arguments of `demo`, as typed: numbers are checked here, so that every refusal is one line.
+/// Arguments of `demo`, as typed.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// Motor preset
-    #[arg(long, default_value = "ec45-flat-50w-18v")]
-    pub motor: String,
-    /// Control mode: sensorless, hall or open-loop
-    #[arg(long, default_value = "sensorless")]
-    pub mode: String,
+    /// What stands on the bench
+    #[command(flatten)]
+    pub bench: setup::Arguments,
     /// Mechanical speed, rpm; negative is Reverse [default: the middle of the motor's range]
     #[arg(long, allow_hyphen_values = true)]
     pub rpm: Option<String>,
-    /// Supply voltage, V [default: the motor's nominal voltage]
-    #[arg(long, allow_hyphen_values = true)]
-    pub supply: Option<String>,
-    /// Load torque on the shaft, N m
-    #[arg(long, allow_hyphen_values = true, default_value = "0")]
-    pub load: String,
     /// Simulated time from power-up, s
     #[arg(long, allow_hyphen_values = true, default_value = "3")]
     pub seconds: String,
@@ -44,56 +34,32 @@ impl Arguments {
 /// A run that can be.
 #[derive(Debug)]
 pub(super) struct Request {
-    pub(super) preset: &'static Preset,
+    setup: Setup,
     pub(super) mode: Mode,
     pub(super) rpm: i32,
-    pub(super) supply: f64,
-    pub(super) load: f64,
     pub(super) seconds: f64,
     pub(super) out: PathBuf,
     pub(super) commissioning: Commissioning,
     pub(super) session: SessionConfig,
 }
 
-/// Why it cannot be: names the argument, its value and what is allowed, in one line.
-#[derive(Debug, PartialEq)]
-pub(super) struct Refused(String);
-
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Refused {}
-
 /// Boot, start and a steady quarter need about this long, s.
 const SECONDS: (f64, f64) = (1.0, 60.0);
 
 impl Request {
     pub(super) fn new(arguments: &Arguments) -> Result<Self, Refused> {
-        let preset = preset(&arguments.motor).ok_or_else(|| unknown_motor(&arguments.motor))?;
-        let mode = mode(&arguments.mode)?;
-        let nominal = preset.data.nominal_voltage.clamp(18.0, 60.0);
-        let supply = match &arguments.supply {
-            Some(text) => number("--supply", text, 18.0, 60.0, "V")?,
-            None => nominal,
-        };
+        let setup = arguments.bench.check()?;
         let seconds = number("--seconds", &arguments.seconds, SECONDS.0, SECONDS.1, "s")?;
-        let mut session = SessionConfig::new(preset.motor, supply, mode);
-        session.rated_current = preset.data.rated_current;
-        let refuse = |error: &dyn fmt::Display| Refused(format!("--motor {}: {error}", preset.name));
-        let range = session.commission().map_err(|error| refuse(&error))?;
-        let rpm = speed(arguments.rpm.as_deref(), mode, &range)?;
+        let (mode, mut session) = (setup.mode, setup.session.clone());
+        let rpm = speed(arguments.rpm.as_deref(), mode, &setup.range)?;
         if mode == Mode::OpenLoop {
             session.open_loop_speed = Some(f64::from(rpm.abs()));
         }
-        let commissioning = session.commission().map_err(|error| refuse(&error))?;
-        let torque = commissioning.phase_current * preset.motor.torque_constant;
-        let load = number("--load", &arguments.load, 0.0, (torque * 1e4).floor() / 1e4, "N m")?;
-        session.load.constant = load;
+        let commissioning = session.commission();
+        let commissioning =
+            commissioning.map_err(|error| Refused(format!("--motor {}: {error}", setup.preset.name)))?;
         let out = arguments.out.clone();
-        let mut request = Self { preset, mode, rpm, supply, load, seconds, out, commissioning, session };
+        let mut request = Self { setup, mode, rpm, seconds, out, commissioning, session };
         request.session.label = request.headline();
         Ok(request)
     }
@@ -104,41 +70,17 @@ impl Request {
     }
 
     pub(super) fn title(&self) -> String {
-        format!("{} {}", self.preset.maker, self.preset.part)
+        self.setup.title()
     }
 
     pub(super) fn subtitle(&self) -> String {
-        let mode = match self.mode {
-            Mode::Hall => "hall closed loop",
-            Mode::Sensorless => "sensorless closed loop",
-            Mode::OpenLoop => "open loop",
-        };
-        format!("{mode}, {} rpm, {} V supply, {} N m load", self.rpm, self.supply, self.load)
+        let Setup { supply, load, .. } = self.setup;
+        format!("{}, {} rpm, {supply} V supply, {load} N m load", self.setup.mode_name(), self.rpm)
     }
 
     pub(super) fn headline(&self) -> String {
         format!("{}: {}", self.title(), self.subtitle())
     }
-}
-
-fn unknown_motor(name: &str) -> Refused {
-    let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-    Refused(format!("--motor {name}: unknown motor; one of {}", names.join(", ")))
-}
-
-fn mode(name: &str) -> Result<Mode, Refused> {
-    match name {
-        "hall" => Ok(Mode::Hall),
-        "open-loop" => Ok(Mode::OpenLoop),
-        "sensorless" => Ok(Mode::Sensorless),
-        _ => Err(Refused(format!("--mode {name}: unknown mode; one of sensorless, hall, open-loop"))),
-    }
-}
-
-/// A finite number within `min..=max`.
-fn number(argument: &str, text: &str, min: f64, max: f64, unit: &str) -> Result<f64, Refused> {
-    let value = text.parse::<f64>().ok().filter(|value| (min..=max).contains(value));
-    value.ok_or_else(|| Refused(format!("{argument} {text}: must be a number from {min} to {max} {unit}")))
 }
 
 /// Open loop turns a field: as slow as one likes, and no faster than twice the slowest closed-loop speed.
@@ -159,51 +101,30 @@ fn speed(text: Option<&str>, mode: Mode, range: &Commissioning) -> Result<i32, R
 mod tests {
     use super::*;
 
-    fn arguments() -> Arguments {
-        Arguments {
-            motor: "ec45-flat-50w-18v".into(),
-            mode: "hall".into(),
-            rpm: None,
-            supply: None,
-            load: "0".into(),
-            seconds: "3".into(),
-            out: "out".into(),
-        }
+    fn typed(words: &[&str]) -> Result<Request, Refused> {
+        Request::new(&Arguments::read(&[&["--mode", "hall"], words].concat()).unwrap())
     }
 
     /// Every refusal names the argument, its value and the range, in one line.
     #[test]
     fn refusals() {
-        let cases: [(Arguments, &str); 11] = [
-            (
-                Arguments { motor: "mn7005".into(), ..arguments() },
-                "--motor mn7005: unknown motor; one of ec45",
-            ),
-            (
-                Arguments { mode: "foc".into(), ..arguments() },
-                "--mode foc: unknown mode; one of sensorless, hall",
-            ),
-            (
-                Arguments { supply: Some("12".into()), ..arguments() },
-                "--supply 12: must be a number from 18 to 60 V",
-            ),
-            (Arguments { supply: Some("nan".into()), ..arguments() }, "--supply nan: must be"),
-            (
-                Arguments { seconds: "0.5".into(), ..arguments() },
-                "--seconds 0.5: must be a number from 1 to 60 s",
-            ),
-            (Arguments { seconds: "inf".into(), ..arguments() }, "--seconds inf: must be"),
-            (Arguments { load: "-1".into(), ..arguments() }, "--load -1: must be a number from 0 to"),
-            (Arguments { load: "9".into(), ..arguments() }, "--load 9: must be"),
-            (
-                Arguments { rpm: Some("0".into()), ..arguments() },
-                "--rpm 0: must be a whole number from 250 to",
-            ),
-            (Arguments { rpm: Some("-99999".into()), ..arguments() }, "--rpm -99999: must be"),
-            (Arguments { rpm: Some("fast".into()), ..arguments() }, "--rpm fast: must be"),
+        let cases: [(&[&str], &str); 11] = [
+            (&["--motor", "mn7005"], "--motor mn7005: unknown motor; one of ec45"),
+            (&["--supply", "12"], "--supply 12: must be a number from 18 to 60 V"),
+            (&["--supply", "nan"], "--supply nan: must be"),
+            (&["--supply", "-18"], "--supply -18: must be"),
+            (&["--seconds", "0.5"], "--seconds 0.5: must be a number from 1 to 60 s"),
+            (&["--seconds", "inf"], "--seconds inf: must be"),
+            (&["--load", "-1"], "--load -1: must be a number from 0 to"),
+            (&["--load", "9"], "--load 9: must be"),
+            (&["--rpm", "0"], "--rpm 0: must be a whole number from 250 to"),
+            (&["--rpm", "-99999"], "--rpm -99999: must be"),
+            (&["--rpm", "fast"], "--rpm fast: must be"),
         ];
-        for (arguments, expected) in cases {
-            let refused = Request::new(&arguments).unwrap_err().to_string();
+        let unknown_mode = Request::new(&Arguments::read(&["--mode", "foc"]).unwrap()).unwrap_err();
+        assert_eq!(unknown_mode.to_string(), "--mode foc: unknown mode; one of sensorless, hall, open-loop");
+        for (words, expected) in cases {
+            let refused = typed(words).unwrap_err().to_string();
             assert!(refused.starts_with(expected), "{refused}");
             assert!(!refused.contains('\n'));
         }
@@ -211,8 +132,8 @@ mod tests {
 
     #[test]
     fn reverse_is_a_negative_speed() {
-        let request = Request::new(&Arguments { rpm: Some("-2000".into()), ..arguments() }).unwrap();
+        let request = typed(&["--rpm", "-2000"]).unwrap();
         assert_eq!(request.rpm, -2000);
-        assert_eq!(request.supply, 18.0);
+        assert_eq!(request.session.supply, 18.0);
     }
 }

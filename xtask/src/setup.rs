@@ -1,0 +1,103 @@
+//! What stands on the bench: motor, mode, supply and load, as typed and checked before anything runs.
+
+use clap::Args;
+use narx_sim::commissioning::{Commissioning, Mode};
+use narx_sim::presets::{PRESETS, Preset, preset};
+use narx_sim::session::SessionConfig;
+use std::fmt;
+
+/// Arguments that every command with a bench takes: numbers are checked here, so that every refusal is one line.
+// Those that it stands in have a group of this name already.
+#[derive(Args, Clone, Debug)]
+#[group(skip)]
+pub struct Arguments {
+    /// Motor preset
+    #[arg(long, default_value = "ec45-flat-50w-18v")]
+    pub motor: String,
+    /// Control mode: sensorless, hall or open-loop
+    #[arg(long, default_value = "sensorless")]
+    pub mode: String,
+    /// Supply voltage, V [default: the motor's nominal voltage]
+    #[arg(long, allow_hyphen_values = true)]
+    pub supply: Option<String>,
+    /// Load torque on the shaft, N m
+    #[arg(long, allow_hyphen_values = true, default_value = "0")]
+    pub load: String,
+}
+
+/// A bench that can be.
+#[derive(Debug)]
+pub(crate) struct Setup {
+    pub(crate) preset: &'static Preset,
+    pub(crate) mode: Mode,
+    pub(crate) supply: f64,
+    pub(crate) load: f64,
+    /// What the drive's limits leave of the motor.
+    pub(crate) range: Commissioning,
+    pub(crate) session: SessionConfig,
+}
+
+/// Why it cannot be: names the argument, its value and what is allowed, in one line.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Refused(pub(crate) String);
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Refused {}
+
+impl Arguments {
+    pub(crate) fn check(&self) -> Result<Setup, Refused> {
+        let preset = preset(&self.motor).ok_or_else(|| unknown_motor(&self.motor))?;
+        let mode = mode(&self.mode)?;
+        let supply = match &self.supply {
+            Some(text) => number("--supply", text, 18.0, 60.0, "V")?,
+            None => preset.data.nominal_voltage.clamp(18.0, 60.0),
+        };
+        let mut session = SessionConfig::new(preset.motor, supply, mode);
+        session.rated_current = preset.data.rated_current;
+        let range = session.commission();
+        let range = range.map_err(|error| Refused(format!("--motor {}: {error}", preset.name)))?;
+        let torque = range.phase_current * preset.motor.torque_constant;
+        let load = number("--load", &self.load, 0.0, (torque * 1e4).floor() / 1e4, "N m")?;
+        session.load.constant = load;
+        Ok(Setup { preset, mode, supply, load, range, session })
+    }
+}
+
+impl Setup {
+    pub(crate) fn title(&self) -> String {
+        format!("{} {}", self.preset.maker, self.preset.part)
+    }
+
+    pub(crate) fn mode_name(&self) -> &'static str {
+        match self.mode {
+            Mode::Hall => "hall closed loop",
+            Mode::Sensorless => "sensorless closed loop",
+            Mode::OpenLoop => "open loop",
+        }
+    }
+}
+
+fn unknown_motor(name: &str) -> Refused {
+    let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+    Refused(format!("--motor {name}: unknown motor; one of {}", names.join(", ")))
+}
+
+fn mode(name: &str) -> Result<Mode, Refused> {
+    match name {
+        "hall" => Ok(Mode::Hall),
+        "open-loop" => Ok(Mode::OpenLoop),
+        "sensorless" => Ok(Mode::Sensorless),
+        _ => Err(Refused(format!("--mode {name}: unknown mode; one of sensorless, hall, open-loop"))),
+    }
+}
+
+/// A finite number within `min..=max`.
+pub(crate) fn number(argument: &str, text: &str, min: f64, max: f64, unit: &str) -> Result<f64, Refused> {
+    let value = text.parse::<f64>().ok().filter(|value| (min..=max).contains(value));
+    value.ok_or_else(|| Refused(format!("{argument} {text}: must be a number from {min} to {max} {unit}")))
+}
