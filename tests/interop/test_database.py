@@ -3,6 +3,7 @@
 import csv
 import math
 import os
+import re
 from itertools import groupby
 from pathlib import Path
 
@@ -10,7 +11,10 @@ import cantools
 import pytest
 
 SAMPLES = Path(os.environ["NARX_INTEROP"])
-COMMITTED = Path(__file__).parents[2] / "docs" / "narx.dbc"
+ROOT = Path(__file__).parents[2]
+COMMITTED = ROOT / "docs" / "narx.dbc"
+# The rows of the tables of parameters.
+PARAMETERS = re.findall(r"^\| (\d+) \| [0-9a-f]+ \| .* \| (?:live|read-only|stopped) \|", (ROOT / "PROTOCOL.md").read_text(), re.M)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +70,7 @@ def test_every_parameter_is_multiplexed_by_its_number(database):
         message = database.get_message_by_name(name)
         assert message.is_multiplexed()
         selected = [signal for signal in message.signals if signal.multiplexer_ids]
-        assert len(selected) == 156
+        assert len(selected) == len(PARAMETERS)
         for signal in selected:
             assert signal.name.startswith(f"P{signal.multiplexer_ids[0]}_")
     offset = database.get_message_by_name("PARAMETER").get_signal_by_name("P15_Temperature_calib_offset")

@@ -123,7 +123,7 @@ fn packages(root: &Path) -> Outcome {
     for package in ["web", "node"] {
         let file = directory.join(package).join("narx_bg.wasm");
         let mut optimise = Command::new(root.join("wasm/web/node_modules/.bin/wasm-opt"));
-        optimise.arg("-Os").args(FEATURES).arg(&file).arg("-o").arg(&file);
+        optimise.args(["-Os", "--converge"]).args(FEATURES).arg(&file).arg("-o").arg(&file);
         steps::run(&mut optimise)?;
     }
     Ok(Vec::new())

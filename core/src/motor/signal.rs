@@ -99,10 +99,22 @@ const fn row(signal: Signal, name: &'static str, unit: &'static str, base: i64) 
     SignalRow { signal, name, unit, base: Decimal { digits: base, exponent: 0 } }
 }
 
+const fn signals() -> [Signal; DRIVE_SIGNALS.len()] {
+    let mut signals = [Signal::SetPoint; DRIVE_SIGNALS.len()];
+    let mut bit = 0;
+    while bit < signals.len() {
+        signals[bit] = DRIVE_SIGNALS[bit].signal;
+        bit += 1;
+    }
+    signals
+}
+
 impl Signal {
     /// The signal of a bit of parameter 22.
     pub fn of_bit(bit: u8) -> Option<Self> {
-        DRIVE_SIGNALS.get(usize::from(bit)).map(|row| row.signal)
+        // Not from the rows: who only records needs no names.
+        const ALL: [Signal; DRIVE_SIGNALS.len()] = signals();
+        ALL.get(usize::from(bit)).copied()
     }
 }
 
