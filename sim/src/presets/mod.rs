@@ -97,24 +97,29 @@ const COMMON: MotorConfig = MotorConfig {
     phase_order: [crate::plant::Phase::A, crate::plant::Phase::B, crate::plant::Phase::C],
 };
 
+/// The preset, without its texts in a program that must be small.
+const fn printed(preset: Preset) -> Preset {
+    if cfg!(feature = "sources") { preset } else { Preset { sources: &[], estimates: &[], ..preset } }
+}
+
 /// The motors, by maker.
 pub static PRESETS: [Preset; 18] = [
-    maxon::EC45_FLAT_50W_18V,
-    maxon::EC45_FLAT_50W_36V,
-    maxon::EC45_FLAT_70W_36V,
-    maxon::EC45_FLAT_70W_60V,
-    maxon::EC90_FLAT_90W_24V,
-    maxon::EC_MAX40_120W_48V,
-    maxon::EC4POLE30_200W_36V,
-    maxon::EC_I40_100W_48V,
-    faulhaber::BXTH_4221_18V,
-    faulhaber::BXTH_4221_24V,
-    others::BLY172S_24V,
-    others::BLY171D_24V,
-    others::QBL5704_36V,
-    others::DMA0204024B101_24V,
-    others::BLDC_1_25_058_201_24V,
-    others::DB42M03_24V,
-    others::BM_180E_24V,
-    others::AM8112_0F21_48V,
+    printed(maxon::EC45_FLAT_50W_18V),
+    printed(maxon::EC45_FLAT_50W_36V),
+    printed(maxon::EC45_FLAT_70W_36V),
+    printed(maxon::EC45_FLAT_70W_60V),
+    printed(maxon::EC90_FLAT_90W_24V),
+    printed(maxon::EC_MAX40_120W_48V),
+    printed(maxon::EC4POLE30_200W_36V),
+    printed(maxon::EC_I40_100W_48V),
+    printed(faulhaber::BXTH_4221_18V),
+    printed(faulhaber::BXTH_4221_24V),
+    printed(others::BLY172S_24V),
+    printed(others::BLY171D_24V),
+    printed(others::QBL5704_36V),
+    printed(others::DMA0204024B101_24V),
+    printed(others::BLDC_1_25_058_201_24V),
+    printed(others::DB42M03_24V),
+    printed(others::BM_180E_24V),
+    printed(others::AM8112_0F21_48V),
 ];
