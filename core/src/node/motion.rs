@@ -67,6 +67,9 @@ fn tilt([x, y, z]: [i32; 3]) -> u16 {
 
 /// The square root to a few units of the last place: micromath's is 6 % off, and two of Newton's steps take that to 10^-6.
 fn root(square: F32) -> F32 {
+    if square == F32::ZERO {
+        return square;
+    }
     let half = F32(0.5);
     let better = |guess: F32| half * (guess + square / guess);
     better(better(square.sqrt()))
