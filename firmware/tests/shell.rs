@@ -1,7 +1,7 @@
 //! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
 
-use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive, XmlCommand};
+use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::device::Queues;
 use narx_core::dictionary::Parameters;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};

@@ -186,13 +186,13 @@ impl Inputs {
     /// DSIO1 and DSIO2 on their wires, V: an output drives harder than whatever is outside.
     fn lines(&self) -> [f64; 2] {
         let DigitalOutputs { enable1, value1, enable2, value2 } = self.outputs;
-        [(enable1, value1, Input::Dsio1), (enable2, value2, Input::Dsio2)].map(
-            |(enabled, value, outside)| match (enabled, value) {
+        [(enable1, value1, Input::Dsio1), (enable2, value2, Input::Dsio2)].map(|(enabled, value, outside)| {
+            match (enabled, value) {
                 (true, true) => HIGH,
                 (true, false) => 0.0,
                 (false, _) => self.get(outside),
-            },
-        )
+            }
+        })
     }
 
     /// Between the thresholds a line reads as before.
