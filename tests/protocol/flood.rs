@@ -69,6 +69,7 @@ fn requests_are_answered_in_5_ms_on_a_full_bus() {
         let before = (wired.bench.bus_statistics(), wired.bench.now_ns());
         let longest = ask(&mut wired, &flood);
         let load = wired.bench.bus_statistics().load_since(&before.0, wired.bench.now_ns() - before.1);
+        println!("{name}: load {load:.4}, longest answer {longest} ns");
         assert!(load > 0.999, "{name}: {load}");
         assert!(longest <= ANSWER_MAX, "{name}: {longest} ns");
         assert_eq!(wired.bench.overruns(), 0, "{name}: every frame is taken in the tick it arrives");
@@ -105,6 +106,7 @@ fn a_flood_of_requests_loses_none() {
             messages.iter().filter(|message| matches!(message, FromDrive::Parameter { .. })).count() as u64;
         while wired.bench.receive_as_other().is_some() {}
     }
+    println!("{asked} requests in 2 s, {answered} answers");
     assert!(asked > 2_500, "{asked}");
     assert_eq!((answered, wired.look(number::FRAMES_LOST)), (asked, 0));
     assert_eq!(wired.bench.status().state, State::HallClosedLoop);

@@ -222,8 +222,9 @@ fn levels_and_edges() {
         session.set_speed(to as u16);
         wait(&mut session, ScopeState::Done);
         let record = download(&mut session, 1, 100);
-        let level = level as f64 * 5.0;
-        let beyond = |sample: &Vec<i16>| (value(Signal::SpeedHall, sample[0]) > level) == (to > from);
+        // At the level a sample is on neither side.
+        let level = (level * 4096 / 1000) as i16;
+        let beyond = |sample: &Vec<i16>| if to > from { sample[0] > level } else { sample[0] < level };
         assert!(record[..40].iter().all(|sample| !beyond(sample)), "{kind}");
         assert!(beyond(&record[40]), "{kind}: {:?}", record[40]);
     }

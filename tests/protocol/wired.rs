@@ -17,7 +17,7 @@ pub(crate) struct Wired {
     pub(crate) bench: Bench,
     /// What is asked for all the time; nothing keeps silent.
     pub(crate) asks: Option<MotorMode>,
-    /// Frames of the drive that have arrived, with the end of each, ns.
+    /// Frames that have passed on the bus, with the end of each, ns.
     pub(crate) heard: Vec<(u64, Frame)>,
 }
 
@@ -61,10 +61,10 @@ impl Wired {
             let _ = self.bench.send(ToDrive::RequestWord(RequestWord { mode }).encode(Addresses::FACTORY));
         }
         self.bench.step();
-        while let Some(received) = self.bench.receive() {
+        while let Some(received) = self.bench.overhear() {
             self.heard.push((received.time_ns, received.frame));
         }
-        while self.bench.overhear().is_some() {}
+        while self.bench.receive().is_some() {}
     }
 
     pub(crate) fn run(&mut self, seconds: f64) {
