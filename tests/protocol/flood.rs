@@ -24,6 +24,12 @@ fn frame(id: u32, bytes: u64) -> Frame {
     Frame::full(Id::extended(id).unwrap(), bytes.to_be_bytes())
 }
 
+/// An identifier of the master with the lowest priority, which a drive ignores.
+fn to_drive(kind: MessageKind, opcode: u16) -> MessageId {
+    let opcode = Opcode::new(opcode).unwrap();
+    MessageId { priority: Priority::Lowest, source: 0x55, destination: 0xAA, kind, opcode }
+}
+
 /// Asks a hundred times among the flood: the longest time to an answer, ns.
 fn ask(wired: &mut Wired, flood: &impl Fn(u64) -> Frame) -> u64 {
     let mut longest = 0;
@@ -48,17 +54,13 @@ fn ask(wired: &mut Wired, flood: &impl Fn(u64) -> Frame) -> u64 {
 
 #[test]
 fn requests_are_answered_in_5_ms_on_a_full_bus() {
-    let junk = MessageId {
-        priority: Priority::Lowest,
-        source: 0x55,
-        destination: 0xAA,
-        kind: MessageKind::DataSet,
-        opcode: Opcode::new(400).unwrap(),
-    };
-    let floods: [(&str, Box<dyn Fn(u64) -> Frame>); 3] = [
-        ("others' traffic", Box::new(|tick| frame(0x1FFF_0000 | tick as u32 & 0xFFFF, tick))),
-        ("without stuff bits", Box::new(|_| frame(0x1AAA_AAAA, 0xAAAA_AAAA_AAAA_AAAA))),
-        ("junk for the drive", Box::new(move |tick| Frame::full(junk.encode(), tick.to_be_bytes()))),
+    let floods: [(&str, fn(u64) -> Frame); 3] = [
+        ("others' traffic", |tick| frame(0x1FFF_0000 | tick as u32 & 0xFFFF, tick)),
+        ("without stuff bits", |_| frame(0x1AAA_AAAA, 0xAAAA_AAAA_AAAA_AAAA)),
+        ("junk for the drive", |tick| {
+            let lowest = to_drive(MessageKind::DataSet, 400);
+            Frame::full(lowest.encode(), tick.to_be_bytes())
+        }),
     ];
     for (name, flood) in floods {
         let mut wired = Wired::turning();
@@ -84,19 +86,13 @@ fn requests_are_answered_in_5_ms_on_a_full_bus() {
 fn a_flood_of_requests_loses_none() {
     let mut wired = Wired::turning();
     wired.bench.set_other(Attachment::Normal);
-    let id = MessageId {
-        priority: Priority::Lowest,
-        source: 0x55,
-        destination: 0xAA,
-        kind: MessageKind::DataRequest,
-        opcode: Opcode::new(110).unwrap(),
-    };
+    let id = to_drive(MessageKind::DataRequest, 110);
     let (mut asked, mut answered) = (0, 0);
     for tick in 0..20_000_u64 {
         while tick < 19_900 && wired.bench.other_queued() < 4 {
             wired
                 .bench
-                .send_as_other(Frame::full(id.encode(), (asked % 122_u64 << 48).to_be_bytes()))
+                .send_as_other(Frame::full(id.encode(), ((asked % 122_u64) << 48).to_be_bytes()))
                 .unwrap();
             asked += 1;
         }

@@ -2,8 +2,10 @@
 
 use super::bench::Bench;
 use super::wired::Wired;
-use narx_core::bus::narmotion::{DigitalOutputs, ToDrive};
+use narx_core::bus::narmotion::{DigitalOutputs, MotorMode, ToDrive};
 use narx_core::dictionary::{Category, Dictionary, number};
+use narx_core::motor::State;
+use narx_core::motor::fault::Cause;
 use narx_core::node::SlowInputs;
 use narx_core::units::Volts;
 use narx_sim::bench::SIGNALS;
@@ -12,7 +14,8 @@ use narx_sim::plant::Input;
 /// What is put on a wire comes back over the bus, to half a code of the converter and half a step of the frame.
 #[test]
 fn every_input_comes_back_over_the_bus_in_its_scale() {
-    let table: [(&[(Input, f64)], &str, f64, f64, f64); 16] = [
+    type Row = (&'static [(Input, f64)], &'static str, f64, f64, f64);
+    let table: [Row; 16] = [
         (&[(Input::Asi, 2.5)], "ASI_DSP", 0.0, 2.5, 1e-3),
         (&[(Input::Asi, 3.3)], "ASI_DSP", 0.0, 3.3, 1e-3),
         // A source of 20 kohm against the input's own.
@@ -149,6 +152,37 @@ fn hall_sensors_without_supply_leave_their_lines_high() {
         assert_eq!(hall(&mut wired), 7.0);
         switch(&mut wired, true);
         assert_eq!(hall(&mut wired), supplied);
+    }
+}
+
+/// Limits are those of the wires: just inside, the motor turns on; just outside, it is stopped for the right cause.
+#[test]
+fn a_wire_beyond_its_limit_stops_the_motor() {
+    use Cause::{HallInvalid, OverPressure, OverTemperature, ShutdownLine};
+    let table = [
+        (Some((number::SHUTDOWN_INPUT, 1)), Input::Dsio1, 1.29, 1.3, ShutdownLine),
+        (Some((number::SHUTDOWN_INPUT, 2)), Input::Dsio2, 1.29, 1.3, ShutdownLine),
+        // 35 mV and 36 mV x 56 are 1.96 V and 2.02 V.
+        (Some((number::OVER_PRESSURE, 2000)), Input::Pressure, 35.0, 36.0, OverPressure),
+        (None, Input::InternalTemperature, 189.0, 191.0, OverTemperature),
+        (None, Input::HallSupply, 4.0, 3.0, HallInvalid),
+    ];
+    for (parameter, input, inside, outside, cause) in table {
+        let mut wired = Wired::turning();
+        if let Some((number, raw)) = parameter {
+            wired.asks = Some(MotorMode::Standby);
+            wired.run(1.0);
+            wired.write(number, raw);
+            wired.asks = Some(MotorMode::Drive);
+            wired.run(0.5);
+        }
+        wired.put(input, inside);
+        wired.run(1.5);
+        assert_eq!(wired.bench.status().state, State::HallClosedLoop, "{input:?} at {inside}");
+        wired.put(input, outside);
+        wired.run(1.5);
+        assert_eq!(wired.look(number::EXTENDED_FAULT_CODE), cause as i32, "{input:?} at {outside}");
+        assert_eq!(wired.bench.status().state, State::Fault, "{input:?} at {outside}");
     }
 }
 
