@@ -54,7 +54,8 @@ fn ask(wired: &mut Wired, flood: &impl Fn(u64) -> Frame) -> u64 {
 
 #[test]
 fn requests_are_answered_in_5_ms_on_a_full_bus() {
-    let floods: [(&str, fn(u64) -> Frame); 3] = [
+    type Flood = fn(u64) -> Frame;
+    let floods: [(&str, Flood); 3] = [
         ("others' traffic", |tick| frame(0x1FFF_0000 | tick as u32 & 0xFFFF, tick)),
         ("without stuff bits", |_| frame(0x1AAA_AAAA, 0xAAAA_AAAA_AAAA_AAAA)),
         ("junk for the drive", |tick| {
