@@ -74,6 +74,7 @@ fn a_full_bus_lets_a_node_recover_after_128_frames() {
         bus.send(b, standard(0x123, &[1; 8]), 0).unwrap();
     }
     while bus.error_state(a) == Some(ErrorState::BusOff) {
+        assert!(bus.statistics().frames - before <= 128, "it never recovers");
         if bus.queued(b) < 8 {
             bus.send(b, standard(0x123, &[1; 8]), 0).unwrap();
         }
