@@ -13,9 +13,10 @@
 //!                                        |      v
 //!   CAN frames <---- bus ---->         node::Node             the background
 //!
+//!   scope       looks at the Drive after each of its ticks; the node asks it for the record
 //!   storage     parameters and log on a flash, for the node
-//!   device      both of them, joined by their queues: what a shell links
 //!   description the tables as an XML document, which the node serves
+//!   device      Drive, scope and Node, joined by their queues: what a shell links
 //!   master      the other end of the bus, for whatever commands a drive
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```

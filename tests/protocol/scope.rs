@@ -4,13 +4,14 @@ use narx_core::bus::narmotion::{Addresses, ToDrive};
 use narx_core::dictionary::number;
 use narx_core::master::{Answer, Chunk, Download, Request};
 use narx_core::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
-use narx_core::motor::{Board, Coefficients, Drive, Samples, State};
+use narx_core::motor::{Board, Coefficients, Drive, Samples, State, Status};
 use narx_core::scope::{
     Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Scope, Setup, State as ScopeState,
 };
 use narx_core::scope::{Threshold, Trigger};
+use narx_core::units::ElectricalSpeed;
 use narx_sim::commissioning::Mode;
-use narx_sim::plant::Injection;
+use narx_sim::plant::{Injection, LoadConfig};
 use narx_sim::presets::preset;
 use narx_sim::session::{Session, SessionConfig};
 use proptest::prelude::*;
@@ -153,6 +154,85 @@ fn a_record_is_what_happened() {
     // 3000 rpm, 8 pole pairs: 72 sectors in 30 ms.
     let steps = record.windows(2).filter(|pair| pair[0][3] != pair[1][3]).count();
     assert!((70..=74).contains(&steps), "{steps}");
+}
+
+/// Every signal is the drive's own value in its base: beside the reports of the same time, under load in reverse.
+#[test]
+fn every_signal_is_what_the_drive_reports() {
+    let all = DRIVE_SIGNALS.map(|row| row.signal);
+    let mut session = session(Mode::Hall);
+    session.bench_mut().plant_mut().set_load(LoadConfig { constant: 0.05, ..LoadConfig::default() });
+    session.start(-1500);
+    session.run(4.0);
+    set_up(&mut session, &all, 180, 1, 0);
+    press(&mut session);
+    press(&mut session);
+    let (mut reports, mut limits, mut steps) = (Vec::new(), [0.0_f64; 2], [false; 7]);
+    while scope_state(&session) != ScopeState::Done as i32 {
+        session.step();
+        reports.push(*session.bench().status());
+        let command = session.bench().command();
+        limits = [limits[0] + f64::from(command.duty.to_bits()) / 32_768.0, limits[1] + 1.0];
+        steps[command.step as usize] = true;
+    }
+    let record = download(&mut session, all.len(), 180);
+    let mean = |signal: Signal| {
+        let sum: f64 = record.iter().map(|sample| value(signal, sample[signal as usize])).sum();
+        sum / record.len() as f64
+    };
+    let reported = |of: &dyn Fn(&Status) -> f64| reports.iter().map(of).sum::<f64>() / reports.len() as f64;
+    let rpm = |speed: ElectricalSpeed| f64::from(speed.to_bits()) / 65_536.0 * 60.0 / 8.0;
+    let raw = |bits: i32| f64::from(bits) / 65_536.0;
+    let duty = limits[0] / limits[1];
+    let voltage = reported(&|status| raw(status.bus_voltage.to_bits()));
+    let current = reported(&|status| raw(status.bus_current.to_bits()));
+    // (signal, what it should be on average, how far it may be off)
+    let table = [
+        (Signal::SetPoint, reported(&|status| rpm(status.setpoint)), 2.0),
+        (Signal::SpeedSensorless, 0.0, 0.0),
+        (Signal::SpeedHall, reported(&|status| rpm(status.speed_hall)), 5.0),
+        (Signal::BusVoltage, voltage, 0.1),
+        (Signal::BusCurrent, current, 0.05),
+        (Signal::PeriodCurrent, current, 0.05),
+        (Signal::Power, voltage * current, 1.0),
+        (Signal::Duty, duty * 100.0, 0.2),
+        (Signal::Angle, 180.0, 15.0),
+        (Signal::State, 5.0, 0.0),
+        (Signal::Limiter, 2.0, 0.0),
+        (Signal::Step, 3.5, 0.3),
+        (Signal::Hall, 3.5, 0.3),
+        (Signal::Crossing, 0.0, 0.0),
+        (Signal::CrossingMargin, 0.0, 0.0),
+        // Less dead time; a shunt in the bus sees the phase current times the duty.
+        (Signal::LoopVoltage, duty * voltage, 0.4),
+        (Signal::PhaseCurrent, current / duty, 0.2),
+        (Signal::Fault, -1.0, 0.0),
+        (Signal::Inputs, 0.0, 0.0),
+    ];
+    assert!(current > 0.3 && steps[1..].iter().all(|seen| *seen), "{current} A through all six steps");
+    let wrong: Vec<String> = table
+        .iter()
+        .filter(|(signal, expected, off)| (mean(*signal) - expected).abs() > *off)
+        .map(|(signal, expected, _)| format!("{signal:?} {} instead of {expected}", mean(*signal)))
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert_eq!(table.len() + 3, all.len(), "and the terminals:");
+    // Steps in which a terminal is switched, and in which it is held low. A sample takes six ticks of the eight of a step.
+    let terminals = [
+        (Signal::TerminalA, [1.0, 2.0], [4.0, 5.0]),
+        (Signal::TerminalB, [3.0, 4.0], [1.0, 6.0]),
+        (Signal::TerminalC, [5.0, 6.0], [2.0, 3.0]),
+    ];
+    for (terminal, switched, low) in terminals {
+        let mean_in = |steps: [f64; 2]| {
+            let step = |sample: &[i16]| value(Signal::Step, sample[Signal::Step as usize]);
+            let values = record.iter().filter(|sample| steps.contains(&step(sample)));
+            let values: Vec<f64> = values.map(|sample| value(terminal, sample[terminal as usize])).collect();
+            values.iter().sum::<f64>() / values.len() as f64
+        };
+        let (high, low) = (mean_in(switched), mean_in(low));
+        assert!(high > 11.0 && low < 7.0, "{terminal:?}: {high} V switched, {low} V low");
+    }
 }
 
 /// Why-channels of a motor without sensors, and its terminals: six signals take two ticks a sample.
