@@ -459,6 +459,55 @@ fn drive() -> Drive {
     Drive::new(Coefficients::build(&Default::default(), &Board::BENCH).unwrap())
 }
 
+/// What comes before there are enough samples: a level is not the one that was meant, a change of state is not forgotten.
+#[test]
+fn triggers_that_come_too_early() {
+    let threshold = Threshold { signal: Signal::BusVoltage, level: 6 * 256, above: true };
+    let setup = |trigger| Setup {
+        signals: [Signal::BusVoltage, Signal::State].into_iter().collect(),
+        samples: 100,
+        before: 50,
+        trigger,
+        ..Setup::default()
+    };
+    // Initialization ends half a second after power-up. A pulse of the bus at 10 ticks after the arming, and another at 80.
+    let run = |trigger| {
+        let mut scope = Scope::new(vec![0; 200]);
+        let mut drive = drive();
+        let (mut record, mut begun) = (Vec::new(), None);
+        for tick in 0..5_400 {
+            let age = i32::try_from(tick).unwrap() - 4_980;
+            let pulse = (10..15).contains(&age) || (80..85).contains(&age);
+            let samples = Samples { tick, bus_voltage: if pulse { 1_230 } else { 0 }, ..Samples::default() };
+            if age == 0 {
+                scope.handle(ScopeRequest::Arm(setup(trigger)));
+            }
+            if age == 300 {
+                scope.handle(ScopeRequest::Read);
+            }
+            drive.step(&samples);
+            scope.step(&drive, &samples);
+            if begun.is_none() && scope.state() == ScopeState::Recording {
+                begun = Some(age);
+            }
+            if let Some(Report::Block(block)) = scope.poll() {
+                record.extend(block.words.map(|word| word as i16));
+            }
+        }
+        (begun, record)
+    };
+    for trigger in [Trigger::Level(threshold), Trigger::Edge(threshold)] {
+        let (begun, record) = run(trigger);
+        assert_eq!(begun, Some(80), "{trigger:?}");
+        assert!(record[2 * 49] < threshold.level && record[2 * 50] > threshold.level, "{trigger:?}");
+    }
+    let (begun, record) = run(Trigger::StateChange);
+    assert_eq!(begun, Some(50), "as soon as there are enough samples");
+    let states: Vec<i16> = record.chunks_exact(2).map(|sample| sample[1]).collect();
+    let change = states.windows(2).position(|pair| pair[0] != pair[1]);
+    assert!(change.is_some_and(|at| at < 50), "the change stands before: {change:?}");
+}
+
 fn setups() -> impl Strategy<Value = Setup> {
     let signal = || (0..DRIVE_SIGNALS.len() as u8).prop_map(|bit| Signal::of_bit(bit).unwrap());
     let threshold = (signal(), any::<i16>(), any::<bool>()).prop_map(|(signal, level, above)| Threshold {
