@@ -418,6 +418,27 @@
 // Scope trigger level, 10^-3 of the signal's base.
 #define NARX_PARAMETER_SCOPE_TRIGGER_LEVEL 292
 
+// Bus error state.
+#define NARX_PARAMETER_BUS_STATE 293
+
+// Transmit error counter.
+#define NARX_PARAMETER_TRANSMIT_ERRORS 294
+
+// Receive error counter.
+#define NARX_PARAMETER_RECEIVE_ERRORS 295
+
+// Bus-offs.
+#define NARX_PARAMETER_BUS_OFFS 296
+
+// Accel meas offset, 10^-3 V.
+#define NARX_PARAMETER_ACCEL_MEAS_OFFSET 297
+
+// Tilt, 10^-2 deg.
+#define NARX_PARAMETER_TILT 298
+
+// Vibration, 10^-3 g.
+#define NARX_PARAMETER_VIBRATION 299
+
 // 64-bit words of a drive on any processor.
 #define NARX_DRIVE_WORDS 1024
 

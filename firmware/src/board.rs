@@ -2,7 +2,7 @@
 //!
 //! Two traits and two owners, because the interrupt strikes at any instant of the background.
 
-use narx_core::bus::Frame;
+use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
 use narx_core::node::{Outputs, SlowInputs};
 
@@ -35,6 +35,12 @@ pub trait BackgroundSide {
 
     /// Gives a frame to the CAN controller, which has just been seen to be ready.
     fn send(&mut self, frame: &Frame);
+
+    /// What the CAN controller says of itself. One that has gone bus-off comes back by itself as soon as ISO 11898-1 allows it.
+    fn bus_state(&self) -> BusState;
+
+    /// Takes back the frames that the CAN controller has not sent: the bus is gone, and they would be stale.
+    fn discard_frames(&mut self);
 
     /// Reads what is measured besides the tick's samples.
     fn slow_inputs(&mut self) -> SlowInputs;

@@ -118,6 +118,7 @@ impl<'a, B: BackgroundSide> Background<'a, B> {
     pub fn pass(&mut self) {
         self.board.wait();
         let now = self.board.now();
+        self.watch_bus();
         self.receive();
         self.read_inputs(now);
         self.device.run(now);
@@ -139,6 +140,14 @@ impl<'a, B: BackgroundSide> Background<'a, B> {
     /// The board, to look at.
     pub const fn board(&self) -> &B {
         &self.board
+    }
+
+    fn watch_bus(&mut self) {
+        let state = self.board.bus_state();
+        if state.is_off() {
+            self.board.discard_frames();
+        }
+        self.device.node().handle_bus_state(state);
     }
 
     fn receive(&mut self) {

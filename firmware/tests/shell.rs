@@ -1,7 +1,7 @@
 //! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
 
-use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive, XmlCommand};
+use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::device::Queues;
 use narx_core::dictionary::Parameters;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};
@@ -26,6 +26,8 @@ struct Paper {
     bus_full: bool,
     /// Frames in the controller: the bus takes one in a pass.
     waiting: usize,
+    bus: BusState,
+    discarded: u64,
     inputs_read: u64,
     fed: u64,
     reboots: u64,
@@ -74,6 +76,14 @@ impl BackgroundSide for Side {
         let mut paper = self.0.borrow_mut();
         paper.sent.push(*frame);
         paper.waiting += 1;
+    }
+
+    fn bus_state(&self) -> BusState {
+        self.0.borrow().bus
+    }
+
+    fn discard_frames(&mut self) {
+        self.0.borrow_mut().discarded += 1;
     }
 
     fn slow_inputs(&mut self) -> SlowInputs {
@@ -225,4 +235,24 @@ fn a_reboot_is_done_once_and_its_acknowledgement_goes_first() {
         before.iter().any(|frame| matches!(FromDrive::decode(frame), Ok((_, FromDrive::Reboot)))),
         "{before:?}"
     );
+}
+
+#[test]
+fn off_the_bus_nothing_is_sent_and_control_goes_on() {
+    let off = BusState { error: ErrorState::BusOff, transmit_errors: 256, receive_errors: 0 };
+    let side = run(6_000, |tick, paper| {
+        if tick == 2_000 {
+            paper.bus = off;
+            paper.sent.clear();
+        }
+        if tick == 4_000 {
+            assert!(paper.sent.is_empty(), "{:?}", paper.sent);
+            paper.bus = BusState::default();
+        }
+        true
+    });
+    let paper = side.0.borrow();
+    assert_eq!(paper.discarded, 2_000, "what the controller holds is taken back");
+    assert_eq!((paper.commands.len(), paper.fed), (6_000, 6_000));
+    assert!(paper.sent.len() > 4, "back on the bus: {}", paper.sent.len());
 }

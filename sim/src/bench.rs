@@ -43,10 +43,12 @@ pub const IDENTITY: Identity = Identity {
 /// The board reads its slow inputs this often, ms.
 const INPUTS_MS: u64 = 10;
 
-/// Drive, host and a listener.
-const PLACES: usize = 3;
+/// Drive, host, a listener and another node.
+const PLACES: usize = 4;
 /// Frames that wait at each place on the bus.
 const QUEUE: usize = 64;
+/// Frames that the drive's controller holds. What waits there can be overtaken by nothing.
+const MAILBOXES: usize = 3;
 /// Frames of a download in the drive's controller: one on the bus, and one to follow it without a gap.
 const BULK: usize = 2;
 
@@ -77,6 +79,7 @@ pub struct Bench {
     device: NodeIndex,
     host: NodeIndex,
     monitor: NodeIndex,
+    other: NodeIndex,
     event: Option<Event>,
     ticks_per_ms: u64,
     period_ns: u64,
@@ -135,8 +138,9 @@ impl Bench {
     fn with_chip(config: &BenchConfig, chip: Chip) -> Self {
         let board = config.plant.board;
         let mut bus = Bus::new(BITRATE);
-        let [device, host, monitor] = bus.attach_all();
+        let [device, host, monitor, other] = bus.attach_all();
         bus.set_attachment(monitor, Attachment::ListenOnly);
+        bus.set_attachment(other, Attachment::Detached);
         let node = Node::with_parameters(IDENTITY, board, config.parameters.clone());
         let mut bench = Self {
             plant: Plant::new(&config.plant),
@@ -149,6 +153,7 @@ impl Bench {
             device,
             host,
             monitor,
+            other,
             event: None,
             ticks_per_ms: u64::from(board.tick_rate / 1000).max(1),
             period_ns: 1_000_000_000 / u64::from(board.tick_rate.max(1)),
@@ -222,7 +227,6 @@ impl Bench {
         self.keep();
     }
 
-    /// What the firmware's background loop does once a tick.
     /// Between the scope and the node.
     fn serve_scope(&mut self) {
         if self.scope.has_report()
@@ -236,10 +240,16 @@ impl Bench {
         }
     }
 
+    /// What the firmware's background loop does once a tick.
     fn background(&mut self) {
         let now = self.plant.tick();
         let now_ns = self.now_ns();
         self.bus.advance(now_ns);
+        let state = self.bus.state(self.device);
+        if state.is_off() {
+            self.bus.discard(self.device);
+        }
+        self.node.handle_bus_state(state);
         while let Some(received) = self.bus.receive(self.device) {
             self.node.handle_frame(&received.frame);
         }
@@ -250,7 +260,7 @@ impl Bench {
         self.serve_scope();
         self.node.poll(now);
         // The controller takes what fits; the rest waits in the node.
-        while self.bus.queued(self.device) < QUEUE / 2
+        while self.bus.queued(self.device) < MAILBOXES
             && let Some(frame) = self.node.poll_frame()
         {
             // Room was just seen.
@@ -263,6 +273,7 @@ impl Bench {
             let _ = self.bus.send(self.device, frame, now_ns);
         }
         self.serve_flash(now_ns);
+        self.plant.set_outputs(self.node.outputs());
         // Most often there is none, and an event is large.
         match self.node.poll_event() {
             None => self.event = None,
@@ -325,6 +336,39 @@ impl Bench {
     /// Cuts the host off the bus, or connects it again.
     pub fn set_host(&mut self, attachment: Attachment) {
         self.bus.set_attachment(self.host, attachment);
+    }
+
+    /// Puts another node on the bus, or takes it away as at the start.
+    pub fn set_other(&mut self, attachment: Attachment) {
+        self.bus.set_attachment(self.other, attachment);
+    }
+
+    /// Queues a frame of the other node.
+    ///
+    /// # Errors
+    /// Its queue of 64 is full.
+    pub fn send_as_other(&mut self, frame: Frame) -> Result<(), NotQueued> {
+        self.bus.send(self.other, frame, self.now_ns())
+    }
+
+    /// Frames of the other node that still wait for the bus.
+    pub fn other_queued(&self) -> usize {
+        self.bus.queued(self.other)
+    }
+
+    /// The next frame that arrived at the other node.
+    pub fn receive_as_other(&mut self) -> Option<Received> {
+        self.bus.receive(self.other)
+    }
+
+    /// Disturbs the next `frames` frames on the bus at bit `bit`, whoever sends them; 0 ends it.
+    pub fn disturb_bus(&mut self, frames: u32, bit: u32) {
+        self.bus.inject_errors(frames, bit);
+    }
+
+    /// Frames that the drive's controller has lost because nobody took them.
+    pub fn overruns(&self) -> u32 {
+        self.bus.overruns(self.device)
     }
 
     /// Time since power-up, s.

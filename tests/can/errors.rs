@@ -58,6 +58,49 @@ fn thirty_two_errors_lead_to_bus_off_and_it_recovers() {
     assert!(bus.receive(b).is_some());
 }
 
+/// On a bus that others fill, the 11 recessive bits are those at the end of each frame.
+#[test]
+fn a_full_bus_lets_a_node_recover_after_128_frames() {
+    let mut bus = TestBus::new(500_000);
+    let [a, b, c] = [0; 3].map(|_| bus.attach().unwrap());
+    bus.inject_errors(32, 0);
+    bus.send(a, standard(0, &[1]), 0).unwrap();
+    while bus.error_state(a) != Some(ErrorState::BusOff) {
+        bus.advance(bus.next_event().unwrap());
+    }
+    let before = bus.statistics().frames;
+    let begin = bus.next_event().unwrap() - 128 * 11 * BIT_NS;
+    for _ in 0..40 {
+        bus.send(b, standard(0x123, &[1; 8]), 0).unwrap();
+    }
+    while bus.error_state(a) == Some(ErrorState::BusOff) {
+        assert!(bus.statistics().frames - before <= 128, "it never recovers");
+        if bus.queued(b) < 8 {
+            bus.send(b, standard(0x123, &[1; 8]), 0).unwrap();
+        }
+        bus.advance(bus.next_event().unwrap());
+        while bus.receive(c).is_some() {}
+    }
+    assert_eq!(bus.statistics().frames - before, 128);
+    let length = u64::from(frame_bits(&standard(0x123, &[1; 8]))) * BIT_NS;
+    assert!(bus.next_event().unwrap() >= begin + 128 * length, "far longer than on an idle bus");
+}
+
+#[test]
+fn what_is_taken_back_is_not_sent() {
+    let mut bus = TestBus::new(500_000);
+    let [a, b] = [0; 2].map(|_| bus.attach().unwrap());
+    for byte in 0..3 {
+        bus.send(a, standard(5, &[byte]), 0).unwrap();
+    }
+    // The first is on the wire and stays.
+    bus.advance(10_000);
+    bus.discard(a);
+    bus.advance(10_000_000);
+    assert_eq!(bus.receive(b).map(|received| received.frame), Some(standard(5, &[0])));
+    assert_eq!((bus.receive(b), bus.queued(a)), (None, 0));
+}
+
 #[test]
 fn one_identifier_for_two_is_an_error() {
     let mut bus = TestBus::new(500_000);

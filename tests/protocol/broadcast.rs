@@ -73,7 +73,7 @@ fn measurements_carry_their_scales() {
     bench.node.handle_inputs(SlowInputs {
         ambient_temperature: Celsius::from_milli(189_960),
         pressure: Volts::from_milli(2500),
-        accel: [-1000, 0, 981],
+        accel: [1301, 1801, 2291].map(Volts::from_milli),
         accel_reference: Volts::from_milli(1801),
         reference: Volts::from_milli(383),
         rail_6v: Volts::from_milli(6010),
@@ -84,7 +84,7 @@ fn measurements_carry_their_scales() {
     });
     bench.node.poll(0);
     let expected = [
-        Measurement::M0 { accel: [-1000, 0, 981], dsi1: true },
+        Measurement::M0 { accel: [-1000, 0, 980], dsi1: true },
         // 7 sectors of 60 electrical degrees back, 4 pole pairs: -105 degrees.
         Measurement::M1 { speed_sensorless: 2500, position: -10_500, power: 1500 },
         Measurement::M2 { bus_voltage: 4799, bus_current: -1234, rail_6v: 6010, rail_14v: 14_020 },

@@ -2,6 +2,7 @@
 
 mod bench;
 mod broadcast;
+mod bus_errors;
 mod described;
 mod description;
 mod device;
@@ -9,6 +10,7 @@ mod device_halves;
 mod dictionary;
 mod document;
 mod download_bench;
+mod flood;
 mod hardware;
 mod inputs;
 mod master;
@@ -24,3 +26,4 @@ mod pair;
 mod parameters;
 mod scope;
 mod wire;
+mod wired;

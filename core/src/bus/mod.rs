@@ -1,6 +1,8 @@
 //! CAN frames and the wire formats: bytes to meaning and back, nothing else.
 
+mod confinement;
 pub mod frame;
 pub mod narmotion;
 
+pub use confinement::{BusState, ErrorState};
 pub use frame::{Frame, Id};

@@ -62,7 +62,7 @@ pub(super) const GENERAL: [Parameter; 78] = [
     Parameter::new(number::ACCEL_USE_REFERENCE, "Accel use ref for scaling selection", Calibration, U16)
         .range(0, 1)
         .factory(1)
-        .about("Zero-g level of the accelerometer: 1 measured 1.8 V reference, 0 its nominal value."),
+        .about("Zero-g level of the accelerometer: 1 measured 1.8 V reference, 0 parameter 297."),
     Parameter::new(number::ACCEL_X_OFFSET, "Accel X calib offset", Calibration, I32)
         .unit("g", -3)
         .range(-2000, 2000)

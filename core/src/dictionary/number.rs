@@ -257,3 +257,17 @@ pub const SCOPE_TRIGGER: u16 = 290;
 pub const SCOPE_TRIGGER_SIGNAL: u16 = 291;
 /// Scope trigger level, 10^-3 of the signal's base.
 pub const SCOPE_TRIGGER_LEVEL: u16 = 292;
+/// Bus error state.
+pub const BUS_STATE: u16 = 293;
+/// Transmit error counter.
+pub const TRANSMIT_ERRORS: u16 = 294;
+/// Receive error counter.
+pub const RECEIVE_ERRORS: u16 = 295;
+/// Bus-offs.
+pub const BUS_OFFS: u16 = 296;
+/// Accel meas offset, 10^-3 V.
+pub const ACCEL_MEAS_OFFSET: u16 = 297;
+/// Tilt, 10^-2 deg.
+pub const TILT: u16 = 298;
+/// Vibration, 10^-3 g.
+pub const VIBRATION: u16 = 299;

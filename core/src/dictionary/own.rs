@@ -1,14 +1,14 @@
 //! Our own parameters, from number 256 on.
 
 use super::category::Category::{
-    CommandSaturation, Control, Diagnostics, Instrumentation, Limitation, Machine, Services,
+    Calibration, CommandSaturation, Control, Diagnostics, Instrumentation, Limitation, Machine, Services,
 };
 use super::number;
 use super::parameter::Kind::{I32, U16, U32};
 use super::parameter::Parameter;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Parameter; 37] = [
+pub(super) const OWN: [Parameter; 44] = [
     Parameter::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -216,4 +216,41 @@ pub(super) const OWN: [Parameter; 37] = [
         .range(-8000, 7999)
         .factory(0)
         .about("Level that parameter 290 compares with, in bases of the signal."),
+    Parameter::new(number::BUS_STATE, "Bus error state", Diagnostics, U16)
+        .range(0, 2)
+        .factory(0)
+        .read_only()
+        .about("Of the CAN controller (ISO 11898-1): 0 error active, 1 error passive, 2 bus-off."),
+    Parameter::new(number::TRANSMIT_ERRORS, "Transmit error counter", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about("Of the CAN controller (ISO 11898-1)."),
+    Parameter::new(number::RECEIVE_ERRORS, "Receive error counter", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about("Of the CAN controller (ISO 11898-1)."),
+    Parameter::new(number::BUS_OFFS, "Bus-offs", Diagnostics, U32)
+        .range(0, u32::MAX as i64)
+        .factory(0)
+        .read_only()
+        .about("Times that the CAN controller has gone bus-off since power-up."),
+    Parameter::new(number::ACCEL_MEAS_OFFSET, "Accel meas offset", Calibration, I32)
+        .unit("V", -3)
+        .range(0, 3300)
+        .factory(1800)
+        .about("Zero-g level of the accelerometer while parameter 9 is 0."),
+    Parameter::new(number::TILT, "Tilt", Diagnostics, U16)
+        .unit("deg", -2)
+        .range(0, 18000)
+        .factory(0)
+        .read_only()
+        .about("Angle between the Z axis and the mean acceleration of the last second; exact to 0.2 degrees."),
+    Parameter::new(number::VIBRATION, "Vibration", Diagnostics, U16)
+        .unit("g", -3)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about("Root mean square over the last second of all three axes without their mean."),
 ];

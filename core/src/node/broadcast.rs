@@ -30,6 +30,11 @@ pub(super) struct Autosend {
 }
 
 impl Autosend {
+    /// The next broadcast is due at once.
+    pub(super) fn restart(&mut self) {
+        self.last = None;
+    }
+
     /// Whether a broadcast is due at tick `now`; if so, the next period begins. A late poll shortens the next period, but
     /// never makes up for missed ones.
     pub(super) fn is_due(&mut self, now: u64, parameters: &Parameters, board: &Board) -> bool {
@@ -65,9 +70,12 @@ fn shortest(board: &Board) -> u64 {
 impl Node {
     /// Status and fault words always; measurements while the master is heard.
     pub(super) fn broadcast(&mut self) {
-        self.send(FromDrive::Status(self.status_word()));
+        let [status, faults] = [FromDrive::Status(self.status_word()), FromDrive::Faults(self.status.faults)];
+        let stale = [status, faults].map(|word| word.encode(self.addresses).id());
+        self.outbox.discard_words(|frame| stale.contains(&frame.id()));
+        self.send(status);
         self.forget_log_end();
-        self.send(FromDrive::Faults(self.status.faults));
+        self.send(faults);
         self.outbox.discard_measurements();
         if self.status.command_expired {
             return;

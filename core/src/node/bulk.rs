@@ -27,7 +27,7 @@ impl Node {
     /// The next bulk frame: none while anything else waits. Give the controller a second one while the first is on the bus, and
     /// no third: whatever is sent later waits behind them.
     pub fn poll_bulk_frame(&mut self) -> Option<Frame> {
-        if !self.outbox.is_empty() {
+        if self.link.state.is_off() || !self.outbox.is_empty() {
             return None;
         }
         let turn = self.turn;

@@ -5,6 +5,10 @@ use crate::motor::event::SlowMeasurements;
 use crate::units::{Celsius, Volts};
 use serde::{Deserialize, Serialize};
 
+/// The accelerometer's sensitivity turned round. Its zero-g level is the 1.8 V of Table 10, so 0.5 V a g brings +-2 g to 0.8 V and
+/// 2.8 V, within the converter's 3.3 V; the specification prints no sensitivity.
+const MILLI_G_PER_VOLT: i32 = 2000;
+
 /// What the board reads besides the tick's samples, before calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SlowInputs {
@@ -14,8 +18,8 @@ pub struct SlowInputs {
     pub external_temperature: Celsius,
     /// Pressure input (PIN) after its amplifier.
     pub pressure: Volts,
-    /// Acceleration along X, Y, Z, 0.001 g.
-    pub accel: [i16; 3],
+    /// Outputs of the accelerometer along X, Y, Z: 0.5 V a g about its zero-g level.
+    pub accel: [Volts; 3],
     /// 1.8 V reference of the accelerometer.
     pub accel_reference: Volts,
     /// 0.383 VREF.
@@ -57,12 +61,18 @@ impl SlowInputs {
         )
     }
 
-    /// Calibrated acceleration, 0.001 g.
+    /// Calibrated acceleration, 0.001 g: (output - zero-g level) / sensitivity + offset.
     pub(super) fn calibrated_accel(&self, parameters: &Parameters) -> [i16; 3] {
-        let [x, y, z] = self.accel;
-        let add =
-            |raw: i16, number| super::scale::saturate16(i64::from(raw) + i64::from(parameters.raw(number)));
-        [add(x, number::ACCEL_X_OFFSET), add(y, number::ACCEL_Y_OFFSET), add(z, number::ACCEL_Z_OFFSET)]
+        let zero = if parameters.raw(number::ACCEL_USE_REFERENCE) != 0 {
+            self.accel_reference
+        } else {
+            Volts::from_milli(parameters.raw(number::ACCEL_MEAS_OFFSET))
+        };
+        let offsets = [number::ACCEL_X_OFFSET, number::ACCEL_Y_OFFSET, number::ACCEL_Z_OFFSET];
+        core::array::from_fn(|axis| {
+            let raw = self.accel[axis].saturating_sub(zero).scaled(MILLI_G_PER_VOLT);
+            super::scale::saturate16(i64::from(raw) + i64::from(parameters.raw(offsets[axis])))
+        })
     }
 }
 

@@ -7,6 +7,7 @@
 //!  slow inputs handle_inputs --> |      | -- poll_action --> what only the shell can do
 //!  Report ----- handle_scope --> |      | --- poll_scope --> Request, to the scope in the control tick's half
 //!  flash ---- handle_storage --> |      | - poll_storage --> what the flash shall do
+//!  controller handle_bus_state > |      |
 //!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
 //! ```
 //!
@@ -18,7 +19,9 @@ mod bulk;
 mod commands;
 mod description;
 mod inputs;
+mod link;
 mod log;
+mod motion;
 mod outbox;
 mod parameters;
 mod requests;
@@ -40,7 +43,9 @@ use broadcast::Autosend;
 use bulk::Turn;
 use commands::Commands;
 use description::Download;
+use link::Link;
 use log::Log;
+use motion::Motion;
 use outbox::Outbox;
 use parameters::Edges;
 use scope::ScopeLink;
@@ -80,9 +85,11 @@ pub struct Node {
     position_offset: i32,
     /// The last reading; `None` before the first.
     inputs: Option<SlowInputs>,
+    motion: Motion,
     digital: DigitalOutputs,
     hall_supply_disabled: bool,
     autosend: Autosend,
+    link: Link,
     outbox: Outbox,
     download: Download,
     /// Whose turn it is to send a bulk frame.
@@ -136,9 +143,11 @@ impl Node {
             sectors: 0,
             position_offset: 0,
             inputs: None,
+            motion: Motion::default(),
             digital: DigitalOutputs::default(),
             hall_supply_disabled: false,
             autosend: Autosend::default(),
+            link: Link::default(),
             outbox: Outbox::default(),
             download: Download::default(),
             turn: Turn::default(),
@@ -192,6 +201,7 @@ impl Node {
     /// Takes a reading of the slow inputs, about every 10 ms.
     pub fn handle_inputs(&mut self, inputs: SlowInputs) {
         self.inputs = Some(inputs);
+        self.motion.note(inputs.calibrated_accel(&self.parameters));
         self.calibrate_inputs();
     }
 
@@ -207,14 +217,17 @@ impl Node {
     pub fn poll(&mut self, now: u64) {
         self.flash.advance(now);
         self.run_log(now);
-        if self.autosend.is_due(now, &self.parameters, &self.board) {
+        if !self.link.state.is_off() && self.autosend.is_due(now, &self.parameters, &self.board) {
             self.broadcast();
         }
         self.measure_description();
     }
 
-    /// The next frame to send, control and status before measurements.
+    /// The next frame to send, control and status before measurements; none while the controller is off the bus.
     pub fn poll_frame(&mut self) -> Option<Frame> {
+        if self.link.state.is_off() {
+            return None;
+        }
         self.outbox.pop()
     }
 
@@ -237,7 +250,8 @@ impl Node {
 
     /// The next thing that only the shell can do.
     pub fn poll_action(&mut self) -> Option<Action> {
-        let due = self.pending.reboot && self.outbox.is_empty();
+        // Who is off the bus waits for nobody.
+        let due = self.pending.reboot && (self.outbox.is_empty() || self.link.state.is_off());
         self.pending.reboot &= !due;
         due.then_some(Action::Reboot)
     }

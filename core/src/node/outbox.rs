@@ -38,6 +38,27 @@ impl Outbox {
         self.measurements.clear();
     }
 
+    /// Drops the status and fault words that were not sent: newer ones follow.
+    pub(super) fn discard_words(&mut self, is_word: impl Fn(&Frame) -> bool) {
+        for _ in 0..self.urgent.len() {
+            if let Some(frame) = self.urgent.pop_front() {
+                if is_word(&frame) {
+                    self.lost = self.lost.saturating_add(1);
+                } else {
+                    // It has just left this place.
+                    let _ = self.urgent.push_back(frame);
+                }
+            }
+        }
+    }
+
+    /// Drops everything.
+    pub(super) fn clear(&mut self) {
+        self.lost = self.lost.saturating_add(self.urgent.len() as u32);
+        self.urgent.clear();
+        self.discard_measurements();
+    }
+
     /// The next frame for the bus.
     pub(super) fn pop(&mut self) -> Option<Frame> {
         self.urgent.pop_front().or_else(|| self.measurements.pop_front())

@@ -1,17 +1,17 @@
 //! Time on the bus: who sends next, until when, and what comes of it.
 
 use super::bits::{INTERMISSION, WireBits, arbitration_field, frame_bits};
-use super::node::{Attachment, ErrorState, Node, NodeIndex, Pending, Received};
+use super::node::{Attachment, Node, NodeIndex, Pending, RECOVERY, Received};
 use core::fmt;
 use heapless::Vec;
-use narx_core::bus::Frame;
+use narx_core::bus::{BusState, ErrorState, Frame};
 
 /// An error flag with the flags that answer it (at most 6 + 6 bits) and the error delimiter (8).
 const ERROR_FRAME: u32 = 12 + 8;
 /// What an error-passive sender waits beyond the intermission, bits.
 const SUSPEND: u32 = 8;
-/// Idle bits until a node recovers from bus-off.
-const RECOVERY: u32 = 128 * 11;
+/// Recessive bits that a node off the bus counts as one step of its recovery.
+const STEP: u32 = 11;
 
 /// A bus of up to `NODES` controllers, each with queues of `QUEUE` frames either way.
 ///
@@ -195,6 +195,25 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         self.nodes.get(node.0).map(|node| (node.transmit_errors, node.receive_errors))
     }
 
+    /// What a node's controller tells of itself; one that there is not is active.
+    pub fn state(&self, node: NodeIndex) -> BusState {
+        self.nodes.get(node.0).map_or_else(BusState::default, |node| BusState {
+            error: node.error_state(),
+            transmit_errors: node.transmit_errors,
+            receive_errors: node.receive_errors,
+        })
+    }
+
+    /// Takes back what a node has not sent, but for a frame that is on the wire.
+    pub fn discard(&mut self, node: NodeIndex) {
+        let under_way = self.ongoing.is_some_and(|ongoing| ongoing.senders.get(node.0) == Some(&true));
+        if let Some(node) = self.nodes.get_mut(node.0) {
+            while node.outgoing.len() > usize::from(under_way) {
+                node.outgoing.pop_back();
+            }
+        }
+    }
+
     /// Frames that a node has lost because nobody took them from its queue.
     pub fn overruns(&self, node: NodeIndex) -> u32 {
         self.nodes.get(node.0).map_or(0, |node| node.overruns)
@@ -229,6 +248,10 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
             (node.ready_at()? <= start).then_some(frame)
         };
         let frame = self.nodes.iter().filter_map(ready).min_by_key(arbitration_field)?;
+        let idle = start.saturating_sub(self.free_at) / self.duration(STEP).max(1);
+        for node in &mut self.nodes {
+            node.watch_idle(idle.min(RECOVERY.into()) as u32);
+        }
 
         // Nodes with one identifier all win; unless their frames are equal, the first difference ends them.
         let mut senders = [false; NODES];
@@ -260,13 +283,18 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         let count = if arrived { &mut self.statistics.frames } else { &mut self.statistics.errors };
         *count += 1;
 
-        let [suspended, bus_off] = [SUSPEND, RECOVERY].map(|bits| self.free_at + self.duration(bits));
+        let [suspended, recovered] =
+            [SUSPEND, RECOVERY * STEP].map(|bits| self.free_at + self.duration(bits));
+        let (free_at, step) = (self.free_at, self.duration(STEP));
+        for node in &mut self.nodes {
+            node.watch_end(|steps| free_at + u64::from(steps) * step);
+        }
         let sender = NodeIndex(ended.senders.iter().position(|sends| *sends).unwrap_or(NODES));
         let received = Received { frame: ended.frame, time_ns: ended.end, sender };
         for (sends, node) in ended.senders.iter().zip(&mut self.nodes) {
             match (sends, ended.outcome) {
                 (true, Outcome::Arrives) => node.count_sent(),
-                (true, outcome) => node.count_transmit_error(outcome == Outcome::Unacknowledged, bus_off),
+                (true, outcome) => node.count_transmit_error(outcome == Outcome::Unacknowledged, recovered),
                 (false, _) if !node.is_listener() => {}
                 (false, Outcome::Destroyed) => node.count_receive_error(),
                 (false, _) if node.bitrate != self.bitrate => node.count_receive_error(),

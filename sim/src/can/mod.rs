@@ -15,4 +15,5 @@ pub mod slcan;
 
 pub use bits::{WireBits, arbitration_field, frame_bits, worst_case_bits};
 pub use bus::{Bus, BusStatistics, NotQueued};
-pub use node::{Attachment, ErrorState, NodeIndex, Received};
+pub use narx_core::bus::ErrorState;
+pub use node::{Attachment, NodeIndex, Received};

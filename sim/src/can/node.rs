@@ -1,7 +1,7 @@
 //! A controller on the bus: its queues and its error counters.
 
 use heapless::Deque;
-use narx_core::bus::Frame;
+use narx_core::bus::{ErrorState, Frame};
 
 /// A node of one [`Bus`](super::Bus), as [`attach`](super::Bus::attach) numbered it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -17,17 +17,6 @@ pub enum Attachment {
     ListenOnly,
     /// Unpowered or cut off: neither sees nor is seen.
     Detached,
-}
-
-/// Fault confinement state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ErrorState {
-    /// Takes part and signals errors with dominant flags.
-    Active,
-    /// An error counter has passed 127: takes part, but its error flags no longer disturb others.
-    Passive,
-    /// The transmit error counter has passed 255: does not take part for 128 x 11 bit times.
-    BusOff,
 }
 
 /// A frame as a node received it.
@@ -49,6 +38,9 @@ pub(super) struct Pending {
     pub(super) since: u64,
 }
 
+/// Times 11 recessive bits until a node recovers from bus-off.
+pub(super) const RECOVERY: u32 = 128;
+
 /// One controller.
 #[derive(Debug)]
 pub(super) struct Node<const QUEUE: usize> {
@@ -60,9 +52,10 @@ pub(super) struct Node<const QUEUE: usize> {
     pub(super) overruns: u32,
     pub(super) transmit_errors: u16,
     pub(super) receive_errors: u16,
-    /// Sends nothing before this instant, ns: bus-off, or an error-passive sender's suspension.
+    /// Sends nothing before this instant, ns: bus-off on a bus that stays idle, or an error-passive sender's suspension.
     pub(super) held_until: u64,
-    bus_off: bool,
+    /// How many times 11 recessive bits a node that is off the bus has still to see; 0 while it takes part.
+    to_see: u32,
 }
 
 impl<const QUEUE: usize> Node<QUEUE> {
@@ -76,12 +69,12 @@ impl<const QUEUE: usize> Node<QUEUE> {
             transmit_errors: 0,
             receive_errors: 0,
             held_until: 0,
-            bus_off: false,
+            to_see: 0,
         }
     }
 
     pub(super) fn error_state(&self) -> ErrorState {
-        if self.bus_off {
+        if self.to_see > 0 {
             ErrorState::BusOff
         } else if self.transmit_errors > 127 || self.receive_errors > 127 {
             ErrorState::Passive
@@ -92,12 +85,12 @@ impl<const QUEUE: usize> Node<QUEUE> {
 
     /// Takes part in sending and acknowledging.
     pub(super) fn is_sender(&self) -> bool {
-        self.attachment == Attachment::Normal && !self.bus_off
+        self.attachment == Attachment::Normal && self.to_see == 0
     }
 
     /// Sees what happens on the bus.
     pub(super) fn is_listener(&self) -> bool {
-        self.attachment != Attachment::Detached && !self.bus_off
+        self.attachment != Attachment::Detached && self.to_see == 0
     }
 
     /// When its oldest frame may start, ns; after bus-off that is when it has recovered.
@@ -108,14 +101,14 @@ impl<const QUEUE: usize> Node<QUEUE> {
 
     /// A frame of its own was destroyed. `acknowledge` says that nobody acknowledged it: an error-passive node
     /// does not count that, so a lone node keeps trying and never goes bus-off.
-    pub(super) fn count_transmit_error(&mut self, acknowledge: bool, bus_off_until: u64) {
+    pub(super) fn count_transmit_error(&mut self, acknowledge: bool, until_recovered: u64) {
         if acknowledge && self.error_state() == ErrorState::Passive {
             return;
         }
         self.transmit_errors += 8;
         if self.transmit_errors > 255 {
-            self.bus_off = true;
-            self.held_until = bus_off_until;
+            self.to_see = RECOVERY;
+            self.held_until = until_recovered;
         }
     }
 
@@ -138,12 +131,36 @@ impl<const QUEUE: usize> Node<QUEUE> {
         }
     }
 
+    /// The bus has been idle for so many times 11 bits, and is now taken by another node: what is still to see waits for its end.
+    pub(super) fn watch_idle(&mut self, seen: u32) {
+        if self.to_see > 0 {
+            self.to_see = self.to_see.saturating_sub(seen).max(1);
+            self.held_until = u64::MAX;
+        }
+    }
+
+    /// Another node's frame ends, with 11 recessive bits: acknowledge or error delimiter, end of frame, intermission. `idle` tells
+    /// when so many times 11 bits more have passed if nobody sends.
+    pub(super) fn watch_end(&mut self, idle: impl FnOnce(u32) -> u64) {
+        if self.to_see > 0 {
+            self.to_see -= 1;
+            self.held_until = idle(self.to_see);
+            if self.to_see == 0 {
+                self.rejoin();
+            }
+        }
+    }
+
     /// Ends bus-off once its time is over.
     pub(super) fn recover(&mut self, now: u64) {
-        if self.bus_off && now >= self.held_until {
-            self.bus_off = false;
-            self.transmit_errors = 0;
-            self.receive_errors = 0;
+        if self.to_see > 0 && now >= self.held_until {
+            self.rejoin();
         }
+    }
+
+    fn rejoin(&mut self) {
+        self.to_see = 0;
+        self.transmit_errors = 0;
+        self.receive_errors = 0;
     }
 }

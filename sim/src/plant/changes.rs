@@ -29,7 +29,7 @@ impl Plant {
         self.config.ambient = celsius;
     }
 
-    /// Changes the output of the pressure bridge, V.
+    /// Changes the output of the pressure bridge after its amplifier, V.
     pub fn set_pressure(&mut self, volts: f64) {
         self.config.pressure = volts;
     }
@@ -53,11 +53,16 @@ impl Plant {
     /// Mends everything.
     pub fn clear_all(&mut self) {
         self.injected = Injected::default();
-        self.apply_injections();
+        self.apply_hall_supply();
     }
 
     fn set_injection(&mut self, injection: Injection, active: bool) {
         self.injected.set(injection, active);
+        self.apply_injections();
+    }
+
+    pub(super) fn apply_hall_supply(&mut self) {
+        self.injected.hall_supply_off = !self.inputs.halls_are_supplied();
         self.apply_injections();
     }
 

@@ -91,7 +91,7 @@ impl Halls {
 
     /// Lines as wired, after injected faults, without glitches.
     fn lines(&self, injected: &Injected) -> u8 {
-        if injected.hall_supply_lost {
+        if injected.hall_supply_lost || injected.hall_supply_off {
             return 7;
         }
         let mut lines = 0;

@@ -71,6 +71,8 @@ pub(crate) struct Injected {
     pub(crate) hall_swapped: Option<Phase>,
     pub(crate) hall_glitches: Option<f64>,
     pub(crate) hall_supply_lost: bool,
+    /// Not broken: the drive or its 5 V do not supply them.
+    pub(crate) hall_supply_off: bool,
     pub(crate) blocked: bool,
     pub(crate) pressure: Option<f64>,
     pub(crate) emergency: bool,

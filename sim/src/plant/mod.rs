@@ -28,12 +28,12 @@ mod exponential;
 mod gates;
 mod hall;
 mod injection;
+mod inputs;
 mod interval;
 mod ledger;
 mod mechanics;
 mod network;
 mod segment;
-mod slow;
 mod stage;
 mod way;
 mod wiring;
@@ -43,6 +43,7 @@ pub use config::{
     PlantConfig, SupplyConfig,
 };
 pub use injection::{Injection, Phase};
+pub use inputs::{Input, InputError};
 pub use ledger::Ledger;
 
 use crate::random::Random;
@@ -51,6 +52,7 @@ use converter::Converter;
 use gates::Gates;
 use hall::{Capture, Halls};
 use injection::Injected;
+use inputs::Inputs;
 use narx_core::motor::{CurrentMode, Lines, PwmCommand, Samples};
 use stage::Stage;
 
@@ -81,6 +83,7 @@ pub struct Plant {
     converter: Converter,
     random: Random,
     injected: Injected,
+    inputs: Inputs,
     winding_temperature: f64,
     copper_loss_seen: f64,
     last_sample: f64,
@@ -152,6 +155,7 @@ impl Plant {
             converter: Converter::new(config.converter, &config.board.front_end),
             random: Random::new(config.seed),
             injected: Injected::default(),
+            inputs: Inputs::new(),
             winding_temperature: config.ambient,
             copper_loss_seen: 0.0,
             last_sample: 0.0,
@@ -283,11 +287,11 @@ impl Plant {
 
     /// Digital inputs as they stand.
     pub fn lines(&self) -> Lines {
-        let mut lines = Lines::empty();
-        lines.set(Lines::DRIVER_FAULT, self.injected.driver.contains(&true));
-        lines.set(Lines::EMERGENCY, self.injected.emergency);
-        lines.set(Lines::DSI1, self.injected.dsi1);
-        lines.set(Lines::DSI2, self.injected.dsi2);
-        lines
+        let mut injected = Lines::empty();
+        injected.set(Lines::DRIVER_FAULT, self.injected.driver.contains(&true));
+        injected.set(Lines::EMERGENCY, self.injected.emergency);
+        injected.set(Lines::DSI1, self.injected.dsi1);
+        injected.set(Lines::DSI2, self.injected.dsi2);
+        injected | self.inputs.digital()
     }
 }

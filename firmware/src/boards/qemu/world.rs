@@ -8,7 +8,7 @@ use crate::board::{BackgroundSide, TickSide};
 use cortex_m::peripheral::SCB;
 use cortex_m_semihosting::hprintln;
 use heapless::spsc::{Consumer, Producer};
-use narx_core::bus::Frame;
+use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
 use narx_core::node::{Outputs, SlowInputs};
 use narx_sim::can::slcan::{Adapter, LINE_MAX};
@@ -132,12 +132,19 @@ impl BackgroundSide for World {
         }
     }
 
+    fn bus_state(&self) -> BusState {
+        // The adapter has a bus of its own, and a serial line has no errors.
+        BusState::default()
+    }
+
+    fn discard_frames(&mut self) {}
+
     fn slow_inputs(&mut self) -> SlowInputs {
         self.plant.slow_inputs()
     }
 
-    fn apply(&mut self, _: Outputs) {
-        // Nothing hangs on the digital lines, and the simulated hall sensors are always supplied.
+    fn apply(&mut self, outputs: Outputs) {
+        self.plant.set_outputs(outputs);
     }
 
     fn feed_watchdog(&mut self) {
