@@ -13,28 +13,28 @@
 use crate::dictionary::Parameters;
 use crate::motor::{Board, Coefficients, Drive, Event, PwmCommand, Samples, Status};
 use crate::node::{Identity, Node};
-use crate::scope::{Report, Request, Scope};
+use crate::scope::{Answer, Keeper, Memory, Order, Scope};
 use heapless::spsc::{Consumer, Producer, Queue};
 
 /// Room of a queue, one of which stays free.
 const EVENTS: usize = 3;
 const STATUSES: usize = 5;
-const REQUESTS: usize = 2;
-const REPORTS: usize = 9;
+const ORDERS: usize = 2;
+const ANSWERS: usize = 3;
 
-/// The queues between the halves of one device.
+/// The queues between the halves of one device, whose scope has its memory from elsewhere.
 #[derive(Debug, Default)]
-pub struct Queues {
+pub struct Queues<'m> {
     events: Queue<Event, EVENTS>,
     statuses: Queue<Status, STATUSES>,
-    requests: Queue<Request, REQUESTS>,
-    reports: Queue<Report, REPORTS>,
+    orders: Queue<Order<&'m mut Memory>, ORDERS>,
+    answers: Queue<Answer<&'m mut Memory>, ANSWERS>,
 }
 
-impl Queues {
+impl<'m> Queues<'m> {
     /// Empty queues.
     pub const fn new() -> Self {
-        Self { events: Queue::new(), statuses: Queue::new(), requests: Queue::new(), reports: Queue::new() }
+        Self { events: Queue::new(), statuses: Queue::new(), orders: Queue::new(), answers: Queue::new() }
     }
 
     /// A device at power-up with a stored parameter set. One that does not build leaves the drive with none: the node
@@ -44,66 +44,63 @@ impl Queues {
         identity: Identity,
         board: Board,
         parameters: Parameters,
-    ) -> (ControlTick<'_>, Background<'_>) {
+    ) -> (ControlTick<'_, 'm>, Background<'_, 'm>) {
         // What waits from before a reboot belongs to nobody.
         *self = Self::new();
         let drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
         let node = Node::with_parameters(identity, board, parameters);
         let (events_in, events) = self.events.split();
         let (statuses, statuses_out) = self.statuses.split();
-        let (requests_in, requests) = self.requests.split();
-        let (reports, reports_out) = self.reports.split();
+        let (orders_in, orders) = self.orders.split();
+        let (answers, answers_out) = self.answers.split();
         let mut background = Background {
             node,
             events: events_in,
             statuses: statuses_out,
-            requests: requests_in,
-            reports: reports_out,
+            keeper: Keeper::default(),
+            orders: orders_in,
+            answers: answers_out,
         };
         background.hand_over();
-        let scope = Scope::new(Default::default());
-        (ControlTick { drive, events, statuses, unsent: None, scope, requests, reports }, background)
+        let scope = Scope::default();
+        (ControlTick { drive, events, statuses, unsent: None, scope, orders, answers }, background)
     }
 }
 
 /// The half of the control interrupt.
-pub struct ControlTick<'q> {
+pub struct ControlTick<'q, 'm> {
     drive: Drive,
     events: Consumer<'q, Event>,
     statuses: Producer<'q, Status>,
     /// The newest report, while the background is late.
     unsent: Option<Status>,
-    scope: Scope<&'q mut [u16]>,
-    requests: Consumer<'q, Request>,
-    reports: Producer<'q, Report>,
+    scope: Scope<&'m mut Memory>,
+    orders: Consumer<'q, Order<&'m mut Memory>>,
+    answers: Producer<'q, Answer<&'m mut Memory>>,
 }
 
-impl<'q> ControlTick<'q> {
-    /// Gives the virtual scope its memory, [`scope::WORDS`](crate::scope::WORDS) or fewer. Without any it cannot be armed.
-    pub fn attach_scope(&mut self, memory: &'q mut [u16]) {
-        self.scope = Scope::new(memory);
-    }
-
+impl ControlTick<'_, '_> {
     /// One control tick: takes at most one event, and reports if a report is due.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         if let Some(event) = self.events.dequeue() {
+            self.scope.handle_event(&event);
             self.drive.handle_event(event);
         }
         let command = self.drive.step(samples);
-        if let Some(request) = self.requests.dequeue() {
-            self.scope.handle(request);
-        }
-        self.scope.step(&self.drive, samples);
-        if self.scope.has_report()
-            && self.reports.ready()
-            && let Some(report) = self.scope.poll()
-        {
-            // Room was just seen, and nobody else fills it.
-            let _ = self.reports.enqueue(report);
-        }
         self.unsent = self.drive.poll_status().or(self.unsent);
         if let Some(status) = self.unsent.take() {
             self.unsent = self.statuses.enqueue(status).err();
+        }
+        if let Some(order) = self.orders.dequeue() {
+            self.scope.handle(order);
+        }
+        self.scope.step(&self.drive, samples);
+        if self.scope.has_answer()
+            && self.answers.ready()
+            && let Some(answer) = self.scope.poll()
+        {
+            // Room was just seen, and nobody else fills it.
+            let _ = self.answers.enqueue(answer);
         }
         command
     }
@@ -115,15 +112,21 @@ impl<'q> ControlTick<'q> {
 }
 
 /// The half of the background loop.
-pub struct Background<'q> {
+pub struct Background<'q, 'm> {
     node: Node,
     events: Producer<'q, Event>,
     statuses: Consumer<'q, Status>,
-    requests: Producer<'q, Request>,
-    reports: Consumer<'q, Report>,
+    keeper: Keeper<&'m mut Memory>,
+    orders: Producer<'q, Order<&'m mut Memory>>,
+    answers: Consumer<'q, Answer<&'m mut Memory>>,
 }
 
-impl Background<'_> {
+impl<'m> Background<'_, 'm> {
+    /// Gives the virtual scope its memory, before the first tick. Without any it cannot be armed.
+    pub fn attach_scope(&mut self, memory: &'m mut Memory) {
+        self.keeper = Keeper::new(memory);
+    }
+
     /// Takes what the tick has reported, advances time to tick `now`, and hands over events. Call it once a period or
     /// more seldom, after the frames that have arrived were given to [`node`](Self::node) and before those that it
     /// sends are taken from there.
@@ -131,8 +134,11 @@ impl Background<'_> {
         while let Some(status) = self.statuses.dequeue() {
             self.node.handle_status(status);
         }
+        while let Some(answer) = self.answers.dequeue() {
+            self.keeper.take(answer);
+        }
         while self.node.takes_scope_report()
-            && let Some(report) = self.reports.dequeue()
+            && let Some(report) = self.keeper.poll_report()
         {
             self.node.handle_scope(report);
         }
@@ -153,10 +159,15 @@ impl Background<'_> {
             // Room was just seen, and nobody else fills it.
             let _ = self.events.enqueue(event);
         }
-        if self.requests.ready()
+        if !self.keeper.has_order()
             && let Some(request) = self.node.poll_scope()
         {
-            let _ = self.requests.enqueue(request);
+            self.keeper.handle(request);
+        }
+        if self.orders.ready()
+            && let Some(order) = self.keeper.poll_order()
+        {
+            let _ = self.orders.enqueue(order);
         }
     }
 }

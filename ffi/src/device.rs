@@ -36,9 +36,9 @@ pub struct narx_drive_t {
 struct Device {
     /// Says that the rest is there, and that it was made here.
     mark: AtomicU32,
-    queues: Queues,
-    tick: ControlTick<'static>,
-    background: Background<'static>,
+    queues: Queues<'static>,
+    tick: ControlTick<'static, 'static>,
+    background: Background<'static, 'static>,
 }
 
 const _: () = assert!(size_of::<Device>() <= size_of::<narx_drive_t>());
@@ -70,27 +70,6 @@ pub unsafe extern "C" fn narx_drive_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { init(drive, size, board) })
-}
-
-/// Gives the drive's virtual scope its memory: `words` samples of 16 bits (4096 are as many as parameter 23 can ask for), the caller's own
-/// for as long as the drive lives. Without it the scope cannot be armed. Call it after narx_drive_init and before the first narx_drive_step;
-/// narx_drive_init takes it away again.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn narx_drive_attach_scope(
-    drive: *mut narx_drive_t,
-    memory: *mut u16,
-    words: usize,
-) -> narx_status_t {
-    // SAFETY: the rule for pointers at the head of narx.h, and the memory is the caller's promise.
-    let run = || unsafe {
-        pointer::check(memory)?;
-        if words > usize::from(u16::MAX) {
-            return Err(NARX_ERROR_SIZE);
-        }
-        tick(drive)?.attach_scope(core::slice::from_raw_parts_mut(memory, words));
-        Ok(())
-    };
-    pointer::status(run())
 }
 
 /// One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
@@ -258,7 +237,7 @@ const NONE_REJECTED: i32 = u16::MAX as i32;
 ///
 /// # Safety
 /// `drive` is NULL or valid, and no other reference to the tick half lives.
-unsafe fn tick<'a>(drive: *mut narx_drive_t) -> Result<&'a mut ControlTick<'static>, narx_status_t> {
+unsafe fn tick<'a>(drive: *mut narx_drive_t) -> Result<&'a mut ControlTick<'static, 'static>, narx_status_t> {
     let device = initialised(drive)?;
     // SAFETY: the mark says that it was written; a reference to this part only.
     Ok(unsafe { &mut (*device).tick })
@@ -268,7 +247,9 @@ unsafe fn tick<'a>(drive: *mut narx_drive_t) -> Result<&'a mut ControlTick<'stat
 ///
 /// # Safety
 /// `drive` is NULL or valid, and no other reference to the background half lives.
-unsafe fn background<'a>(drive: *mut narx_drive_t) -> Result<&'a mut Background<'static>, narx_status_t> {
+pub(crate) unsafe fn background<'a>(
+    drive: *mut narx_drive_t,
+) -> Result<&'a mut Background<'static, 'static>, narx_status_t> {
     let device = initialised(drive)?;
     // SAFETY: the mark says that it was written; a reference to this part only.
     Ok(unsafe { &mut (*device).background })

@@ -23,14 +23,15 @@ mod pointer;
 mod pwm;
 mod recording;
 mod samples;
+mod scope;
 mod status;
 mod text;
 
 pub use board::{narx_board_default, narx_board_t, narx_channel_t};
 pub use device::{
-    NARX_DRIVE_SIZE, NARX_DRIVE_WORDS, narx_drive_align, narx_drive_attach_scope, narx_drive_get_parameter,
-    narx_drive_handle_frame, narx_drive_init, narx_drive_poll_bulk_frame, narx_drive_poll_frame,
-    narx_drive_run, narx_drive_set_parameter, narx_drive_size, narx_drive_step, narx_drive_t,
+    NARX_DRIVE_SIZE, NARX_DRIVE_WORDS, narx_drive_align, narx_drive_get_parameter, narx_drive_handle_frame,
+    narx_drive_init, narx_drive_poll_bulk_frame, narx_drive_poll_frame, narx_drive_run,
+    narx_drive_set_parameter, narx_drive_size, narx_drive_step, narx_drive_t,
 };
 pub use frame::narx_frame_t;
 pub use pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t, narx_pwm_command_t};
@@ -39,6 +40,7 @@ pub use samples::{
     NARX_EDGES_MAX, NARX_LINE_DRIVER_FAULT, NARX_LINE_DSI1, NARX_LINE_DSI2, NARX_LINE_EMERGENCY, narx_edge_t,
     narx_samples_t,
 };
+pub use scope::{NARX_SCOPE_WORDS, narx_drive_attach_scope, narx_scope_size, narx_scope_t};
 pub use status::{narx_status_t, narx_status_text, narx_version};
 
 /// The core does not panic. Should it ever, the caller's watchdog is what is left.

@@ -42,15 +42,15 @@ impl Progress {
 }
 
 /// The control interrupt.
-pub struct Control<'a, B> {
-    tick: device::ControlTick<'a>,
+pub struct Control<'a, 'm, B> {
+    tick: device::ControlTick<'a, 'm>,
     board: B,
     progress: &'a Progress,
 }
 
-impl<'a, B: TickSide> Control<'a, B> {
+impl<'a, 'm, B: TickSide> Control<'a, 'm, B> {
     /// The interrupt's half of a device on its side of the board.
-    pub const fn new(tick: device::ControlTick<'a>, board: B, progress: &'a Progress) -> Self {
+    pub const fn new(tick: device::ControlTick<'a, 'm>, board: B, progress: &'a Progress) -> Self {
         Self { tick, board, progress }
     }
 
@@ -65,8 +65,8 @@ impl<'a, B: TickSide> Control<'a, B> {
 }
 
 /// The background loop.
-pub struct Background<'a, B> {
-    device: device::Background<'a>,
+pub struct Background<'a, 'm, B> {
+    device: device::Background<'a, 'm>,
     board: B,
     progress: &'a Progress,
     flash: Option<&'a Mailbox>,
@@ -75,9 +75,9 @@ pub struct Background<'a, B> {
     seen: Option<u64>,
 }
 
-impl<'a, B: BackgroundSide> Background<'a, B> {
+impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
     /// The background's half of a device on its side of the board.
-    pub fn new(mut device: device::Background<'a>, board: B, progress: &'a Progress) -> Self {
+    pub fn new(mut device: device::Background<'a, 'm>, board: B, progress: &'a Progress) -> Self {
         let ticks_per_ms = u64::from(device.node().board().tick_rate / 1000).max(1);
         Self {
             device,

@@ -16,6 +16,7 @@ use crate::flash::{Flash, Sparse};
 use crate::plant::{Observation, Plant, PlantConfig};
 use crate::recording::RecordingBuffer;
 use crate::trace::{Signal, Trace};
+use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 use narx_core::bus::Frame;
@@ -25,7 +26,7 @@ use narx_core::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};
-use narx_core::scope::{self, Scope};
+use narx_core::scope::{self, Keeper, Memory, Scope};
 use narx_core::storage::{Opened, Report, Request};
 use narx_core::units::{ElectricalAngle, ElectricalSpeed};
 
@@ -71,7 +72,8 @@ pub struct Bench {
     plant: Plant,
     drive: Drive,
     node: Node,
-    scope: Scope<Vec<u16>>,
+    scope: Scope<Box<Memory>>,
+    keeper: Keeper<Box<Memory>>,
     chip: Chip,
     /// What the flash answers when it has finished, and when that is, ns.
     report: Option<(u64, Report)>,
@@ -146,7 +148,8 @@ impl Bench {
             plant: Plant::new(&config.plant),
             drive: Drive::new(Coefficients::default()),
             node,
-            scope: Scope::new(Vec::new()),
+            scope: Scope::default(),
+            keeper: Keeper::default(),
             chip,
             report: None,
             bus,
@@ -179,7 +182,8 @@ impl Bench {
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
         self.node = Node::with_parameters(IDENTITY, board, parameters);
         self.node.attach_storage(&opened);
-        self.scope = Scope::new(alloc::vec![0; scope::WORDS]);
+        let memory: Box<Memory> = Box::new(Memory::<[u16; scope::WORDS]>::new());
+        (self.scope, self.keeper) = (Scope::default(), Keeper::new(memory));
         self.event = self.node.poll_event();
         self.recorder = self.record.then(|| self.begin_recording()).flatten();
     }
@@ -208,11 +212,12 @@ impl Bench {
     pub fn step(&mut self) {
         let samples = self.plant.sample();
         if let Some(event) = &self.event {
+            self.scope.handle_event(event);
             self.drive.handle_event(event.clone());
         }
         let command = self.drive.step(&samples);
-        self.scope.step(&self.drive, &samples);
         let status = self.drive.poll_status();
+        self.scope.step(&self.drive, &samples);
         self.plant.finish_period(&command);
         if let Some(recorder) = &mut self.recorder
             && recorder.record(self.event.as_ref(), &samples, &command, status.as_ref()).is_err()
@@ -229,14 +234,19 @@ impl Bench {
 
     /// Between the scope and the node.
     fn serve_scope(&mut self) {
-        if self.scope.has_report()
-            && self.node.takes_scope_report()
-            && let Some(report) = self.scope.poll()
+        if let Some(answer) = self.scope.poll() {
+            self.keeper.take(answer);
+        }
+        if self.node.takes_scope_report()
+            && let Some(report) = self.keeper.poll_report()
         {
             self.node.handle_scope(report);
         }
         if let Some(request) = self.node.poll_scope() {
-            self.scope.handle(request);
+            self.keeper.handle(request);
+        }
+        if let Some(order) = self.keeper.poll_order() {
+            self.scope.handle(order);
         }
     }
 

@@ -179,7 +179,7 @@ static void a_description_is_downloaded(void)
 static void a_scope_records(void)
 {
     static narx_drive_t fresh;
-    static uint16_t memory[64];
+    static narx_scope_t memory;
     narx_samples_t samples = at_rest();
     narx_pwm_command_t command;
     narx_frame_t trigger = {0x0AAD5270u, 1, 0, 8, {0}};
@@ -188,11 +188,15 @@ static void a_scope_records(void)
     int words = 0;
     int tick;
 
-    CHECK(narx_drive_attach_scope(&fresh, memory, 64) == NARX_ERROR_UNINITIALISED);
+    const size_t small = narx_scope_size(64);
+
+    CHECK(small < narx_scope_size(4096) && narx_scope_size(4096) <= sizeof memory);
+    CHECK(narx_drive_attach_scope(&fresh, &memory, small) == NARX_ERROR_UNINITIALISED);
     CHECK(narx_drive_init(&fresh, sizeof fresh, NULL) == NARX_OK);
     CHECK(narx_drive_attach_scope(&fresh, NULL, 64) == NARX_ERROR_NULL);
-    CHECK(narx_drive_attach_scope(&fresh, memory, 65536) == NARX_ERROR_SIZE);
-    CHECK(narx_drive_attach_scope(&fresh, memory, 64) == NARX_OK);
+    CHECK(narx_drive_attach_scope(&fresh, &memory, narx_scope_size(0)) == NARX_ERROR_SIZE);
+    CHECK(narx_drive_attach_scope(&fresh, (narx_scope_t *)((char *)&memory + 1), small) == NARX_ERROR_ALIGNMENT);
+    CHECK(narx_drive_attach_scope(&fresh, &memory, small) == NARX_OK);
     for (tick = 0; tick < 1000; tick++) {
         if (tick == 10 || tick == 20) {
             CHECK(narx_drive_handle_frame(&fresh, &trigger) == NARX_OK);

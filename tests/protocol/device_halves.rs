@@ -5,6 +5,7 @@ use narx_core::device::Queues;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::{Board, Samples, State};
 use narx_core::node::Identity;
+use narx_core::scope::Memory;
 
 /// Codes of a healthy 24 V board at rest: 24 V / 19.531 mV, no current.
 fn at_rest(tick: u64) -> Samples {
@@ -58,12 +59,12 @@ fn a_background_that_is_late_loses_no_state_and_stops_no_tick() {
 #[test]
 fn a_scope_works_between_the_halves() {
     for (words, pause) in [(64, 1), (64, 40), (0, 1)] {
-        let mut memory = vec![0; words];
+        let mut memory = Memory::<[u16; 64]>::new();
         let mut queues = Queues::new();
         let (mut tick, mut background) =
             queues.power_up(Identity::default(), Board::BENCH, Parameters::new());
         if words > 0 {
-            tick.attach_scope(&mut memory);
+            background.attach_scope(&mut memory);
         }
         let (mut record, mut states) = (Vec::new(), Vec::new());
         for now in 0..20_000 {

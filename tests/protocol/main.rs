@@ -25,5 +25,7 @@ mod node;
 mod pair;
 mod parameters;
 mod scope;
+mod scope_bench;
+mod scope_inputs;
 mod wire;
 mod wired;

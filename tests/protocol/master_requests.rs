@@ -166,7 +166,7 @@ fn messages_without_an_answer_are_checked_by_the_refused_frames() {
     assert_eq!(pair.ask(Request::DisableHallSupply(false)).result, refused);
     // This node has no scope beside it: what was asked to arm has neither done so nor refused.
     assert_eq!(pair.ask(Request::TriggerScope).result, Ok(0));
-    pair.bench.node.handle_scope(Report::State(ScopeState::Recording));
+    pair.bench.node.handle_scope(Report::State(ScopeState::Recording, 0));
     assert_eq!(pair.ask(Request::TriggerScope).result, refused, "it records");
     assert_eq!(RequestError::NotObeyed.to_string(), "the drive has refused the request");
     assert_eq!(pair.bench.refused(), 3);

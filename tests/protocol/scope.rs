@@ -1,112 +1,25 @@
 //! The virtual scope: what it records, when, and how the record reaches the master.
 
+use crate::scope_bench::{
+    Pair, ask, bits, press, running, scope_state, session, set_trigger, set_up, wait, words, write,
+};
 use narx_core::bus::narmotion::{Addresses, ToDrive};
 use narx_core::dictionary::number;
-use narx_core::master::{Answer, Chunk, Download, Request};
+use narx_core::master::Request;
 use narx_core::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State, Status};
-use narx_core::scope::{
-    Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Scope, Setup, State as ScopeState,
-};
+use narx_core::scope::{Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Setup, State as ScopeState};
 use narx_core::scope::{Threshold, Trigger};
 use narx_core::units::ElectricalSpeed;
 use narx_sim::commissioning::Mode;
 use narx_sim::plant::{Injection, LoadConfig};
-use narx_sim::presets::preset;
-use narx_sim::session::{Session, SessionConfig};
+use narx_sim::session::Session;
 use proptest::prelude::*;
-
-/// A motor that runs with hall sensors, or is about to.
-fn session(mode: Mode) -> Session {
-    let preset = preset("ec45-flat-50w-18v").unwrap();
-    let config = SessionConfig {
-        rated_current: preset.data.rated_current,
-        trace: false,
-        ..SessionConfig::new(preset.motor, 18.0, mode)
-    };
-    Session::new(&config).unwrap()
-}
-
-fn running(mode: Mode, rpm: i32) -> Session {
-    let mut session = session(mode);
-    session.start(rpm);
-    session.run(4.0);
-    assert!(matches!(session.bench().status().state, State::HallClosedLoop | State::SensorlessClosedLoop));
-    session
-}
-
-fn ask(session: &mut Session, request: Request) -> Answer {
-    session.master().request(request).unwrap();
-    for _ in 0..20_000 {
-        session.step();
-        if let Some(answer) = session.master().poll_answer() {
-            return answer;
-        }
-    }
-    panic!("no answer to {request:?}");
-}
-
-fn write(session: &mut Session, number: u16, raw: i32) {
-    let answer = ask(session, Request::Write { number, raw });
-    assert!(answer.result.is_ok(), "{answer:?}");
-}
-
-/// Bits of parameter 22.
-fn bits(signals: &[Signal]) -> i32 {
-    signals.iter().map(|signal| 1 << *signal as i32).sum()
-}
-
-fn set_up(session: &mut Session, signals: &[Signal], samples: i32, prescaler: i32, before: i32) {
-    write(session, number::SCOPE_CHANNELS, bits(signals));
-    write(session, number::SCOPE_SAMPLES, samples);
-    write(session, number::SCOPE_PRESCALER, prescaler);
-    write(session, number::SCOPE_TRIGGER_PHASE, before);
-}
-
-fn set_trigger(session: &mut Session, kind: i32, signal: Signal, level: i32) {
-    write(session, number::SCOPE_TRIGGER, kind);
-    write(session, number::SCOPE_TRIGGER_SIGNAL, signal as i32);
-    write(session, number::SCOPE_TRIGGER_LEVEL, level);
-}
-
-fn press(session: &mut Session) -> Answer {
-    ask(session, Request::TriggerScope)
-}
-
-fn scope_state(session: &Session) -> i32 {
-    session.bench().node().read_parameter(number::SCOPE_STATE).unwrap()
-}
-
-fn wait(session: &mut Session, state: ScopeState) {
-    for _ in 0..100_000 {
-        if scope_state(session) == state as i32 {
-            return;
-        }
-        session.step();
-    }
-    panic!("the scope stays {}", scope_state(session));
-}
 
 /// The record, a row for each sample.
 fn download(session: &mut Session, signals: usize, samples: usize) -> Vec<Vec<i16>> {
-    let words = signals * samples;
-    session.master().download(Download::Scope { words: words as u32 }).unwrap();
-    let mut record = vec![None; words];
-    for _ in 0..100_000 {
-        session.step();
-        while let Some(chunk) = session.master().poll_chunk() {
-            let Chunk { offset, .. } = chunk;
-            for (place, sample) in (offset as usize..).zip(chunk.samples()) {
-                record[place] = Some(sample.to_bits());
-            }
-        }
-        if let Some(end) = session.master().poll_download() {
-            assert_eq!(end, Ok(words as u32));
-            let record: Vec<i16> = record.into_iter().map(Option::unwrap).collect();
-            return record.chunks(signals).map(<[i16]>::to_vec).collect();
-        }
-    }
-    panic!("the download does not end");
+    let record: Vec<i16> = words(session, signals * samples).into_iter().map(|word| word as i16).collect();
+    record.chunks(signals).map(<[i16]>::to_vec).collect()
 }
 
 /// Value of a sample in its unit.
@@ -472,7 +385,7 @@ fn triggers_that_come_too_early() {
     };
     // Initialization ends half a second after power-up. A pulse of the bus at 10 ticks after the arming, and another at 80.
     let run = |trigger| {
-        let mut scope = Scope::new(vec![0; 200]);
+        let mut scope = Pair::new::<200>();
         let mut drive = drive();
         let (mut record, mut begun) = (Vec::new(), None);
         for tick in 0..5_400 {
@@ -490,7 +403,8 @@ fn triggers_that_come_too_early() {
             if begun.is_none() && scope.state() == ScopeState::Recording {
                 begun = Some(age);
             }
-            if let Some(Report::Block(block)) = scope.poll() {
+            while let Some(report) = scope.poll() {
+                let Report::Block(block) = report else { continue };
                 record.extend(block.words.map(|word| word as i16));
             }
         }
@@ -531,6 +445,7 @@ fn setups() -> impl Strategy<Value = Setup> {
             before,
             trigger,
             speed: SpeedScale::new(4),
+            ..Setup::default()
         },
     )
 }
@@ -539,16 +454,19 @@ proptest! {
     /// Any memory, any requests at any time: a record that is done has as many samples as were asked for and fit, and is read whole.
     #[test]
     fn whatever_is_asked(
-        memory in 0..200_usize,
+        small in any::<bool>(),
         requests in prop::collection::vec((0..300_u16, prop_oneof![
             setups().prop_map(ScopeRequest::Arm), Just(ScopeRequest::Force), Just(ScopeRequest::Read)
         ]), 1..12),
     ) {
-        let mut scope = Scope::new(vec![0; memory]);
+        let (mut scope, memory) = if small { (Pair::new::<7>(), 7_usize) } else { (Pair::new::<200>(), 200) };
         let (mut drive, mut tick, mut length) = (drive(), 0, 0);
         let (mut read, mut reading) = (Vec::new(), false);
         for (wait, request) in requests {
-            if let ScopeRequest::Arm(setup) = &request {
+            let busy = matches!(scope.state(), ScopeState::Armed | ScopeState::Recording);
+            if let ScopeRequest::Arm(setup) = &request
+                && !busy
+            {
                 let wide = setup.signals.len();
                 let room = memory.checked_div(wide).unwrap_or(0);
                 length = wide * room.min(setup.samples.into());
@@ -565,7 +483,10 @@ proptest! {
                 tick += 1;
                 let Some(report) = scope.poll() else { continue };
                 match report {
-                    Report::State(state) => prop_assert_eq!(state, scope.state()),
+                    Report::State(state, words) => {
+                        prop_assert_eq!(state, scope.state());
+                        prop_assert_eq!(usize::from(words), if state == ScopeState::Done { length } else { 0 });
+                    }
                     Report::Block(Block { address, words, last }) => {
                         prop_assert!(reading);
                         prop_assert_eq!(usize::from(address), read.len());

@@ -271,3 +271,7 @@ pub const ACCEL_MEAS_OFFSET: u16 = 297;
 pub const TILT: u16 = 298;
 /// Vibration, 10^-3 g.
 pub const VIBRATION: u16 = 299;
+/// Scope inputs.
+pub const SCOPE_INPUTS: u16 = 300;
+/// Scope words.
+pub const SCOPE_WORDS: u16 = 301;

@@ -8,7 +8,7 @@ use super::parameter::Kind::{I32, U16, U32};
 use super::parameter::Parameter;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Parameter; 44] = [
+pub(super) const OWN: [Parameter; 46] = [
     Parameter::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -253,4 +253,15 @@ pub(super) const OWN: [Parameter; 44] = [
         .factory(0)
         .read_only()
         .about("Root mean square over the last second of all three axes without their mean."),
+    Parameter::new(number::SCOPE_INPUTS, "Scope inputs", Instrumentation, U16)
+        .range(0, 1)
+        .factory(0)
+        .about(
+            "What the scope records: 0 the signals of parameter 22, 1 the inputs of every control tick behind the drive's state, from              which the same run can be made again, bit for bit.",
+        ),
+    Parameter::new(number::SCOPE_WORDS, "Scope words", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about("Words of 16 bits of the scope's record, which can be downloaded."),
 ];

@@ -51,6 +51,7 @@ impl Node {
                 super::scope::sampling_time(&self.parameters, self.board.tick_rate)
             }
             number::SCOPE_STATE => self.scope.state() as i32,
+            number::SCOPE_WORDS => self.scope.words().into(),
             number::DRIVE_STATE => status.state as i32,
             number::REFUSED_FRAMES => self.counters.refused as i32,
             number::MALFORMED_FRAMES => self.counters.malformed as i32,

@@ -79,7 +79,7 @@ impl Node {
             ToDrive::DisableHallSupply(disable) => self.disable_hall_supply(disable)?,
             ToDrive::DownloadXml(command) if SERVES => self.serve_description(command),
             ToDrive::DownloadXml(_) => return Err(Refused),
-            ToDrive::TriggerScope => self.scope.trigger(&self.parameters)?,
+            ToDrive::TriggerScope => self.scope.trigger(&self.parameters, self.board.tick_rate)?,
             ToDrive::DownloadScope => self.scope.download()?,
         }
         Ok(())

@@ -24,6 +24,8 @@ pub(super) struct ScopeLink {
     /// Where the next block of the download begins, while one is under way.
     expected: Option<u16>,
     blocks: Deque<Block, BLOCKS>,
+    /// Words of the record.
+    words: u16,
 }
 
 impl ScopeLink {
@@ -32,14 +34,19 @@ impl ScopeLink {
         self.state
     }
 
+    /// Words that can be downloaded.
+    pub(super) const fn words(&self) -> u16 {
+        self.words
+    }
+
     /// The first request arms, the next one forces the trigger.
-    pub(super) fn trigger(&mut self, parameters: &Parameters) -> Result<(), Refused> {
+    pub(super) fn trigger(&mut self, parameters: &Parameters, tick_rate: u32) -> Result<(), Refused> {
         match self.state {
             State::Armed if self.request.is_none() => self.request = Some(Request::Force),
             State::Idle | State::Done => {
-                self.request = Some(Request::Arm(setup(parameters).ok_or(Refused)?));
+                self.request = Some(Request::Arm(setup(parameters, tick_rate).ok_or(Refused)?));
                 self.stop_download();
-                (self.state, self.arms) = (State::Armed, true);
+                (self.state, self.arms, self.words) = (State::Armed, true, 0);
             }
             State::Armed | State::Recording => return Err(Refused),
         }
@@ -65,9 +72,9 @@ impl ScopeLink {
     /// Takes what the scope says; true if it could not be armed. Blocks of a download that was begun anew are not sent.
     fn take(&mut self, report: Report) -> bool {
         match report {
-            Report::State(state) => {
+            Report::State(state, words) => {
                 let refused = core::mem::take(&mut self.arms) && state == State::Idle;
-                self.state = state;
+                (self.state, self.words) = (state, words);
                 refused
             }
             Report::Block(block) => {
@@ -82,8 +89,8 @@ impl ScopeLink {
 
 impl PartialEq for ScopeLink {
     fn eq(&self, other: &Self) -> bool {
-        (self.state, &self.request, self.arms, self.expected)
-            == (other.state, &other.request, other.arms, other.expected)
+        (self.state, &self.request, self.arms, self.expected, self.words)
+            == (other.state, &other.request, other.arms, other.expected, other.words)
             && self.blocks.iter().eq(other.blocks.iter())
     }
 }
@@ -116,20 +123,24 @@ impl Node {
 /// Time from one sample to the next (parameter 25), us.
 pub(super) fn sampling_time(parameters: &Parameters, tick_rate: u32) -> i32 {
     let signals = parameters.raw(number::SCOPE_CHANNELS).count_ones() as usize;
-    let ticks = period(signals, parameters.raw(number::SCOPE_PRESCALER) as u16);
+    let inputs = parameters.raw(number::SCOPE_INPUTS) != 0;
+    let ticks = if inputs { 1 } else { period(signals, parameters.raw(number::SCOPE_PRESCALER) as u16) };
     (i64::from(ticks) * 1_000_000 / i64::from(tick_rate.max(1))) as i32
 }
 
 /// What the parameters ask for; `None` if a signal is not known.
-fn setup(parameters: &Parameters) -> Option<Setup> {
+fn setup(parameters: &Parameters, tick_rate: u32) -> Option<Setup> {
     let mut signals = Vec::new();
     let channels = parameters.raw(number::SCOPE_CHANNELS) as u32;
+    let inputs = parameters.raw(number::SCOPE_INPUTS) != 0;
     for bit in (0..32).filter(|bit| channels >> bit & 1 == 1) {
         signals.push(Signal::of_bit(bit)?).ok()?;
     }
     let word = |number| parameters.raw(number) as u16;
     Some(Setup {
         signals,
+        inputs,
+        tick_rate,
         samples: word(number::SCOPE_SAMPLES),
         prescaler: word(number::SCOPE_PRESCALER),
         before: word(number::SCOPE_TRIGGER_PHASE),

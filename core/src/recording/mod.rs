@@ -51,6 +51,7 @@ mod error;
 mod outputs;
 mod read;
 mod replay;
+mod scoped;
 mod tick;
 mod write;
 
@@ -60,6 +61,7 @@ pub use error::{ReadError, RecordError, ReplayError};
 pub use outputs::Outputs;
 pub use read::{End, Recording, Tick, Ticks};
 pub use replay::{Outcome, Player, Prefix, Replayable, replay, replay_until, replay_with};
+pub use scoped::{Scoped, ScopedError, record_scoped};
 pub use write::{Full, Recorder, Sink};
 
 use crc::{CRC_32_ISO_HDLC, Crc};

@@ -12,6 +12,11 @@ pub const SIGNALS_A_TICK: usize = 4;
 pub struct Setup {
     /// The signals of a sample, in the order of their bits (parameter 22).
     pub signals: Vec<Signal, { DRIVE_SIGNALS.len() }>,
+    /// Instead of signals the inputs of every tick (parameter 300). `samples` are then ticks, and more go before than `before`: what the
+    /// memory has room for.
+    pub inputs: bool,
+    /// Control ticks a second, which a recording tells.
+    pub tick_rate: u32,
     /// Samples of each (parameter 23), as far as the memory has room.
     pub samples: u16,
     /// Ticks from one to the next (parameter 24), at least as many as reading it takes: [`period`](Self::period).

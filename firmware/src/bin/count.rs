@@ -5,7 +5,8 @@
 //! it ends. Steps that answer anything else than what was recorded are not counted: cheaper must mean the same bits.
 //!
 //! Files behind `--running` count for no state. Each gives `running STEM TICKS TOTAL WORST`: its ticks from 0.2 s after the closed loop began. They
-//! are run once more with a virtual scope, and give `scope STEM TICKS TOTAL WORST`: what it adds to every tick.
+//! are run twice more with a virtual scope, and give `scope STEM TICKS TOTAL WORST` and `inputs STEM TICKS TOTAL WORST`: what it adds to every
+//! tick when it records signals, and inputs.
 //!
 //! `bytes state N` and `bytes coefficients N` are the sizes of the drive without its coefficients, and of these.
 #![cfg_attr(target_os = "none", no_std, no_main)]
@@ -21,19 +22,22 @@ use narx_firmware::boards::qemu::{ARGUMENTS_MAX, RECORDING_MAX, semihosting};
 fn main() -> ! {
     static mut ARGUMENTS: [u8; ARGUMENTS_MAX] = [0; ARGUMENTS_MAX];
     static mut RECORDING: [u8; RECORDING_MAX] = [0; RECORDING_MAX];
-    semihosting::exit(image::run(semihosting::arguments(ARGUMENTS), RECORDING))
+    static mut SCOPE: narx_core::scope::Memory<[u16; narx_core::scope::WORDS]> =
+        narx_core::scope::Memory::new();
+    semihosting::exit(image::run(semihosting::arguments(ARGUMENTS), RECORDING, SCOPE))
 }
 
 #[cfg(target_os = "none")]
 mod image {
     use cortex_m_semihosting::hprintln;
-    use heapless::Vec;
     use narx_core::motor::signal::{Signal, SpeedScale};
     use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Samples, State, Status};
     use narx_core::recording::{Recording, ReplayError, Replayable, replay_with};
-    use narx_core::scope::{Report, Request, Scope, Setup, State as ScopeState, Threshold, Trigger, WORDS};
+    use narx_core::scope::{
+        Answer, Memory, Order, Scope, Setup, State as ScopeState, Threshold, Trigger, WORDS,
+    };
     use narx_firmware::boards::qemu::instructions::{self, Sum};
-    use narx_firmware::boards::qemu::{semihosting, stem};
+    use narx_firmware::boards::qemu::{Owned, semihosting, stem};
     use serde::Deserialize;
 
     /// States of the drive (Table 6).
@@ -42,7 +46,12 @@ mod image {
     const SETTLED: u32 = 2_000;
 
     /// Counts all files; false if one could not be.
-    pub(crate) fn run<'a>(arguments: impl Iterator<Item = &'a str>, buffer: &mut [u8]) -> bool {
+    pub(crate) fn run<'a>(
+        arguments: impl Iterator<Item = &'a str>,
+        buffer: &mut [u8],
+        scope: &'static mut Memory,
+    ) -> bool {
+        MEMORY.give(Some(scope));
         let Some(mut peripherals) = cortex_m::Peripherals::take() else { return false };
         let bracket = instructions::start(&mut peripherals.SYST);
         let mut states = [Sum::default(); STATES];
@@ -70,7 +79,8 @@ mod image {
                 Ok((sum, true)) => {
                     hprintln!("{} {} {}", kind, stem, sum);
                     if running {
-                        success &= show_scope(stem, bytes, bracket);
+                        success &= show_scope::<false>("scope", stem, bytes, bracket);
+                        success &= show_scope::<true>("inputs", stem, bytes, bracket);
                     }
                 }
                 Ok((_, false)) => {
@@ -119,21 +129,23 @@ mod image {
     }
 
     /// What a scope adds; false if that could not be counted.
-    fn show_scope(stem: &str, bytes: &[u8], bracket: u32) -> bool {
+    fn show_scope<const INPUTS: bool>(kind: &str, stem: &str, bytes: &[u8], bracket: u32) -> bool {
         let mut sum = Sum::default();
-        let outcome = count_scope(bytes, |instructions| sum.add(instructions.saturating_sub(bracket)));
+        let outcome =
+            count_scope::<INPUTS>(bytes, |instructions| sum.add(instructions.saturating_sub(bracket)));
         let identical = matches!(outcome, Ok(true));
         if identical {
-            hprintln!("scope {} {}", stem, sum);
+            hprintln!("{} {} {}", kind, stem, sum);
         } else {
             hprintln!("{} error with a scope the outputs are not the recorded ones", stem);
         }
         identical
     }
 
-    fn count_scope(bytes: &[u8], mut each: impl FnMut(u32)) -> Result<bool, ReplayError> {
-        let outcome =
-            replay_with::<Scoped>(&Recording::open(bytes)?, |scoped, _, _| each(scoped.instructions))?;
+    fn count_scope<const INPUTS: bool>(bytes: &[u8], mut each: impl FnMut(u32)) -> Result<bool, ReplayError> {
+        let outcome = replay_with::<Scoped<INPUTS>>(&Recording::open(bytes)?, |scoped, _, _| {
+            each(scoped.instructions)
+        })?;
         Ok(outcome.is_identical())
     }
 
@@ -170,55 +182,46 @@ mod image {
         }
     }
 
-    /// A drive with a scope that waits for an edge, records, is read, and is armed again; eight signals, those of the estimators among them.
+    /// The scope's memory, while nobody has it.
+    static MEMORY: Owned<Option<&'static mut Memory>> = Owned::nothing();
+
+    /// A drive with a scope that waits, records, and is armed again: eight signals, those of the estimators among them, or inputs.
     #[derive(Deserialize)]
-    struct Scoped {
+    struct Scoped<const INPUTS: bool> {
         drive: Drive,
-        #[serde(skip, default = "whole")]
-        scope: Scope<Vec<u16, WORDS>>,
+        #[serde(skip)]
+        scope: Scope<&'static mut Memory>,
         #[serde(skip)]
         wait: u16,
         #[serde(skip)]
-        stage: Stage,
+        event: Option<Event>,
         #[serde(skip)]
         instructions: u32,
     }
 
-    fn whole() -> Scope<Vec<u16, WORDS>> {
-        let mut memory = Vec::new();
-        let _ = memory.resize(WORDS, 0);
-        Scope::new(memory)
-    }
-
-    impl Scoped {
-        /// What the background asks for: a record after 50 ms of waiting, all of it, and another one.
-        fn ask(&mut self) -> Option<Request> {
+    impl<const INPUTS: bool> Scoped<INPUTS> {
+        /// What the keeper orders: a record after 50 ms of waiting, and another one.
+        fn order(&mut self) -> Option<Order<&'static mut Memory>> {
             self.wait = self.wait.saturating_sub(1);
-            let (next, request) = match (self.stage, self.scope.state()) {
-                (Stage::Arm, _) => (Stage::Wait, Request::Arm(setup())),
-                (Stage::Wait, ScopeState::Armed) if self.wait == 0 => (Stage::Record, Request::Force),
-                (Stage::Record, ScopeState::Done) => (Stage::Read, Request::Read),
-                (Stage::Read, _) if !self.scope.has_report() => (Stage::Wait, Request::Arm(setup())),
-                _ => return None,
-            };
-            if matches!(request, Request::Arm(_)) {
-                self.wait = 500;
+            if self.scope.state() == ScopeState::Armed {
+                return (self.wait == 0).then_some(Order::Force);
             }
-            self.stage = next;
-            Some(request)
+            let mut memory = None;
+            MEMORY.with(|place| memory = place.take());
+            self.wait = 500;
+            memory.map(|memory| Order::Arm(setup(INPUTS), memory))
         }
     }
 
-    #[derive(Clone, Copy, Default)]
-    enum Stage {
-        #[default]
-        Arm,
-        Wait,
-        Record,
-        Read,
+    impl<const INPUTS: bool> Drop for Scoped<INPUTS> {
+        fn drop(&mut self) {
+            if let Some(memory) = core::mem::take(&mut self.scope).into_memory() {
+                MEMORY.give(Some(memory));
+            }
+        }
     }
 
-    fn setup() -> Setup {
+    fn setup(inputs: bool) -> Setup {
         let signals = [
             Signal::SetPoint,
             Signal::SpeedSensorless,
@@ -232,6 +235,8 @@ mod image {
         let threshold = Threshold { signal: Signal::Angle, level: i16::MAX, above: true };
         Setup {
             signals: signals.into_iter().collect(),
+            inputs,
+            tick_rate: 10_000,
             samples: 512,
             prescaler: 1,
             before: 256,
@@ -240,15 +245,22 @@ mod image {
         }
     }
 
-    impl Replayable for Scoped {
+    impl<const INPUTS: bool> Replayable for Scoped<INPUTS> {
         fn handle_event(&mut self, event: Event) {
+            self.event = Some(event.clone());
             self.drive.handle_event(event);
         }
 
         fn step(&mut self, samples: &Samples) -> PwmCommand {
             let command = self.drive.step(samples);
-            let request = self.ask();
-            self.instructions = look(&mut self.scope, &self.drive, samples, request);
+            let order = self.order();
+            let event = self.event.take();
+            let (answer, instructions) =
+                instructions::count(|| attend(&mut self.scope, &self.drive, samples, event.as_ref(), order));
+            self.instructions = instructions;
+            if let Some(Answer::Ended(_, memory)) = answer {
+                MEMORY.give(Some(memory));
+            }
             command
         }
 
@@ -257,31 +269,23 @@ mod image {
         }
     }
 
-    #[inline(never)]
-    fn look(
-        scope: &mut Scope<Vec<u16, WORDS>>,
-        drive: &Drive,
-        samples: &Samples,
-        request: Option<Request>,
-    ) -> u32 {
-        let (report, instructions) = instructions::count(|| attend(scope, drive, samples, request));
-        core::hint::black_box(report);
-        instructions
-    }
-
     /// What the control tick does with a scope.
     #[inline(never)]
     fn attend(
-        scope: &mut Scope<Vec<u16, WORDS>>,
+        scope: &mut Scope<&'static mut Memory>,
         drive: &Drive,
         samples: &Samples,
-        request: Option<Request>,
-    ) -> Option<Report> {
-        if let Some(request) = request {
-            scope.handle(request);
+        event: Option<&Event>,
+        order: Option<Order<&'static mut Memory>>,
+    ) -> Option<Answer<&'static mut Memory>> {
+        if let Some(event) = event {
+            scope.handle_event(event);
+        }
+        if let Some(order) = order {
+            scope.handle(order);
         }
         scope.step(drive, samples);
-        if scope.has_report() { scope.poll() } else { None }
+        if scope.has_answer() { scope.poll() } else { None }
     }
 
     /// A function of its own, so that what the compiler does around it does not move the figure.

@@ -10,7 +10,7 @@ fn main() {}
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    static mut QUEUES: narx_core::device::Queues = narx_core::device::Queues::new();
+    static mut QUEUES: narx_core::device::Queues<'static> = narx_core::device::Queues::new();
     narx_firmware::boards::qemu::semihosting::exit(image::run(QUEUES).is_some())
 }
 

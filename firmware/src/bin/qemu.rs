@@ -14,7 +14,7 @@ mod image {
     use narx_core::device::Queues;
     use narx_core::motor::{Board, PwmCommand, Samples};
     use narx_core::node::Identity;
-    use narx_core::scope;
+    use narx_core::scope::{self, Memory};
     use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
     use narx_firmware::boards::qemu::flash::Chip;
     use narx_firmware::boards::qemu::pace::{Pace, count_millisecond};
@@ -30,20 +30,20 @@ mod image {
     use narx_sim::presets::{Preset, preset};
 
     /// The control interrupt's.
-    static CONTROL: Owned<Control<'static, Period>> = Owned::nothing();
+    static CONTROL: Owned<Control<'static, 'static, Period>> = Owned::nothing();
     /// The UART interrupt's.
     static RECEIVER: Owned<Receiver> = Owned::nothing();
     static PROGRESS: Progress = Progress::new();
 
     #[entry]
     fn main() -> ! {
-        static mut QUEUES: Queues = Queues::new();
+        static mut QUEUES: Queues<'static> = Queues::new();
         static mut SAMPLES: Queue<Samples, 2> = Queue::new();
         static mut COMMANDS: Queue<PwmCommand, 2> = Queue::new();
         static mut INCOMING_BYTES: Queue<u8, INCOMING> = Queue::new();
         static mut ARGUMENTS: [u8; ARGUMENTS_MAX] = [0; ARGUMENTS_MAX];
         static mut MAILBOX: Mailbox = Mailbox::new();
-        static mut SCOPE: [u16; scope::WORDS] = [0; scope::WORDS];
+        static mut SCOPE: Memory<[u16; scope::WORDS]> = Memory::new();
 
         let Some((preset, supply)) = choose(semihosting::arguments(ARGUMENTS)) else {
             semihosting::exit(false)
@@ -65,8 +65,8 @@ mod image {
         let Some(chip) = Chip::take() else { semihosting::exit(false) };
         let mut storage = Storage::new(chip);
         let Some(opened) = open(&mut storage, &commissioning) else { semihosting::exit(false) };
-        let (mut tick, device) = QUEUES.power_up(IDENTITY, Board::BENCH, opened.parameters.clone());
-        tick.attach_scope(SCOPE);
+        let (tick, mut device) = QUEUES.power_up(IDENTITY, Board::BENCH, opened.parameters.clone());
+        device.attach_scope(SCOPE);
         let (samples, samples_out) = SAMPLES.split();
         let (commands_in, commands) = COMMANDS.split();
         let (uart, receiver) = uart::open(INCOMING_BYTES);
