@@ -439,6 +439,12 @@
 // Vibration, 10^-3 g.
 #define NARX_PARAMETER_VIBRATION 299
 
+// Scope inputs.
+#define NARX_PARAMETER_SCOPE_INPUTS 300
+
+// Scope words.
+#define NARX_PARAMETER_SCOPE_WORDS 301
+
 // 64-bit words of a drive on any processor.
 #define NARX_DRIVE_WORDS 1024
 
@@ -465,6 +471,9 @@
 
 // Bit of narx_samples_t.lines: DSIO2 as an input.
 #define NARX_LINE_DSI2 8
+
+// 64-bit words of a scope's memory on any processor.
+#define NARX_SCOPE_WORDS 1376
 
 // What every call answers: 0 or more when it did its work, negative when it did nothing.
 enum narx_status_t
@@ -802,6 +811,13 @@ typedef struct narx_outcome_t {
     uint16_t other_behaviour;
 } narx_outcome_t;
 
+// Memory of a virtual scope with room for as many samples as parameter 23 can ask for of one signal (4096), or for 68 ms of inputs at
+// 10 kHz. Its content is the library's own; it must stay where it is for as long as the drive lives.
+typedef struct narx_scope_t {
+    // Private.
+    uint64_t words[NARX_SCOPE_WORDS];
+} narx_scope_t;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -825,13 +841,6 @@ size_t narx_drive_align(void);
 narx_status_t narx_drive_init(struct narx_drive_t *drive,
                               size_t size,
                               const struct narx_board_t *board);
-
-// Gives the drive's virtual scope its memory: `words` samples of 16 bits (4096 are as many as parameter 23 can ask for), the caller's own
-// for as long as the drive lives. Without it the scope cannot be armed. Call it after narx_drive_init and before the first narx_drive_step;
-// narx_drive_init takes it away again.
-narx_status_t narx_drive_attach_scope(struct narx_drive_t *drive,
-                                      uint16_t *memory,
-                                      size_t words);
 
 // One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
 // interrupt, once a PWM period; it may interrupt every other call for the same drive but narx_drive_init and itself.
@@ -891,6 +900,16 @@ narx_status_t narx_replay_until(const uint8_t *bytes,
                                 struct narx_outcome_t *outcome,
                                 char *text,
                                 size_t text_size);
+
+// Bytes that a scope with room for `samples` needs on this processor. Any context.
+size_t narx_scope_size(uint16_t samples);
+
+// Gives the drive's virtual scope its memory: `size` bytes, sizeof(narx_scope_t), or narx_scope_size() of memory of your own that is aligned like
+// one; NARX_ERROR_SIZE if there is no room for one sample in it. Without it the scope cannot be armed. Call it after narx_drive_init and before
+// the first narx_drive_step; narx_drive_init takes it away again.
+narx_status_t narx_drive_attach_scope(struct narx_drive_t *drive,
+                                      struct narx_scope_t *memory,
+                                      size_t size);
 
 // Version of the library, "major.minor.patch". A constant string.
 const char *narx_version(void);

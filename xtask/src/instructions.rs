@@ -15,12 +15,15 @@ const HEAD: &str = "\
 # Instructions on a Cortex-M4F (thumbv7em-none-eabihf, opt-level 3), counted by the emulator: exact, and the same on every run. Wait states of a
 # flash and stalls of the pipeline are not in it. Made anew by `cargo xtask generate`, compared by `cargo xtask test firmware`.
 #
-# state_bytes, coefficients_bytes   memory of the drive on this processor, without its coefficients and that of these
+# Memory on this processor, bytes: of the drive without its coefficients, and of these; of the node; of everything that a shell links to
+# control and communicate (drive, node and queues: device), to store and log (storage), and of a whole scope; of a master.
 #
 # vector.NAME    every `Drive::step` of a conformance vector
 # state.NAME     every `Drive::step` of all vectors that ends in a state (Table 6 of the specification)
 # running.NAME   every `Drive::step` of a motor that just runs, from 0.2 s after its closed loop began to the end of the run
-# scope.NAME     what a virtual scope of eight signals adds to every tick of that motor: waiting for an edge, recording, being read
+# scope.NAME     what a virtual scope of eight signals adds to every tick of that motor, waiting for an edge or recording
+# inputs.NAME    the same of a scope that records the inputs of every tick; the worst takes a checkpoint
+# loaded.NAME    what that scope of signals and a command in every third tick, as many as the bus can carry, add together
 # floor.NAME     every call of a bare tick by hand in C, without any of our features (xtask/floor/tick.c, -O3), fed with the speed of running.NAME
 # plant.NAME     every period of the simulated motor and power stage of the virtual drive
 ";

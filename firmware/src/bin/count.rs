@@ -6,9 +6,10 @@
 //!
 //! Files behind `--running` count for no state. Each gives `running STEM TICKS TOTAL WORST`: its ticks from 0.2 s after the closed loop began. They
 //! are run twice more with a virtual scope, and give `scope STEM TICKS TOTAL WORST` and `inputs STEM TICKS TOTAL WORST`: what it adds to every
-//! tick when it records signals, and inputs.
+//! tick when it records signals, and inputs; and once more with a scope on a full bus, that is with a command in every third tick, and give
+//! `loaded STEM TICKS TOTAL WORST`: what all of that adds.
 //!
-//! `bytes state N` and `bytes coefficients N` are the sizes of the drive without its coefficients, and of these.
+//! `bytes WHAT N` are the sizes of things in memory.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -30,12 +31,16 @@ fn main() -> ! {
 #[cfg(target_os = "none")]
 mod image {
     use cortex_m_semihosting::hprintln;
+    use narx_core::device::{Background, ControlTick, Queues};
+    use narx_core::master::Master;
     use narx_core::motor::signal::{Signal, SpeedScale};
-    use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Samples, State, Status};
+    use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Samples, State, Status};
+    use narx_core::node::Node;
     use narx_core::recording::{Recording, ReplayError, Replayable, replay_with};
     use narx_core::scope::{
         Answer, Memory, Order, Scope, Setup, State as ScopeState, Threshold, Trigger, WORDS,
     };
+    use narx_core::storage::{Mailbox, Storage};
     use narx_firmware::boards::qemu::instructions::{self, Sum};
     use narx_firmware::boards::qemu::{Owned, semihosting, stem};
     use serde::Deserialize;
@@ -81,6 +86,7 @@ mod image {
                     if running {
                         success &= show_scope::<false>("scope", stem, bytes, bracket);
                         success &= show_scope::<true>("inputs", stem, bytes, bracket);
+                        success &= show_loaded(stem, bytes);
                     }
                 }
                 Ok((_, false)) => {
@@ -96,8 +102,19 @@ mod image {
         for (number, sum) in states.iter().enumerate().filter(|(_, sum)| sum.ticks > 0) {
             hprintln!("state {} {}", number, sum);
         }
-        hprintln!("bytes state {}", size_of::<Drive>() - size_of::<Coefficients>());
-        hprintln!("bytes coefficients {}", size_of::<Coefficients>());
+        let device =
+            size_of::<Queues<'_>>() + size_of::<ControlTick<'_, '_>>() + size_of::<Background<'_, '_>>();
+        for (what, bytes) in [
+            ("state", size_of::<Drive>() - size_of::<Coefficients>()),
+            ("coefficients", size_of::<Coefficients>()),
+            ("node", size_of::<Node>()),
+            ("device", device),
+            ("storage", size_of::<Storage<()>>() + size_of::<Mailbox>()),
+            ("scope", size_of::<Memory<[u16; WORDS]>>()),
+            ("master", size_of::<Master>()),
+        ] {
+            hprintln!("bytes {} {}", what, bytes);
+        }
         hprintln!("bracket {}", bracket);
         success
     }
@@ -138,6 +155,25 @@ mod image {
             hprintln!("{} {} {}", kind, stem, sum);
         } else {
             hprintln!("{} error with a scope the outputs are not the recorded ones", stem);
+        }
+        identical
+    }
+
+    /// What a scope and a full bus add.
+    fn show_loaded(stem: &str, bytes: &[u8]) -> bool {
+        let mut sum = Sum::default();
+        let show = |loaded: &Loaded, _: &Samples, _: &PwmCommand| {
+            if let Some(added) = loaded.added {
+                sum.add(added);
+            }
+        };
+        let outcome = Recording::open(bytes).map_err(ReplayError::from);
+        let identical = outcome.and_then(|recording| replay_with::<Loaded>(&recording, show));
+        let identical = matches!(identical, Ok(outcome) if outcome.is_identical());
+        if identical {
+            hprintln!("loaded {} {}", stem, sum);
+        } else {
+            hprintln!("{} error on a full bus the outputs are not the recorded ones", stem);
         }
         identical
     }
@@ -267,6 +303,73 @@ mod image {
         fn poll_status(&mut self) -> Option<Status> {
             self.drive.poll_status()
         }
+    }
+
+    /// A drive with a scope that gets a command in every third tick, beside one without.
+    #[derive(Deserialize)]
+    struct Loaded {
+        scoped: Scoped<false>,
+        #[serde(skip)]
+        bare: Option<Drive>,
+        /// What the master sends all the time.
+        #[serde(skip)]
+        command: Option<Command>,
+        #[serde(skip)]
+        ticks: u32,
+        /// Instructions of the last step, beyond those of the one without. Nothing where the recording has an event.
+        #[serde(skip)]
+        added: Option<u32>,
+    }
+
+    impl Replayable for Loaded {
+        fn handle_event(&mut self, event: Event) {
+            if let Event::Command(command) = event {
+                self.command = Some(command);
+            }
+            self.bare.get_or_insert_with(|| self.scoped.drive.clone()).handle_event(event.clone());
+            self.scoped.event = Some(event);
+        }
+
+        fn step(&mut self, samples: &Samples) -> PwmCommand {
+            let bare = self.bare.get_or_insert_with(|| self.scoped.drive.clone());
+            let (_, without) = measure(bare, samples);
+            self.ticks = self.ticks.wrapping_add(1);
+            let recorded = self.scoped.event.take();
+            let own = recorded.is_none();
+            let command = self.command.filter(|_| self.ticks.is_multiple_of(3));
+            let event = recorded.or(command.map(Event::Command));
+            let order = self.scoped.order();
+            let Scoped { drive, scope, .. } = &mut self.scoped;
+            let ((command, answer), instructions) =
+                instructions::count(|| whole(drive, scope, samples, event, order));
+            if let Some(Answer::Ended(_, memory)) = answer {
+                MEMORY.give(Some(memory));
+            }
+            self.added = own.then(|| instructions.saturating_sub(without));
+            command
+        }
+
+        fn poll_status(&mut self) -> Option<Status> {
+            self.bare.as_mut().and_then(Drive::poll_status);
+            self.scoped.poll_status()
+        }
+    }
+
+    /// The whole of a control tick.
+    #[inline(never)]
+    fn whole(
+        drive: &mut Drive,
+        scope: &mut Scope<&'static mut Memory>,
+        samples: &Samples,
+        event: Option<Event>,
+        order: Option<Order<&'static mut Memory>>,
+    ) -> (PwmCommand, Option<Answer<&'static mut Memory>>) {
+        if let Some(event) = event {
+            scope.handle_event(&event);
+            drive.handle_event(event);
+        }
+        let command = step(drive, samples);
+        (command, attend(scope, drive, samples, None, order))
     }
 
     /// What the control tick does with a scope.
