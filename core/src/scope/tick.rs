@@ -59,7 +59,16 @@ struct Course {
     before: Before,
     /// The trigger lies in the older half, which may not be lost any more.
     keeps: bool,
+    /// Ticks that the first checkpoint may still wait for a calm one.
+    patience: u8,
 }
+
+/// Words that are left in a half when its successor begins to wait for a calm tick: a checkpoint takes longer than the scope's other work, so it
+/// keeps away from ticks that are long themselves.
+const NEAR: usize = inputs::WORDS_MAX + 64;
+
+/// Ticks that the first checkpoint waits so.
+const PATIENCE: u8 = 16;
 
 /// What a trigger compares with.
 #[derive(Clone, Copy, Debug, Default)]
@@ -109,7 +118,8 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         room.record = Record::Nothing;
         let (words, half) = (room.room(), room.half());
         self.memory = Some(memory);
-        (self.ring, self.course, self.fired) = (Ring::default(), Course::default(), false);
+        (self.ring, self.fired) = (Ring::default(), false);
+        self.course = Course { patience: PATIENCE, ..Course::default() };
         (self.state, self.changed) = (State::Idle, true);
         if setup.inputs {
             if half == 0 {
@@ -219,7 +229,7 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         let course = &mut self.course;
         let note = core::mem::take(&mut course.note);
         let Some(now) = course.now.as_mut().filter(|_| note != Note::Checkpoint) else {
-            return self.begin_anew(drive, samples);
+            return self.begin_anew(note, drive, samples);
         };
         let Some(memory) = &mut self.memory else { return };
         let memory = memory.borrow_mut();
@@ -228,21 +238,27 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         let room = memory.words.get_mut(begin..).unwrap_or_default();
         now.words += inputs::write(room, note, samples, &mut course.before) as u16;
         now.ticks += 1;
-        let full = usize::from(now.words) + inputs::WORDS_MAX > half;
+        let left = half.saturating_sub(now.words.into());
         self.count();
-        if full && self.state != State::Done {
+        if left < NEAR && (left < inputs::WORDS_MAX || drive.was_calm()) && self.state != State::Done {
             self.turn_over(drive, samples);
         }
     }
 
     /// There is no half to be filled yet, or what the drive was given cannot be kept: what was recorded does not lead here.
     #[cold]
-    fn begin_anew(&mut self, drive: &Drive, samples: &Samples) {
-        if self.state == State::Recording && self.course.now.is_some() {
+    fn begin_anew(&mut self, note: Note, drive: &Drive, samples: &Samples) {
+        if self.state == State::Recording {
             return self.end();
         }
-        (self.course.now, self.course.older) = (None, None);
-        self.begin(0, drive, samples);
+        let course = &mut self.course;
+        if course.now.take().is_some() || note == Note::Checkpoint {
+            (course.older, course.patience) = (None, PATIENCE);
+        }
+        match course.patience.checked_sub(1) {
+            Some(left) if !drive.was_calm() => course.patience = left,
+            _ => self.begin(0, drive, samples),
+        }
     }
 
     /// A half is full.

@@ -289,10 +289,10 @@ mod image {
 
         fn step(&mut self, samples: &Samples) -> PwmCommand {
             let command = self.drive.step(samples);
-            let order = self.order();
+            let mut order = self.order();
             let event = self.event.take();
             let (answer, instructions) =
-                instructions::count(|| attend(&mut self.scope, &self.drive, samples, event.as_ref(), order));
+                look(&mut self.scope, &self.drive, samples, event.as_ref(), &mut order);
             self.instructions = instructions;
             if let Some(Answer::Ended(_, memory)) = answer {
                 MEMORY.give(Some(memory));
@@ -337,11 +337,11 @@ mod image {
             let recorded = self.scoped.event.take();
             let own = recorded.is_none();
             let command = self.command.filter(|_| self.ticks.is_multiple_of(3));
-            let event = recorded.or(command.map(Event::Command));
-            let order = self.scoped.order();
+            let mut event = recorded.or(command.map(Event::Command));
+            let mut order = self.scoped.order();
             let Scoped { drive, scope, .. } = &mut self.scoped;
             let ((command, answer), instructions) =
-                instructions::count(|| whole(drive, scope, samples, event, order));
+                count_whole(drive, scope, samples, &mut event, &mut order);
             if let Some(Answer::Ended(_, memory)) = answer {
                 MEMORY.give(Some(memory));
             }
@@ -355,21 +355,45 @@ mod image {
         }
     }
 
+    /// A function of its own, like [`measure`].
+    #[inline(never)]
+    fn count_whole(
+        drive: &mut Drive,
+        scope: &mut Scope<&'static mut Memory>,
+        samples: &Samples,
+        event: &mut Option<Event>,
+        order: &mut Option<Order<&'static mut Memory>>,
+    ) -> ((PwmCommand, Option<Answer<&'static mut Memory>>), u32) {
+        instructions::count(|| whole(drive, scope, samples, event, order))
+    }
+
     /// The whole of a control tick.
     #[inline(never)]
     fn whole(
         drive: &mut Drive,
         scope: &mut Scope<&'static mut Memory>,
         samples: &Samples,
-        event: Option<Event>,
-        order: Option<Order<&'static mut Memory>>,
+        event: &mut Option<Event>,
+        order: &mut Option<Order<&'static mut Memory>>,
     ) -> (PwmCommand, Option<Answer<&'static mut Memory>>) {
-        if let Some(event) = event {
+        if let Some(event) = event.take() {
             scope.handle_event(&event);
             drive.handle_event(event);
         }
         let command = step(drive, samples);
         (command, attend(scope, drive, samples, None, order))
+    }
+
+    /// A function of its own, like [`measure`].
+    #[inline(never)]
+    fn look(
+        scope: &mut Scope<&'static mut Memory>,
+        drive: &Drive,
+        samples: &Samples,
+        event: Option<&Event>,
+        order: &mut Option<Order<&'static mut Memory>>,
+    ) -> (Option<Answer<&'static mut Memory>>, u32) {
+        instructions::count(|| attend(scope, drive, samples, event, order))
     }
 
     /// What the control tick does with a scope.
@@ -379,12 +403,14 @@ mod image {
         drive: &Drive,
         samples: &Samples,
         event: Option<&Event>,
-        order: Option<Order<&'static mut Memory>>,
+        order: &mut Option<Order<&'static mut Memory>>,
     ) -> Option<Answer<&'static mut Memory>> {
         if let Some(event) = event {
             scope.handle_event(event);
         }
-        if let Some(order) = order {
+        if order.is_some()
+            && let Some(order) = order.take()
+        {
             scope.handle(order);
         }
         scope.step(drive, samples);

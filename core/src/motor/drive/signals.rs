@@ -11,13 +11,16 @@ impl Drive {
         self.protection.word()
     }
 
+    /// The last step was a cheap one.
+    pub(crate) const fn was_calm(&self) -> bool {
+        !self.machine.state().is_driving() || self.calm.slept() > 0
+    }
+
     /// Samples of as many `signals` as `words` has room for, as of the last step, Q3.12 of their bases.
     #[inline]
     pub(crate) fn sample(&self, signals: &[Signal], speed: SpeedScale, samples: &Samples, words: &mut [u16]) {
         for (word, signal) in words.iter_mut().zip(signals) {
-            // Or the compiler would compute every signal there is before the loop.
-            let (drive, samples) = core::hint::black_box((self, samples));
-            *word = drive.sample_of(*signal, speed, samples) as u16;
+            *word = self.sample_of(*signal, speed, samples) as u16;
         }
     }
 
@@ -27,8 +30,9 @@ impl Drive {
         self.signal(signal, speed, samples).clamp(i16::MIN.into(), i16::MAX.into()) as i16
     }
 
-    /// One of them. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn.
-    #[inline(always)]
+    /// One of them. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn. Within a loop the compiler would compute every
+    /// signal there is before it, and bound each in a way of its own.
+    #[inline(never)]
     fn signal(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i32 {
         let terminal = |phase: usize| {
             let code = samples.phase_voltage.get(phase).copied().unwrap_or(0);
