@@ -127,7 +127,8 @@ impl Track {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn at(&self, t: f64) -> Rotation {
         let [a, b, c, d, e] = &self.powers;
-        let [sin, cos] = [0, 1].map(|n| a[n] + t * (b[n] + t * (c[n] + t * (d[n] + t * e[n]))));
+        let t2 = t * t;
+        let [sin, cos] = [0, 1].map(|n| (a[n] + t * b[n]) + t2 * ((c[n] + t * d[n]) + t2 * e[n]));
         Rotation { sin, cos }
     }
 }

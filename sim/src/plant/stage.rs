@@ -1,7 +1,7 @@
 //! The continuous plant: circuit and shaft, advanced from one switching event to the next.
 
 use super::angle::Rotation;
-use super::circuit::{Circuit, Electric, Leg, Reduced};
+use super::circuit::{Circuit, Electric, Leg};
 use super::config::{PlantConfig, SupplyConfig};
 use super::course::Course;
 use super::emf::EmfShape;
@@ -30,10 +30,9 @@ pub(crate) struct Stage {
     pub(crate) just_started: bool,
     pub(crate) source_on: bool,
     pub(crate) may_sink: bool,
-    /// `circuit` and `reduced` are no longer those of `legs` and `electric`.
+    /// `circuit` is no longer that of `legs`.
     changed: bool,
     pub(crate) circuit: Circuit,
-    pub(crate) reduced: Reduced,
     pub(crate) ledger: Ledger,
     /// Largest magnitude of a phase current since it was last set to 0, A.
     pub(crate) peak: f64,
@@ -82,7 +81,6 @@ impl Stage {
             may_sink: config.supply.may_sink,
             changed: true,
             circuit: Circuit::new(&[Leg::Idle; 3], inverter.diode_drop),
-            reduced: Reduced::default(),
             ledger: Ledger::default(),
             peak: 0.0,
             stored_at_start: 0.0,
@@ -121,12 +119,11 @@ impl Stage {
         self.shape.now(turns, &rotation).map(|shape| shape * speed)
     }
 
-    /// Brings `circuit` and `reduced` up to date.
+    /// Brings `circuit` up to date.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn refresh(&mut self) {
         if self.changed {
             self.circuit.follow(&self.legs, self.network.drop);
-            self.reduced = self.circuit.reduce(&self.electric);
             self.changed = false;
         }
     }
