@@ -1,6 +1,7 @@
 //! The continuous plant: circuit and shaft, advanced from one switching event to the next.
 
 use super::angle::Rotation;
+use super::booking::Book;
 use super::circuit::{Circuit, Electric, Leg};
 use super::config::{PlantConfig, SupplyConfig};
 use super::course::Course;
@@ -37,8 +38,9 @@ pub(crate) struct Stage {
     /// Largest magnitude of a phase current since it was last set to 0, A.
     pub(crate) peak: f64,
     stored_at_start: f64,
-    /// Charge through the current shunt since it was last read, A s.
+    /// Charge through the current shunt up to the last entry in the ledger, A s.
     pub(crate) shunt_charge: f64,
+    pub(crate) book: Book,
     /// Torque impulse since it was last read, N m s.
     pub(crate) impulse: f64,
     /// Changes of diodes since the start.
@@ -85,6 +87,7 @@ impl Stage {
             peak: 0.0,
             stored_at_start: 0.0,
             shunt_charge: 0.0,
+            book: Book::default(),
             impulse: 0.0,
             diode_events: 0,
             intervals: 0,
@@ -145,7 +148,6 @@ impl Stage {
     /// Keeps rounding from adding up in what is followed in small steps; to be called now and then.
     pub(crate) fn straighten(&mut self) {
         self.rotation = Rotation::of(self.shaft.angle);
-        self.shaft.straighten();
     }
 
     /// Terminal voltages now, V. A broken cable leaves the motor's side to the divider: it reads 0.
