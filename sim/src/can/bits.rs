@@ -8,6 +8,8 @@ const TAIL: u32 = 1 + 1 + 1 + 7;
 pub(super) const INTERMISSION: u32 = 3;
 /// Generator of the CRC-15: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1, without its highest term.
 const CRC15: u16 = 0x4599;
+/// What four bits at the top of the CRC do to it.
+const CRC15_OF_FOUR: [u16; 16] = crc15_of_four();
 
 /// Bits that `frame` occupies the bus for, stuff bits and the intermission after it included.
 pub fn frame_bits(frame: &Frame) -> u32 {
@@ -71,10 +73,10 @@ impl WireBits {
 
     /// The CRC-15 of all bits so far; 0 once the CRC itself is among them.
     pub fn crc15(&self) -> u16 {
-        self.unstuffed().fold(0, |crc, bit| {
-            let feedback = bit ^ (crc & 0x4000 != 0);
-            let shifted = crc << 1 & 0x7fff;
-            if feedback { shifted ^ CRC15 } else { shifted }
+        // Zeros before the first bit change nothing, so that there are whole groups of four.
+        (0..self.length.div_ceil(4)).rev().fold(0, |crc, group| {
+            let bits = (self.bits >> (4 * group)) as u16 & 15;
+            crc << 4 & 0x7fff ^ CRC15_OF_FOUR[usize::from(crc >> 11 ^ bits)]
         })
     }
 
@@ -98,14 +100,42 @@ impl WireBits {
 
     /// How many stuff bits it takes.
     pub fn stuff_bits(&self) -> u32 {
-        let mut run = Run::default();
-        self.unstuffed().filter(|bit| run.needs_stuffing(*bit)).count() as u32
+        let mut left = u32::from(self.length);
+        // Left-aligned, and inverted while the bus is recessive: then a run is of zeros.
+        let mut bits = self.bits << (128 - left);
+        let (mut known, mut count) = (0, 0);
+        while left > 0 {
+            let run = bits.leading_zeros().min(left);
+            let full = run + known >= 5;
+            let taken = if full { 5 - known } else { run };
+            // A stuff bit is of the other level and the first of the next run.
+            (known, count) = if full { (1, count + 1) } else { (0, count) };
+            bits = !(bits << taken);
+            left -= taken;
+        }
+        count
     }
 
     fn push(&mut self, value: u128, width: u8) {
         self.bits = self.bits << width | value;
         self.length += width;
     }
+}
+
+const fn crc15_of_four() -> [u16; 16] {
+    let mut table = [0; 16];
+    let mut top = 0;
+    while top < 16 {
+        let mut crc = (top as u16) << 11;
+        let mut bit = 0;
+        while bit < 4 {
+            crc = if crc & 0x4000 == 0 { crc << 1 } else { crc << 1 & 0x7fff ^ CRC15 };
+            bit += 1;
+        }
+        table[top] = crc;
+        top += 1;
+    }
+    table
 }
 
 /// Counts equal bits in a row, stuff bits among them.

@@ -1,4 +1,4 @@
-//! What adds up along a course: charge, torque impulse, and what the energy ledger needs.
+//! What adds up along the way: charge, torque impulse, and what the energy ledger needs.
 
 use super::interval::Solved;
 use super::ledger::Ledger;
@@ -6,14 +6,9 @@ use super::network::{Loop, Network};
 use super::segment::Segment;
 use super::stage::Stage;
 
-/// Sums over a course.
+/// What the network moved since it was last entered in the ledger.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Book {
-    /// Torque impulse, N m s, and its moment about the start of the course, N m s2.
-    pub(crate) impulse: f64,
-    pub(crate) moment: f64,
-    /// Way travelled as the circuit was told, rad.
-    pub(crate) path: f64,
     /// Charge from the bus into the motor, A s.
     link: f64,
     /// Integral of the squares of all currents, A2 s.
@@ -34,7 +29,7 @@ impl Stage {
     pub(crate) fn book(&mut self, segment: &Segment, solved: &Solved) {
         let Solved { h, per_h, end, sums, .. } = solved;
         let (network, start) = (&self.network, &segment.start);
-        let book = &mut self.course.book;
+        let book = &mut self.book;
         let twelfth = h * (1.0 / 12.0);
         // Of a parabola between a and b with mean m: mean square m^2 + (b - a)^2 / 12 and less than 1e-4 beside.
         let square = |sum: f64, rise: f64| sum * sum * per_h + twelfth * rise * rise;
@@ -49,9 +44,10 @@ impl Stage {
         } else {
             book.squares += 2.0 * square(sums.s, s_rise);
         }
-        book.impulse += impulse;
-        book.moment += impulse * (self.course.elapsed + 0.5 * h);
-        book.path += segment.middle_speed * h;
+        let course = &mut self.course;
+        course.impulse += impulse;
+        course.moment += impulse * (course.elapsed + 0.5 * h);
+        course.path += segment.middle_speed * h;
         if self.circuit.has_diodes {
             // A diode's drop is against its current.
             self.ledger.diodes -= self.circuit.drop_s * sums.s + self.circuit.drop_d * sums.d;
@@ -74,20 +70,38 @@ impl Stage {
     }
 }
 
-impl Book {
-    /// Enters what the network did in the ledger; returns the charge through the current shunt, A s.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn enter(&self, network: &Network, ledger: &mut Ledger) -> f64 {
-        let Network { source_v, source_g, leak_g, shunt_g, .. } = *network;
-        let (rest, time) = (network.rest(), self.source_time);
-        ledger.copper += network.copper * self.squares;
-        ledger.switches += network.switch * self.squares;
-        let squared = self.fall_loss * network.per_source_g();
+impl Stage {
+    /// Enters in the ledger what the network moved: before anything of it changes.
+    pub(crate) fn enter_book(&mut self) {
+        self.shunt_charge = self.charge();
+        self.ledger = self.ledger_now();
+        self.book = Book::default();
+    }
+
+    /// Charge through the current shunt since the start, A s.
+    #[inline]
+    pub(crate) fn charge(&self) -> f64 {
+        let (network, book) = (&self.network, &self.book);
+        let at_bus = network.rest() * book.source_time + book.fall + book.volts;
+        self.shunt_charge + book.link + network.shunt_g * at_bus
+    }
+
+    /// The ledger with all that the network moved.
+    pub(crate) fn ledger_now(&self) -> Ledger {
+        let Book { squares, source_time: time, fall, fall_loss, volts_squared, .. } = self.book;
+        let Network { copper, switch, source_v, source_g, leak_g, .. } = self.network;
+        let rest = self.network.rest();
+        let squared = fall_loss * self.network.per_source_g();
         // Across the source resistance: what the leak takes at rest, and the fall from there.
         let leak = source_v - rest;
-        ledger.source += source_v * source_g * (leak * time - self.fall);
-        ledger.source_loss += source_g * (leak * (leak * time - 2.0 * self.fall) + squared);
-        ledger.leak += leak_g * (rest * (rest * time + 2.0 * self.fall) + squared + self.volts_squared);
-        self.link + shunt_g * (rest * time + self.fall + self.volts)
+        let before = &self.ledger;
+        Ledger {
+            copper: before.copper + copper * squares,
+            switches: before.switches + switch * squares,
+            source: before.source + source_v * source_g * (leak * time - fall),
+            source_loss: before.source_loss + source_g * (leak * (leak * time - 2.0 * fall) + squared),
+            leak: before.leak + leak_g * (rest * (rest * time + 2.0 * fall) + squared + volts_squared),
+            ..*before
+        }
     }
 }

@@ -67,6 +67,7 @@ impl Plant {
     }
 
     pub(super) fn apply_injections(&mut self) {
+        self.stage.enter_book();
         self.gates_until = 0.0;
         self.stage.set_open(self.injected.open);
         self.stage.shaft.blocked = self.injected.blocked;
@@ -78,6 +79,7 @@ impl Plant {
     }
 
     fn apply_supply(&mut self) {
+        self.stage.enter_book();
         let mut supply = self.config.supply;
         if let Some(voltage) = self.injected.supply {
             supply.voltage = voltage;
@@ -87,6 +89,7 @@ impl Plant {
 
     /// The winding's temperature after `seconds` with the copper loss since the last call.
     pub(super) fn warm(&mut self, seconds: f64) {
+        self.stage.enter_book();
         let motor = &self.config.motor;
         let loss = self.stage.ledger.copper - self.copper_loss_seen;
         self.copper_loss_seen = self.stage.ledger.copper;
@@ -105,6 +108,7 @@ impl Plant {
     }
 
     pub(super) fn apply_drift(&mut self) {
+        self.stage.enter_book();
         let motor = &self.config.motor;
         let rise = self.winding_temperature - REFERENCE_TEMPERATURE;
         self.stage.network.copper = 0.5 * motor.resistance * (1.0 + motor.copper_drift * rise).max(0.1);

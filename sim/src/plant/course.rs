@@ -2,7 +2,6 @@
 //! settled with the torque that came of it.
 
 use super::angle::{Rotation, Sweep, Track};
-use super::booking::Book;
 use super::emf::{Chord, EmfShape};
 use super::mechanics::{Motion, Push, Shaft};
 use super::segment::Shape;
@@ -43,7 +42,11 @@ pub(crate) struct Course {
     half_gain: f64,
     sweep: Sweep,
     track: Track,
-    pub(crate) book: Book,
+    /// Torque impulse so far, N m s, and its moment about the start, N m s2.
+    pub(crate) impulse: f64,
+    pub(crate) moment: f64,
+    /// Way travelled so far as the circuit was told, rad.
+    pub(crate) path: f64,
 }
 
 impl Course {
@@ -60,7 +63,9 @@ impl Course {
             half_gain: 0.0,
             sweep: Sweep::new(&Rotation::of(0.0), 0.0),
             track: Track::new(&Rotation::of(0.0), 0.0, 0.0),
-            book: Book::default(),
+            impulse: 0.0,
+            moment: 0.0,
+            path: 0.0,
         }
     }
 
@@ -68,7 +73,7 @@ impl Course {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn speed(&self) -> f64 {
         let Motion { speed, drift, per_inertia } = self.motion;
-        speed + drift * self.elapsed + per_inertia * self.book.impulse
+        speed + drift * self.elapsed + per_inertia * self.impulse
     }
 
     /// Acceleration under an electrical torque in N m, rad/s2.
@@ -137,7 +142,7 @@ impl Stage {
             let middle = Rotation { sin: sin - late * cos, cos: cos + late * sin };
             course.track = Track::new(&middle, rate + half_gain * length, gain);
         }
-        course.book = Book::default();
+        (course.impulse, course.moment, course.path) = (0.0, 0.0, 0.0);
         length
     }
 
@@ -176,7 +181,7 @@ impl Stage {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn arrive(&mut self) {
         let course = &self.course;
-        let (h, Book { impulse, moment, path, .. }) = (course.length, course.book);
+        let Course { length: h, impulse, moment, path, .. } = *course;
         let expected = path / h;
         let turn = self.shaft.turn(&Push {
             h,
@@ -200,7 +205,6 @@ impl Stage {
         self.course.elapsed = 0.0;
         self.course.length = 0.0;
         self.impulse += impulse;
-        self.shunt_charge += self.course.book.enter(&self.network, &mut self.ledger);
         self.ledger.shaft += impulse * turn.mean;
         self.ledger.friction += turn.friction;
         self.ledger.load += turn.load;

@@ -17,8 +17,9 @@ pub(crate) fn falling(x: f64) -> f64 {
     let n = sum - ROUND;
     let r = (x - n * LN_2_HIGH) - n * LN_2_LOW;
     let y = r * r;
-    let even = 1.0 + y * (1.0 / 2.0 + y * (1.0 / 24.0 + y * (1.0 / 720.0 + y * (1.0 / 40_320.0))));
-    let odd = 1.0 + y * (1.0 / 6.0 + y * (1.0 / 120.0 + y * (1.0 / 5040.0)));
+    let y2 = y * y;
+    let even = (1.0 + y * (1.0 / 2.0)) + y2 * ((1.0 / 24.0 + y * (1.0 / 720.0)) + y2 * (1.0 / 40_320.0));
+    let odd = (1.0 + y * (1.0 / 6.0)) + y2 * (1.0 / 120.0 + y * (1.0 / 5040.0));
     let series = even + r * odd;
     // 2^n from its exponent: n is at least -1010.
     series * f64::from_bits(sum.to_bits().wrapping_add(1023) << 52)

@@ -71,7 +71,7 @@ impl Stage {
         }
         let mut segment = self.segment_of(h, topology, three);
         if !three {
-            let (v, edge) = (self.reduced.v, self.network.drop + VOLTAGE_EDGE);
+            let (v, edge) = (self.electric.v, self.network.drop + VOLTAGE_EDGE);
             let terminal = segment.idle.start + circuit.wiring.high_share * v;
             if circuit.wiring.conducting < 2 {
                 return Attempt::Unclear;
@@ -92,10 +92,19 @@ impl Stage {
         let solved = Solved::of(&self.network, &segment, h, end, event);
         let (source, low) = self.keeps_source(&segment, &solved);
         if !source || !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, h, low) {
-            return Attempt::Unclear;
+            let (segment, solved) = (segment, solved);
+            return Attempt::Done(self.end_early(&segment, &solved, source, low));
         }
         self.commit(&segment, &solved);
         Attempt::Done(h)
+    }
+
+    /// Where something may happen before the end of what was solved. `source` says that the source certainly goes on as it is, with
+    /// the bus at `low` or above.
+    #[inline(never)]
+    fn end_early(&mut self, segment: &Segment, solved: &Solved, source: bool, low: f64) -> f64 {
+        let changed = if source { None } else { self.change_source(segment, solved, low) };
+        changed.unwrap_or_else(|| self.search_and_commit(segment, segment.length()))
     }
 
     /// Ends what was solved where the source stops or starts, if it does. Returns when; nothing if something else may happen before.
@@ -146,12 +155,8 @@ impl Stage {
         };
         let solved = Solved::of(&self.network, &segment, t, end, event);
         let (source, low) = self.keeps_source(&segment, &solved);
-        if !source {
-            let ended = self.change_source(&segment, &solved, low);
-            return ended.unwrap_or_else(|| self.search_and_commit(&segment, h));
-        }
-        if !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, t, low) {
-            return self.search_and_commit(&segment, h);
+        if !source || !self.keeps_diodes(&segment, &solved) || !self.keeps_idle_legs(&segment, t, low) {
+            return self.end_early(&segment, &solved, source, low);
         }
         segment.end_at(t);
         self.commit(&segment, &solved);
@@ -184,7 +189,7 @@ impl Stage {
         let (speed, acceleration) = (course.speed(), course.acceleration(self.torque));
         let kind = Kind { topology, three, source_on: self.source_on };
         let pace = Pace { speed, acceleration, lean: course.lean };
-        Segment::new(network, circuit, kind, self.reduced, shape, pace, h)
+        Segment::new(network, circuit, kind, circuit.reduce(&self.electric), shape, pace, h)
     }
 
     /// Where something may happen that is neither the plain end of a diode's current nor of the source's.
@@ -346,7 +351,6 @@ impl Stage {
             self.torque += (shape.d.middle + half * shape.d.slope) * end.d;
         }
         self.course.elapsed += h;
-        self.reduced = *end;
         self.electric.v = end.v;
         let wiring = self.circuit.wiring;
         // Between two switching events currents hardly bend: their extremes are at the events. Where three legs conduct, two share

@@ -1,6 +1,6 @@
 //! The shaft: inertia, Coulomb friction with stiction, viscous and quadratic drag, cogging.
 
-use super::angle::{Rotation, Sweep};
+use super::angle::sine;
 use super::config::{LoadConfig, MotorConfig};
 
 /// The shaft's state and constants.
@@ -22,8 +22,6 @@ pub(crate) struct Shaft {
     per_inertia: f64,
     /// Electrical angle, turns, unwrapped.
     pub(crate) angle: f64,
-    /// The angle of cogging, followed in small steps.
-    cogging_rotation: Rotation,
     /// Mechanical speed, rad/s.
     pub(crate) speed: f64,
     /// Torque of cogging less all friction at the end of the last turn, N m.
@@ -45,8 +43,6 @@ pub(crate) struct Turn {
     pub(crate) load: f64,
     /// Torque of cogging less all friction at the end, N m.
     opposing: f64,
-    /// The angle of cogging at the end.
-    cogging_rotation: Rotation,
 }
 
 /// How the shaft is expected to move: by its drag, and by the electrical impulse as it comes.
@@ -88,7 +84,6 @@ impl Shaft {
             turns_per_radian: f64::from(motor.pole_pairs.max(1)) / TAU,
             pole_pairs: f64::from(motor.pole_pairs.max(1)),
             cogging_ratio,
-            cogging_rotation: Rotation::of(cogging_ratio * angle),
             load,
             per_inertia: 1.0 / (motor.inertia + load.inertia),
             angle,
@@ -145,7 +140,7 @@ impl Shaft {
     /// The same of a shaft that is held or at rest.
     fn predict_from_rest(&self, torque: f64) -> Motion {
         let coulomb = self.static_friction + self.load.constant;
-        let drive = torque + self.cogging_torque * self.cogging_rotation.sin;
+        let drive = torque + self.cogging_torque * sine(self.cogging_ratio * self.angle);
         if self.blocked || drive.abs() < coulomb {
             return Motion { speed: 0.0, drift: 0.0, per_inertia: 0.0 };
         }
@@ -164,39 +159,31 @@ impl Shaft {
             return kinetic;
         }
         // T = -dU/dangle with T = amplitude sin(n angle)
-        let cos = self.cogging_rotation.cos;
+        let cos = sine(self.cogging_ratio * self.angle + 0.25);
         kinetic + self.cogging_torque / self.cogging_periods * cos
-    }
-
-    /// Keeps rounding from adding up in what is followed in small steps.
-    pub(crate) fn straighten(&mut self) {
-        self.cogging_rotation = Rotation::of(self.cogging_ratio * self.angle);
     }
 
     fn kinetic(&self, speed: f64) -> f64 {
         0.5 * (self.inertia + self.load.inertia) * speed * speed
     }
 
-    /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here, and the angle of
-    /// cogging in its course.
+    /// Mean cogging torque over an interval in which the shaft turns by `span` (mechanical rad) from here.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn cogging(&self, span: f64) -> (f64, Sweep) {
-        let span = self.cogging_periods * span;
-        let sweep = Sweep::new(&self.cogging_rotation, span);
+    fn cogging(&self, span: f64) -> f64 {
+        if self.cogging_torque == 0.0 {
+            return 0.0;
+        }
+        let middle = self.angle + 0.5 * span * self.turns_per_radian;
         // Mean of a sine over x: its value in the middle times sin(x/2) / (x/2).
-        let y = 0.25 * span * span;
-        (self.cogging_torque * sweep.middle.sin * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0))), sweep)
+        let half = 0.5 * self.cogging_periods * span;
+        let y = half * half;
+        self.cogging_torque * sine(self.cogging_ratio * middle) * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0)))
     }
 
     /// What an interval would do.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn turn(&self, push: &Push) -> Turn {
-        let (cogging, sweep) = if self.cogging_torque == 0.0 {
-            (0.0, None)
-        } else {
-            let (t, s) = self.cogging(push.speed * push.h);
-            (t, Some(s))
-        };
+        let cogging = self.cogging(push.speed * push.h);
         let Push { h, per_h, impulse, lead, speed: predicted } = *push;
         let coulomb = self.static_friction + self.load.constant;
         let viscous = self.viscous_friction + self.load.viscous + self.load.quadratic * predicted.abs();
@@ -228,10 +215,6 @@ impl Shaft {
             friction: self.static_friction * slid + self.viscous_friction * dragged,
             load: self.load.constant * slid + (viscous - self.viscous_friction) * dragged,
             opposing: cogging - sign * coulomb - viscous * speed,
-            cogging_rotation: match sweep {
-                Some(sweep) => sweep.end(self.cogging_periods * path),
-                None => self.cogging_rotation,
-            },
         }
     }
 
@@ -245,7 +228,6 @@ impl Shaft {
             friction: self.kinetic(self.speed),
             load: 0.0,
             opposing: 0.0,
-            cogging_rotation: self.cogging_rotation,
         }
     }
 
@@ -254,7 +236,6 @@ impl Shaft {
     pub(crate) fn apply(&mut self, turn: &Turn) {
         self.speed = turn.speed;
         self.angle += turn.path * self.turns_per_radian;
-        self.cogging_rotation = turn.cogging_rotation;
         self.opposing = turn.opposing;
     }
 

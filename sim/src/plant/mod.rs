@@ -183,7 +183,7 @@ impl Plant {
             }
         }
         let now = self.tick as f64 * self.period + self.t;
-        let charge = self.stage.shunt_charge;
+        let charge = self.stage.charge();
         // The DC-link current is averaged by the amplifier's filter since the last reading.
         let elapsed = now - self.last_sample;
         let current = if elapsed > 0.0 { (charge - self.last_charge) / elapsed } else { 0.0 };
@@ -217,7 +217,7 @@ impl Plant {
 
     fn start_next_period(&mut self, command: &PwmCommand) {
         self.peak_current = core::mem::replace(&mut self.stage.peak, 0.0);
-        self.marks = [Marks { charge: self.stage.shunt_charge, impulse: self.stage.impulse }, self.marks[0]];
+        self.marks = [Marks { charge: self.stage.charge(), impulse: self.stage.impulse }, self.marks[0]];
         self.tick += 1;
         self.t = 0.0;
         self.gates_until = self.gates.latch(command);
@@ -254,7 +254,7 @@ impl Plant {
             peak_current: self.peak_current,
             torque: (start.impulse - before.impulse) / self.period,
             winding_temperature: self.winding_temperature,
-            ledger: Ledger { stored: stage.stored(), ..stage.ledger },
+            ledger: Ledger { stored: stage.stored(), ..stage.ledger_now() },
             diode_events: stage.diode_events,
             intervals: stage.intervals,
         }

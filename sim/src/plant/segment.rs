@@ -165,6 +165,12 @@ impl Segment {
         self.h = h;
     }
 
+    /// Length, s.
+    #[inline]
+    pub(crate) fn length(&self) -> f64 {
+        self.h
+    }
+
     /// State `t` seconds after the start.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn at(&self, network: &Network, t: f64) -> Reduced {

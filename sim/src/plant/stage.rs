@@ -1,7 +1,8 @@
 //! The continuous plant: circuit and shaft, advanced from one switching event to the next.
 
 use super::angle::Rotation;
-use super::circuit::{Circuit, Electric, Leg, Reduced};
+use super::booking::Book;
+use super::circuit::{Circuit, Electric, Leg};
 use super::config::{PlantConfig, SupplyConfig};
 use super::course::Course;
 use super::emf::EmfShape;
@@ -30,16 +31,16 @@ pub(crate) struct Stage {
     pub(crate) just_started: bool,
     pub(crate) source_on: bool,
     pub(crate) may_sink: bool,
-    /// `circuit` and `reduced` are no longer those of `legs` and `electric`.
+    /// `circuit` is no longer that of `legs`.
     changed: bool,
     pub(crate) circuit: Circuit,
-    pub(crate) reduced: Reduced,
     pub(crate) ledger: Ledger,
     /// Largest magnitude of a phase current since it was last set to 0, A.
     pub(crate) peak: f64,
     stored_at_start: f64,
-    /// Charge through the current shunt since it was last read, A s.
+    /// Charge through the current shunt up to the last entry in the ledger, A s.
     pub(crate) shunt_charge: f64,
+    pub(crate) book: Book,
     /// Torque impulse since it was last read, N m s.
     pub(crate) impulse: f64,
     /// Changes of diodes since the start.
@@ -82,11 +83,11 @@ impl Stage {
             may_sink: config.supply.may_sink,
             changed: true,
             circuit: Circuit::new(&[Leg::Idle; 3], inverter.diode_drop),
-            reduced: Reduced::default(),
             ledger: Ledger::default(),
             peak: 0.0,
             stored_at_start: 0.0,
             shunt_charge: 0.0,
+            book: Book::default(),
             impulse: 0.0,
             diode_events: 0,
             intervals: 0,
@@ -121,12 +122,11 @@ impl Stage {
         self.shape.now(turns, &rotation).map(|shape| shape * speed)
     }
 
-    /// Brings `circuit` and `reduced` up to date.
+    /// Brings `circuit` up to date.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn refresh(&mut self) {
         if self.changed {
             self.circuit.follow(&self.legs, self.network.drop);
-            self.reduced = self.circuit.reduce(&self.electric);
             self.changed = false;
         }
     }
@@ -148,7 +148,6 @@ impl Stage {
     /// Keeps rounding from adding up in what is followed in small steps; to be called now and then.
     pub(crate) fn straighten(&mut self) {
         self.rotation = Rotation::of(self.shaft.angle);
-        self.shaft.straighten();
     }
 
     /// Terminal voltages now, V. A broken cable leaves the motor's side to the divider: it reads 0.
