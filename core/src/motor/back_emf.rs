@@ -19,7 +19,7 @@
 mod edges;
 mod window;
 
-use super::commutation::{Direction, Leg, Step};
+use super::commutation::{Direction, Step};
 use super::gain::Gain;
 use super::interval::{TICK, fraction};
 use super::measurement::ChannelScale;
@@ -323,7 +323,7 @@ impl BackEmf {
         *self = Self {
             step,
             whole: self.step.sector().is_some(),
-            watch: floating(step, torque).map(|(sector, phase)| Watch { sector, phase: phase as u8 }),
+            watch: watch(step, torque),
             shift,
             code: self.code,
             age: TICK as i32 - i32::from(instant),
@@ -431,11 +431,9 @@ fn blanking(c: &BackEmfCoefficients, interval: u32) -> i32 {
     blank.min(i32::MAX as u32) as i32
 }
 
-/// Rotor sector and floating phase of a step with torque in `torque`.
-pub fn floating(step: Step, torque: Direction) -> Option<(u8, usize)> {
-    let sector = step.rotor_sector(torque)?;
-    let phase = step.legs().iter().position(|leg| *leg == Leg::Floating)?;
-    Some((sector, phase))
+/// What a running step with torque in `torque` shows.
+fn watch(step: Step, torque: Direction) -> Option<Watch> {
+    Some(Watch { sector: step.rotor_sector(torque)?, phase: step.floating()? })
 }
 
 /// The floating terminal is at a rail: current into it before a rising crossing, out of it before a falling one, on the far side of the

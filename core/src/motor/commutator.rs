@@ -55,6 +55,30 @@ impl Commutator {
         }
     }
 
+    /// The rotor passes the boundary that it went on to, at the speed that it had: the commutation. `None` if there is more to it; then nothing is
+    /// changed, and [`step`](Self::step) looks.
+    #[inline]
+    pub fn pass(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> Option<Commutation> {
+        let backward = speed < 0;
+        let next = neighbour(self.sector?, backward);
+        let ahead = distance(angle, entry(next, speed), speed).wrapping_sub(c.advance);
+        let per_tick = speed.unsigned_abs();
+        let seen = SIXTH - self.span;
+        let plain = speed == self.speed && torque == self.torque && seen < INSIDE && ahead < seen;
+        if !plain || ahead <= part_of(per_tick as i32, c.earliest.into()) {
+            return None;
+        }
+        let instant = instant_of(c, ahead, per_tick);
+        self.go_on(c, next, (entry(neighbour(next, backward), speed), seen), speed, torque);
+        Some(Commutation { instant, step: self.step })
+    }
+
     /// Another speed, or the boundary ahead in view: what a rotor does that goes on.
     #[inline(never)]
     fn approach(

@@ -165,12 +165,11 @@ impl Drive {
         let place = self.control.tick(&self.coefficients.control);
         let idle = self.machine.state() == State::Initialization;
         let current = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        if !self.is_calm(samples, current) {
-            self.look(place, samples, current);
-        } else if self.calm.commutates() {
-            self.commutate(place, samples, current);
+        if self.is_calm(samples, current) {
+            let step = self.go_on(current);
+            self.keep_on(step, place, samples, current);
         } else {
-            self.goes_on(place, samples, current);
+            self.look(place, samples, current);
         }
         self.applied
     }
@@ -182,7 +181,9 @@ impl Drive {
             self.rest_of_millisecond(place, pattern.demand, samples, current);
         }
         let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
-        if !speeds || !self.cruises(pattern.step, pattern.commutations, current) {
+        if speeds && self.cruises(pattern.step, current) {
+            self.applied.commutations = pattern.commutations;
+        } else {
             self.finish(pattern, current);
         }
     }

@@ -3,7 +3,7 @@
 //! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
 //! at rest a step that includes X carries nothing at a voltage that must drive a current.
 
-use super::commutation::{Leg, Step};
+use super::commutation::Step;
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
 
@@ -63,6 +63,12 @@ impl OpenPhase {
         }
     }
 
+    /// A phase is open, by what the last steps showed.
+    #[inline]
+    pub const fn is_shown(&self) -> bool {
+        self.found
+    }
+
     /// A phase is open.
     #[inline]
     pub const fn is_found(&self, c: &OpenPhaseCoefficients) -> bool {
@@ -79,15 +85,21 @@ impl OpenPhase {
     #[inline(never)]
     fn judge(&mut self) {
         let counted = self.ticks.saturating_sub(1);
-        if self.step.sector().is_none() || counted == 0 {
+        let Some(floating) = self.step.floating() else { return };
+        if counted == 0 {
             return;
         }
         let dead = self.carrying <= counted / 4;
         let alive = self.carrying >= counted - counted / 4;
-        for (count, leg) in self.evidence.iter_mut().zip(self.step.legs()) {
-            let fits = if leg == Leg::Floating { alive } else { dead };
-            *count = if fits { count.saturating_add(1) } else { 0 };
+        if !(dead || alive) {
+            (self.evidence, self.found) = ([0; 3], false);
+            return;
         }
-        self.found = self.evidence.iter().any(|count| *count >= EVIDENCE);
+        self.found = false;
+        for (phase, count) in (0..).zip(&mut self.evidence) {
+            let fits = if phase == floating { alive } else { dead };
+            *count = if fits { count.saturating_add(1) } else { 0 };
+            self.found |= *count >= EVIDENCE;
+        }
     }
 }

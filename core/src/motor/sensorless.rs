@@ -194,6 +194,12 @@ impl Sensorless {
         self.rotor.calm(c.timeout, self.back_emf.expects(present, torque))
     }
 
+    /// For how many ticks from now the commutation to `present`, which this tick begins with the rotor at `angle` (u32 turn), leaves it so.
+    #[inline]
+    pub fn calm_in(&self, present: Step, torque: Direction, angle: u32) -> u32 {
+        self.back_emf.expects(present, torque).map_or(u32::MAX, |sector| self.rotor.held(sector, angle))
+    }
+
     /// So many of these ticks have passed.
     pub const fn sleep(&mut self, ticks: u32) {
         self.rotor.sleep(ticks);

@@ -96,15 +96,15 @@ impl ZeroCrossing {
     pub fn calm(&self, timeout: u32, expected: Option<u8>) -> u32 {
         let until = |age: u32, end: u32| end.saturating_sub(age) / TICK;
         let bounded = if self.valid == 0 { u32::MAX } else { until(self.fresh, self.patience()) };
-        let held = match expected {
-            Some(sector) => {
-                let here = crossing_of(sector);
-                let left = (here.wrapping_sub(self.angle) as i32).wrapping_mul(self.direction.sign());
-                (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
-            }
-            None => u32::MAX,
-        };
+        let held = expected.map_or(u32::MAX, |sector| self.held(sector, self.angle));
         until(self.since, timeout.saturating_sub(1)).min(bounded).min(held)
+    }
+
+    /// For how many ticks from now a rotor at `angle` (u32 turn) has not reached the crossing of `sector`.
+    #[inline]
+    pub fn held(&self, sector: u8, angle: u32) -> u32 {
+        let left = (crossing_of(sector).wrapping_sub(angle) as i32).wrapping_mul(self.direction.sign());
+        (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
     }
 
     /// Nothing is known but, perhaps, where the rotor rests.

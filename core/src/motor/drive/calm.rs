@@ -81,12 +81,6 @@ impl Calm {
         self.all.granted.wrapping_sub(self.all.left)
     }
 
-    /// Nothing but a commutation is due.
-    #[inline]
-    pub(super) const fn commutates(&self) -> bool {
-        self.all.left == 0
-    }
-
     /// What it keeps asking for.
     #[inline]
     const fn demand(&self) -> Demand {
@@ -135,16 +129,27 @@ impl Drive {
         self.protection.stays_quiet(speed) && self.stays_within_bounds(samples, current)
     }
 
-    /// A calm tick.
+    /// A calm tick: another, or the commutation that is due. The step that it begins with.
     #[inline]
-    pub(super) fn goes_on(&mut self, place: u32, samples: &Samples, current: Amps) {
-        self.calm.all.left -= 1;
+    pub(super) fn go_on(&mut self, current: Amps) -> Step {
         self.open_phase.count(current);
+        if self.calm.all.left == 0 {
+            return self.commutate();
+        }
+        self.calm.all.left -= 1;
+        self.applied.commutations = Commutations::NONE;
+        self.calm.step
+    }
+
+    /// The loops of a tick that begins with `step` and has its commutations.
+    #[inline]
+    pub(super) fn keep_on(&mut self, step: Step, place: u32, samples: &Samples, current: Amps) {
         if place <= place::LAST {
             self.rest_of_millisecond(place, self.calm.demand(), samples, current);
         }
-        if self.calm.fade > 0 || !self.cruises(self.calm.step, Commutations::NONE, current) {
-            self.finish(&Pattern::hold(self.calm.demand(), self.calm.step), current);
+        if self.calm.fade > 0 || !self.cruises(step, current) {
+            let commutations = self.applied.commutations;
+            self.finish(&Pattern { commutations, ..Pattern::hold(self.calm.demand(), step) }, current);
         }
     }
 
@@ -159,19 +164,38 @@ impl Drive {
         };
     }
 
-    /// A commutation is due, and nothing else.
+    /// A commutation is due, and nothing else: the stations sleep on.
     #[inline(never)]
-    pub(super) fn commutate(&mut self, place: u32, samples: &Samples, current: Amps) {
-        self.open_phase.count(current);
-        self.calm.all.granted = self.calm.all.granted.wrapping_add(1);
-        self.tell();
-        let pattern = self.turn_on(self.calm.demand());
+    fn commutate(&mut self) -> Step {
+        let slept = self.calm.slept().wrapping_add(1);
+        let (angle, speed) = self.place();
+        let angle = angle.wrapping_add((speed as u32).wrapping_mul(slept));
+        let (c, torque) = (&self.coefficients.commutator, self.machine.direction());
+        let mut step = self.commutator.present();
+        self.applied.commutations = match self.commutator.pass(c, angle, speed, torque) {
+            Some(commutation) => Commutations::one(commutation),
+            None => {
+                let (first, commutations) = self.commutator.step(c, angle, speed, torque);
+                step = first;
+                commutations
+            }
+        };
+        let present = self.commutator.present();
+        self.calm.step = present;
+        self.open_phase.change(present);
+        if self.open_phase.is_shown() {
+            self.calm.all = Sleep { granted: slept, left: 0 };
+            self.calm.others = 0;
+            return step;
+        }
         // The estimator expects another crossing now.
         if self.listens {
-            self.calm.others = self.calm.others.min(self.estimator_calm());
+            let held = self.sensorless.calm_in(present, torque, angle);
+            self.calm.others = self.calm.others.min(slept.saturating_add(held));
         }
-        self.grant();
-        self.conclude(place, &pattern, samples, current);
+        let left = self.commutator.calm(angle, speed).min(self.calm.others.saturating_sub(slept));
+        self.calm.all = Sleep { granted: slept.wrapping_add(left), left };
+        step
     }
 
     /// The hall sensors. In a drive that has no use for them they sleep apart from the other stations.
@@ -259,22 +283,17 @@ impl Drive {
         }
     }
 
-    /// The tick of a settled loop, in full: true if nothing came near a limit.
+    /// The tick of a settled loop, in full, but for its commutations: true if nothing came near a limit.
     #[inline]
-    pub(super) fn cruises(&mut self, step: Step, commutations: Commutations, current: Amps) -> bool {
+    pub(super) fn cruises(&mut self, step: Step, current: Amps) -> bool {
         let (c, duties) = (&self.coefficients.control, self.calm.bounds.duty);
         let Some(duty) = self.control.cruise(c, duties, current, &self.measurement) else {
             return false;
         };
         let (sample_at, sample_mode) = self.sampling(duty.to_bits());
-        self.applied = PwmCommand {
-            duty,
-            rectification: Rectification::Synchronous,
-            sample_at,
-            sample_mode,
-            step,
-            commutations,
-        };
+        let commutations = self.applied.commutations;
+        let rectification = Rectification::Synchronous;
+        self.applied = PwmCommand { duty, rectification, sample_at, sample_mode, step, commutations };
         true
     }
 
