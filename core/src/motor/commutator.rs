@@ -136,6 +136,7 @@ impl Commutator {
     }
 
     /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick. It may begin in this period.
+    #[inline(always)]
     pub fn calm(&self, angle: u32, speed: i32) -> u32 {
         let next = angle.wrapping_add(speed as u32);
         let left = distance(next, self.until, speed);

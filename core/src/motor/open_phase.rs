@@ -91,15 +91,14 @@ impl OpenPhase {
         }
         let dead = self.carrying <= counted / 4;
         let alive = self.carrying >= counted - counted / 4;
-        if !(dead || alive) {
-            (self.evidence, self.found) = ([0; 3], false);
-            return;
-        }
+        let evidence = core::mem::take(&mut self.evidence);
         self.found = false;
-        for (phase, count) in (0..).zip(&mut self.evidence) {
+        for (phase, (count, before)) in (0..).zip(self.evidence.iter_mut().zip(evidence)) {
             let fits = if phase == floating { alive } else { dead };
-            *count = if fits { count.saturating_add(1) } else { 0 };
-            self.found |= *count >= EVIDENCE;
+            if fits {
+                *count = before.saturating_add(1);
+                self.found |= *count >= EVIDENCE;
+            }
         }
     }
 }

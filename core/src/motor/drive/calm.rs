@@ -31,6 +31,12 @@ pub(super) struct Calm {
     /// Estimated speed in the direction of torque, raw I16F16 electrical rev/s, and what the voltage fades by.
     speed: i32,
     fade: u8,
+    /// For so many ticks from the last that the stations were told of, no row of the state machine's table can hold by time alone; at least.
+    #[serde(skip)]
+    machine: u32,
+    /// This tick's edge has been taken, in this direction, before it turned out to be for the fault logic.
+    #[serde(skip)]
+    turned: i8,
     /// They follow from the coefficients: a recording is without them.
     #[serde(skip)]
     bounds: Bounds,
@@ -72,7 +78,7 @@ impl Calm {
     /// The next tick is a whole one.
     pub(super) const fn end(&mut self) {
         self.all = Sleep { granted: self.all.granted.wrapping_sub(self.all.left), left: 0 };
-        self.others = 0;
+        (self.others, self.machine) = (0, 0);
     }
 
     /// Ticks that the stations have not been told of.
@@ -142,7 +148,7 @@ impl Drive {
     }
 
     /// The loops of a tick that begins with `step` and has its commutations.
-    #[inline]
+    #[inline(always)]
     pub(super) fn keep_on(&mut self, step: Step, place: u32, samples: &Samples, current: Amps) {
         if place <= place::LAST {
             self.rest_of_millisecond(place, self.calm.demand(), samples, current);
@@ -185,7 +191,7 @@ impl Drive {
         self.open_phase.change(present);
         if self.open_phase.is_shown() {
             self.calm.all = Sleep { granted: slept, left: 0 };
-            self.calm.others = 0;
+            self.calm.end();
             return step;
         }
         // The estimator expects another crossing now.
@@ -198,11 +204,51 @@ impl Drive {
         step
     }
 
+    /// A tick in which the hall sensors show the edge of a motor that just runs, and nothing else asks for a look: the step that it begins with.
+    #[inline(never)]
+    pub(super) fn turns(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
+        let slept = self.calm.slept();
+        let rests = !self.listens && self.calm.machine > slept && self.protection.goes_forward();
+        if !rests || !self.stays_within_bounds(samples, current) {
+            return None;
+        }
+        let torque = self.machine.direction();
+        if !self.rotor.turns(&self.coefficients, samples, torque, slept.wrapping_add(1)) {
+            return None;
+        }
+        let speed = self.rotor.hall_speed().to_bits().saturating_mul(torque.sign());
+        if !self.protection.stays_quiet(speed) {
+            self.calm.turned = torque.sign() as i8;
+            self.machine.sleep(slept);
+            self.forget_calm();
+            return None;
+        }
+        let slept = slept.wrapping_add(1);
+        self.machine.sleep(slept);
+        self.open_phase.count(current);
+        let c = &self.coefficients;
+        let (angle, speed_now) = self.place();
+        let (step, commutations) = self.commutator.step(&c.commutator, angle, speed_now, torque);
+        self.applied.commutations = commutations;
+        let present = self.commutator.present();
+        self.open_phase.change(present);
+        (self.calm.hall, self.calm.speed, self.calm.step) = (samples.hall, speed, present);
+        self.calm.machine -= slept;
+        self.calm.others = self.rotor.calm(c).min(self.calm.machine);
+        let left = self.commutator.calm(angle, speed_now).min(self.calm.others);
+        self.calm.all = Sleep::new(left);
+        if self.open_phase.is_shown() {
+            self.calm.end();
+        }
+        Some(step)
+    }
+
     /// The hall sensors. In a drive that has no use for them they sleep apart from the other stations.
     #[inline]
     pub(super) fn sense_halls(&mut self, samples: &Samples) -> HallEvents {
-        if self.listens && self.halls_sleep(samples) {
-            return HallEvents::default();
+        let sectors = core::mem::take(&mut self.calm.turned);
+        if sectors != 0 || (self.listens && self.halls_sleep(samples)) {
+            return HallEvents { sectors, ..HallEvents::default() };
         }
         self.attend_halls(samples)
     }
@@ -300,13 +346,18 @@ impl Drive {
     /// What the stations have not seen of a calm is told to them, and it is over.
     pub(super) fn wake(&mut self) {
         self.tell();
-        (self.calm.all, self.calm.others) = (Sleep::default(), 0);
+        self.forget_calm();
+    }
+
+    fn forget_calm(&mut self) {
+        (self.calm.all, self.calm.others, self.calm.machine) = (Sleep::default(), 0, 0);
     }
 
     /// What the stations have not seen of a calm is told to them.
     pub(super) fn tell(&mut self) {
         let slept = self.calm.all.take();
         self.calm.others = self.calm.others.saturating_sub(slept);
+        self.calm.machine = self.calm.machine.saturating_sub(slept);
         if slept > 0 {
             self.machine.sleep(slept);
             if self.listens {
@@ -339,7 +390,8 @@ impl Drive {
             _ => return,
         };
         (self.calm.hall, self.calm.speed, self.calm.fade) = (samples.hall, speed, fade);
-        self.calm.others = own.min(self.machine.calm(&c.machine));
+        self.calm.machine = self.machine.calm(&c.machine);
+        self.calm.others = own.min(self.calm.machine);
         self.grant();
     }
 
