@@ -254,11 +254,16 @@ impl Drive {
         // A board with fewer ticks does more in its last.
         let last = ticks.max(1) - 1;
         for task in place..=if place == last { place::LAST } else { place } {
-            self.do_task(task, demand, samples, current);
+            self.do_one_task(task, demand, samples, current);
         }
     }
 
-    #[inline]
+    #[inline(never)]
+    fn do_one_task(&mut self, task: u32, demand: Demand, samples: &Samples, current: Amps) {
+        self.do_task(task, demand, samples, current);
+    }
+
+    #[inline(always)]
     fn do_task(&mut self, task: u32, demand: Demand, samples: &Samples, current: Amps) {
         match task {
             place::RATINGS => {

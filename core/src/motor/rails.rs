@@ -97,17 +97,17 @@ impl Rails {
         let claimed = c.back_emf.apply32(speed);
         let fall = c.resistance.apply32(current);
         // 1/8 V for what dead time and switches take.
-        let low = voltage.saturating_sub(fall - fall / 8) < parts(claimed, 18, 25).saturating_sub(1 << 14);
+        let low = voltage.saturating_sub(fall - fall / 8) < share(claimed, 18, 25).saturating_sub(1 << 14);
         let turns = || c.commutation.apply32(saturate64((i64::from(current) * i64::from(speed)) >> 16));
-        let left = voltage.saturating_sub(parts(fall, 19, 10)).saturating_sub(1 << 15);
-        let most = parts(claimed, 13, 10);
+        let left = voltage.saturating_sub(fall.saturating_add(share(fall, 9, 10))).saturating_sub(1 << 15);
+        let most = claimed.saturating_add(share(claimed, 3, 10));
         let high = left > most && left.saturating_sub(turns().saturating_mul(2)) > most;
         self.wrong = if low || high { self.wrong.saturating_add(1) } else { self.wrong.saturating_sub(2) };
         self.wrong >= WRONG
     }
 }
 
-/// `value x numerator / denominator`, by multiplication.
-const fn parts(value: i32, numerator: i64, denominator: i64) -> i32 {
-    saturate64((value as i64 * ((numerator << 16) / denominator)) >> 16)
+/// `value x numerator / denominator`, less than 1, by multiplication.
+const fn share(value: i32, numerator: i64, denominator: i64) -> i32 {
+    ((value as i64 * ((numerator << 16) / denominator)) >> 16) as i32
 }
