@@ -26,7 +26,7 @@ use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
 use super::samples::{SampleMode, Samples};
 use serde::{Deserialize, Serialize};
-use window::signal;
+use window::{Mean, signal};
 
 /// Coefficients of the back-EMF station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -89,6 +89,20 @@ pub struct Sight {
     pub passed: bool,
     /// The pattern changed since the last tick, and the step before had shown neither.
     pub missed: bool,
+}
+
+/// The ordinary crossing of a running motor.
+#[derive(Clone, Copy)]
+pub struct Crossing {
+    /// The rotor's sector.
+    pub sector: u8,
+    /// How long before the present boundary, 1/65 536 tick, negative is after it.
+    pub age: i32,
+    /// The signal's value at it, signed as it rises, raw I16F16 V.
+    pub threshold: i32,
+    /// Its age without the delays of comparators, and the mean that showed it.
+    ago: i32,
+    mean: Mean,
 }
 
 /// What is told from noise, times this, is a rotor on its way.
@@ -212,6 +226,58 @@ impl BackEmf {
             self.keep(mean, sample_at);
         }
         passes
+    }
+
+    /// The ordinary crossing of a step that goes on: what [`step`](Self::step) would find. Nothing is taken yet.
+    #[inline]
+    pub fn crosses(&self, c: &BackEmfCoefficients, samples: &Samples, applied: &PwmCommand) -> Option<Crossing> {
+        let watch = self.watch?;
+        let age = self.age.saturating_add(TICK as i32);
+        let sees = age.saturating_add(applied.sample_at.into()) >= self.blank;
+        if !sees || c.comparator || self.is_changed_by(applied) {
+            return None;
+        }
+        let threshold = self.threshold(samples, watch);
+        let mean = self.mean(signal(c, samples, watch));
+        if mean.value <= threshold + self.beyond() {
+            return None;
+        }
+        let ago = match self.passage {
+            Passage::Healthy => self.crossed_at(mean.value, threshold, applied.sample_at),
+            Passage::Crossing => self.crossed.saturating_add(TICK as i32),
+            _ => return None,
+        };
+        let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
+        Some(Crossing { sector: watch.sector, age: ago.saturating_add(delay), threshold, ago, mean })
+    }
+
+    /// That was one.
+    #[inline]
+    pub fn take(&mut self, samples: &Samples, crossing: &Crossing, sample_at: u16) {
+        self.age = self.age.saturating_add(TICK as i32);
+        self.crossed = crossing.ago;
+        if samples.sample_mode == SampleMode::OnTime || crossing.sector & 1 == 1 {
+            self.after_run = self.after_run.saturating_add(1);
+        }
+        self.passage = Passage::Found;
+        self.keep(crossing.mean, sample_at);
+    }
+
+    /// How far the signal must go beyond its threshold. The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet
+    /// has half the torque: it must be well on its way.
+    #[inline]
+    const fn beyond(&self) -> i32 {
+        if self.interval == 0 { FIRST_SIGN * self.noise } else { self.noise }
+    }
+
+    /// How long ago the signal passed its threshold, on its way from the last mean to this one.
+    #[inline]
+    fn crossed_at(&self, mean: i32, threshold: i32, sample_at: u16) -> i32 {
+        let now = -i32::from(sample_at);
+        let previous_age = TICK as i32 - i32::from(self.sampled_at);
+        let part = fraction(threshold - self.previous, mean - self.previous);
+        let span = i64::from(previous_age.saturating_sub(now));
+        previous_age - ((span * i64::from(part)) >> 16) as i32 + self.mean_delay()
     }
 
     /// What was applied in the period that has ended begins another step.
@@ -356,9 +422,7 @@ impl BackEmf {
     ) {
         let off_time = samples.sample_mode == SampleMode::OffTime;
         let (noise, threshold) = (self.noise, self.threshold(samples, watch));
-        // The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet has half the torque: it must be
-        // well on its way.
-        let beyond = if self.interval == 0 { FIRST_SIGN * noise } else { noise };
+        let beyond = self.beyond();
         let sample = self.mean(signal(c, samples, watch));
         let mean = sample.value;
         if mean < threshold - noise {
@@ -376,12 +440,7 @@ impl BackEmf {
         match self.passage {
             Passage::Crossing if mean < threshold => self.passage = Passage::Healthy,
             Passage::Healthy if mean >= threshold => {
-                let now = -i32::from(sample_at);
-                let previous_age = TICK as i32 - i32::from(self.sampled_at);
-                let part = fraction(threshold - self.previous, mean - self.previous);
-                let span = i64::from(previous_age.saturating_sub(now));
-                let delay = self.mean_delay();
-                self.crossed = previous_age - ((span * i64::from(part)) >> 16) as i32 + delay;
+                self.crossed = self.crossed_at(mean, threshold, sample_at);
                 self.passage = Passage::Crossing;
             }
             _ => {}

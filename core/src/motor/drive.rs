@@ -209,8 +209,13 @@ impl Drive {
     fn survey(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
         let rests = self.calm.is_told_to_rest();
         self.wake();
-        let hall = self.sense_halls(samples);
-        if self.listens {
+        let taken = self.is_taken();
+        let hall = if taken && !self.listens {
+            HallEvents { sectors: self.machine.direction().sign() as i8, ..HallEvents::default() }
+        } else {
+            self.sense_halls(samples)
+        };
+        if self.listens && !taken {
             self.listen(samples, measured);
         }
         if rests && let Some(pattern) = self.glance(samples, measured, hall) {

@@ -171,6 +171,29 @@ impl Sensorless {
         }
     }
 
+    /// What [`observe`](Self::observe) does in the tick of a running motor that finds the ordinary crossing, `ticks` after the last that was told: true. Else
+    /// nothing is done.
+    #[inline]
+    pub fn crosses(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+        ticks: u32,
+    ) -> bool {
+        if self.phase != Phase::Run {
+            return false;
+        }
+        let Some(crossing) = self.back_emf.crosses(&c.back_emf, samples, applied) else { return false };
+        if !self.rotor.crosses(&crossing, c.emf_of_turns, ticks) {
+            return false;
+        }
+        self.back_emf.take(samples, &crossing, applied.sample_at);
+        self.age = self.age.saturating_add(ticks).wrapping_sub(1);
+        self.idle = 0;
+        true
+    }
+
     #[inline(never)]
     fn turns_over(&mut self, c: &SensorlessCoefficients, applied: &PwmCommand, torque: Direction) -> bool {
         let point = self.operating_point(c, torque);
@@ -187,6 +210,7 @@ impl Sensorless {
     }
 
     /// For how many ticks from now only time would pass, as long as every one [`passes`](Self::passes), with the step `present` applied.
+    #[inline]
     pub fn calm(&self, c: &SensorlessCoefficients, present: Step, torque: Direction) -> u32 {
         if !self.is_running() {
             return 0;
@@ -383,6 +407,7 @@ impl Sensorless {
     }
 
     /// Estimated speed, 2^-32 turn a tick, signed; 0 when none is known.
+    #[inline]
     pub fn speed(&self, c: &SensorlessCoefficients) -> i32 {
         let heard = match self.phase {
             Phase::Run => true,

@@ -34,9 +34,9 @@ pub(super) struct Calm {
     /// For so many ticks from the last that the stations were told of, no row of the state machine's table can hold by time alone; at least.
     #[serde(skip)]
     machine: u32,
-    /// This tick's edge has been taken, in this direction, before it turned out to be for the fault logic.
+    /// This tick's edge or crossing has been taken before it turned out to be for all stations.
     #[serde(skip)]
-    turned: i8,
+    taken: bool,
     /// They follow from the coefficients: a recording is without them.
     #[serde(skip)]
     bounds: Bounds,
@@ -204,24 +204,39 @@ impl Drive {
         step
     }
 
-    /// A tick in which the hall sensors show the edge of a motor that just runs, and nothing else asks for a look: the step that it begins with.
+    /// A tick in which the rotor of a motor that just runs shows that it has turned on, and nothing else asks for a look: the step that it begins with.
     #[inline(never)]
     pub(super) fn turns(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
         let slept = self.calm.slept();
-        let rests = !self.listens && self.calm.machine > slept && self.protection.goes_forward();
-        if !rests || !self.stays_within_bounds(samples, current) {
+        if self.calm.machine <= slept || !self.stays_within_bounds(samples, current) {
             return None;
         }
         let torque = self.machine.direction();
-        if !self.rotor.turns(&self.coefficients, samples, torque, slept.wrapping_add(1)) {
-            return None;
-        }
-        let speed = self.rotor.hall_speed().to_bits().saturating_mul(torque.sign());
-        if !self.protection.stays_quiet(speed) {
-            self.calm.turned = torque.sign() as i8;
+        let c = &self.coefficients;
+        let speed = if self.listens {
+            if !self.sensorless.crosses(&c.sensorless, samples, &self.applied, slept.wrapping_add(1)) {
+                return None;
+            }
+            self.heed_speed();
+            self.sensorless_forward()
+        } else {
+            let forward = self.protection.goes_forward();
+            if !forward || !self.rotor.turns(c, samples, torque, slept.wrapping_add(1)) {
+                return None;
+            }
+            self.rotor.hall_speed().to_bits().saturating_mul(torque.sign())
+        };
+        let quiet = self.protection.stays_quiet(speed);
+        let fade = if quiet && self.listens { self.sensorless.run_on(&self.coefficients.sensorless) } else { Some(0) };
+        let (true, Some(fade)) = (quiet, fade) else {
+            // It turns out to be for all stations, which find that it has been taken.
             self.machine.sleep(slept);
             self.forget_calm();
+            self.calm.taken = true;
             return None;
+        };
+        if self.listens && !self.halls_sleep(samples) {
+            self.attend_halls(samples);
         }
         let slept = slept.wrapping_add(1);
         self.machine.sleep(slept);
@@ -232,9 +247,10 @@ impl Drive {
         self.applied.commutations = commutations;
         let present = self.commutator.present();
         self.open_phase.change(present);
-        (self.calm.hall, self.calm.speed, self.calm.step) = (samples.hall, speed, present);
+        (self.calm.hall, self.calm.speed, self.calm.fade, self.calm.step) = (samples.hall, speed, fade, present);
         self.calm.machine -= slept;
-        self.calm.others = self.rotor.calm(c).min(self.calm.machine);
+        let own = if self.listens { self.estimator_calm() } else { self.rotor.calm(c) };
+        self.calm.others = own.min(self.calm.machine);
         let left = self.commutator.calm(angle, speed_now).min(self.calm.others);
         self.calm.all = Sleep::new(left);
         if self.open_phase.is_shown() {
@@ -246,9 +262,8 @@ impl Drive {
     /// The hall sensors. In a drive that has no use for them they sleep apart from the other stations.
     #[inline]
     pub(super) fn sense_halls(&mut self, samples: &Samples) -> HallEvents {
-        let sectors = core::mem::take(&mut self.calm.turned);
-        if sectors != 0 || (self.listens && self.halls_sleep(samples)) {
-            return HallEvents { sectors, ..HallEvents::default() };
+        if self.listens && self.halls_sleep(samples) {
+            return HallEvents::default();
         }
         self.attend_halls(samples)
     }
@@ -277,6 +292,12 @@ impl Drive {
     /// The hall lines mean something else, or somebody has use for them again.
     pub(super) fn wake_halls(&mut self) {
         self.calm.halls = Sleep::default();
+    }
+
+    /// The edge or crossing of this tick has been taken, and is nobody's to take again.
+    #[inline]
+    pub(super) const fn is_taken(&mut self) -> bool {
+        core::mem::replace(&mut self.calm.taken, false)
     }
 
     /// Most looks of a running motor find an edge forward or a crossing, and nothing else: `None` if this one does not.
