@@ -124,6 +124,18 @@ enum Passage {
     Found,
 }
 
+/// How much of a tick its sample takes, while the step goes on and its samples are those of the on-time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Eye {
+    /// All that [`BackEmf::passes`] asks.
+    #[default]
+    Open,
+    /// One comparison: it is still before the crossing.
+    Before,
+    /// One comparison: it is still beyond.
+    Beyond,
+}
+
 /// What a running step watches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Watch {
@@ -141,6 +153,9 @@ pub struct BackEmf {
     whole: bool,
     watch: Option<Watch>,
     passage: Passage,
+    /// What has been found out about the samples to come; a recording is without it.
+    #[serde(skip)]
+    eye: Eye,
     /// Samples that the mean takes: 2^shift.
     shift: u8,
     /// Samples since the blanking.
@@ -168,9 +183,29 @@ pub struct BackEmf {
 
 impl BackEmf {
     /// The ordinary tick of a step that goes on: takes its sample and answers true, if that says nothing new to the estimator. Else
-    /// nothing is taken, and [`step`](Self::step) is to look.
+    /// nothing is taken, and [`step`](Self::step) is to look. `None` if there is more to find out.
     #[inline(always)]
     pub fn passes(
+        &mut self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+    ) -> Option<bool> {
+        let (Some(watch), SampleMode::OnTime) = (self.watch, samples.sample_mode) else { return None };
+        if self.eye == Eye::Open {
+            return None;
+        }
+        let signal = signal(c, samples, watch);
+        let passes = if self.eye == Eye::Before { signal < 0 } else { signal >= -self.noise };
+        if passes {
+            (self.previous, self.sampled_at) = (signal, applied.sample_at);
+            self.age = self.age.saturating_add(TICK as i32);
+        }
+        Some(passes)
+    }
+
+    /// The same of any tick.
+    pub fn passes_at_all(
         &mut self,
         c: &BackEmfCoefficients,
         samples: &Samples,
@@ -214,7 +249,23 @@ impl BackEmf {
             _ => return false,
         }
         (self.previous, self.sampled_at) = (mean, sample_at);
+        self.settle_eye();
         true
+    }
+
+    /// Where a mean is one sample, and the crossing is still to come or gone, the next samples take one comparison.
+    const fn settle_eye(&mut self) {
+        self.eye = match self.passage {
+            Passage::Healthy if self.shift == 0 => Eye::Before,
+            Passage::Found if self.shift == 0 => Eye::Beyond,
+            _ => Eye::Open,
+        };
+    }
+
+    /// Another step may have been applied.
+    #[inline]
+    pub const fn open_eye(&mut self) {
+        self.eye = Eye::Open;
     }
 
     /// The same of the mean that this signal makes in a slow step.
@@ -261,6 +312,7 @@ impl BackEmf {
         }
         self.passage = Passage::Found;
         self.keep(crossing.mean, sample_at);
+        self.settle_eye();
     }
 
     /// How far the signal must go beyond its threshold. The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet
@@ -316,6 +368,7 @@ impl BackEmf {
         point: &OperatingPoint,
     ) -> Sight {
         let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
+        self.open_eye();
         let missed = self.follow(c, applied, point);
         let mut sight = Sight { missed, ..Sight::default() };
         let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
@@ -344,6 +397,7 @@ impl BackEmf {
     /// The crossing was too early to be one: it is looked for again.
     pub fn reject(&mut self) {
         (self.passage, self.after_run) = (Passage::Unseen, 0);
+        self.open_eye();
     }
 
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.

@@ -181,7 +181,7 @@ impl Drive {
             self.rest_of_millisecond(place, pattern.demand, samples, current);
         }
         let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
-        if speeds && self.cruises(pattern.step, current) {
+        if speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
             self.applied.commutations = pattern.commutations;
         } else {
             self.finish(pattern, current);
@@ -191,6 +191,7 @@ impl Drive {
     /// The loops with every limit.
     #[inline(never)]
     fn finish(&mut self, pattern: &Pattern, current: Amps) {
+        self.sensorless.open_eye();
         let measured = &self.measurement.measured(current);
         let (c, mode) = (&self.coefficients.control, self.coefficients.mode(self.listens));
         let output = self.control.step(c, mode, pattern.demand, measured, &self.measurement);
@@ -200,6 +201,7 @@ impl Drive {
     /// The whole tick.
     #[inline(never)]
     fn look(&mut self, place: u32, samples: &Samples, current: Amps) {
+        self.sensorless.open_eye();
         let pattern = self.survey(samples, &self.measurement.measured(current));
         self.conclude(place, &pattern, samples, current);
     }

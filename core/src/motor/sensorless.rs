@@ -164,11 +164,33 @@ impl Sensorless {
         applied: &PwmCommand,
         torque: Direction,
     ) -> bool {
-        if self.back_emf.is_changed_by(applied) {
-            self.turns_over(c, applied, torque)
-        } else {
-            self.back_emf.passes(&c.back_emf, samples, bus_voltage, applied)
+        match self.back_emf.passes(&c.back_emf, samples, applied) {
+            Some(passes) => passes,
+            None => self.passes_at_all(c, samples, bus_voltage, applied, torque),
         }
+    }
+
+    #[inline(never)]
+    fn passes_at_all(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> bool {
+        if self.back_emf.is_changed_by(applied) {
+            let point = self.operating_point(c, torque);
+            self.back_emf.turns_over(&c.back_emf, applied, &point)
+        } else {
+            self.back_emf.passes_at_all(&c.back_emf, samples, bus_voltage, applied)
+        }
+    }
+
+    /// Another step may have been applied than the one that is watched.
+    #[inline]
+    pub const fn open_eye(&mut self) {
+        self.back_emf.open_eye();
     }
 
     /// What [`observe`](Self::observe) does in the tick of a running motor that finds the ordinary crossing, `ticks` after the last that was told: true. Else
@@ -192,12 +214,6 @@ impl Sensorless {
         self.age = self.age.saturating_add(ticks).wrapping_sub(1);
         self.idle = 0;
         true
-    }
-
-    #[inline(never)]
-    fn turns_over(&mut self, c: &SensorlessCoefficients, applied: &PwmCommand, torque: Direction) -> bool {
-        let point = self.operating_point(c, torque);
-        self.back_emf.turns_over(&c.back_emf, applied, &point)
     }
 
     /// What a step that begins now may expect.

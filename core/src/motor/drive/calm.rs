@@ -10,7 +10,7 @@ use crate::motor::band::Band;
 use crate::motor::commutation::Step;
 use crate::motor::control::Demand;
 use crate::motor::hall::HallEvents;
-use crate::motor::measurement::Measured;
+use crate::motor::measurement::{BUS_MIN, Measured};
 use crate::motor::pwm::{Commutations, PwmCommand, Rectification};
 use crate::motor::samples::{Lines, Samples};
 use crate::motor::state::State;
@@ -120,11 +120,17 @@ impl Drive {
         true
     }
 
+    /// The bus voltage is no fault and no limit.
+    #[inline]
+    pub(super) fn has_plain_voltage(&self) -> bool {
+        self.calm.bounds.voltage.contains(self.measurement.bus_voltage())
+    }
+
     /// Voltage, current and digital inputs are no fault.
     #[inline]
     fn stays_within_bounds(&self, samples: &Samples, current: Amps) -> bool {
         let bounds = &self.calm.bounds;
-        bounds.voltage.contains(self.measurement.bus_voltage())
+        self.has_plain_voltage()
             && bounds.current.contains(current.to_bits())
             && !samples.lines.intersects(bounds.lines)
     }
@@ -163,7 +169,7 @@ impl Drive {
     pub(super) fn settle_calm(&mut self) {
         let c = &self.coefficients;
         self.calm.bounds = Bounds {
-            voltage: c.protection.bus_voltage(),
+            voltage: c.protection.bus_voltage(BUS_MIN + 1, c.control.bus_guard),
             current: c.protection.bus_current(),
             duty: c.control.duties(c.mode(self.listens).duty_max),
             lines: c.protection.lines(),
@@ -188,6 +194,7 @@ impl Drive {
         };
         let present = self.commutator.present();
         self.calm.step = present;
+        self.sensorless.open_eye();
         self.open_phase.change(present);
         if self.open_phase.is_shown() {
             self.calm.all = Sleep { granted: slept, left: 0 };
@@ -244,6 +251,9 @@ impl Drive {
         let c = &self.coefficients;
         let (angle, speed_now) = self.place();
         let (step, commutations) = self.commutator.step(&c.commutator, angle, speed_now, torque);
+        if !commutations.is_empty() {
+            self.sensorless.open_eye();
+        }
         self.applied.commutations = commutations;
         let present = self.commutator.present();
         self.open_phase.change(present);
@@ -350,7 +360,7 @@ impl Drive {
         }
     }
 
-    /// The tick of a settled loop, in full, but for its commutations: true if nothing came near a limit.
+    /// The tick of a settled loop with a plain voltage, in full, but for its commutations: true if nothing came near a limit.
     #[inline]
     pub(super) fn cruises(&mut self, step: Step, current: Amps) -> bool {
         let (c, duties) = (&self.coefficients.control, self.calm.bounds.duty);
