@@ -19,6 +19,7 @@
 mod edges;
 mod window;
 
+use super::band::Band;
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
 use super::interval::{TICK, fraction};
@@ -124,18 +125,6 @@ enum Passage {
     Found,
 }
 
-/// How much of a tick its sample takes, while the step goes on and its samples are those of the on-time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Eye {
-    /// All that [`BackEmf::passes`] asks.
-    #[default]
-    Open,
-    /// One comparison: it is still before the crossing.
-    Before,
-    /// One comparison: it is still beyond.
-    Beyond,
-}
-
 /// What a running step watches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Watch {
@@ -153,9 +142,10 @@ pub struct BackEmf {
     whole: bool,
     watch: Option<Watch>,
     passage: Passage,
-    /// What has been found out about the samples to come; a recording is without it.
+    /// Signals, raw I16F16 V, that say nothing new as long as this step goes on and is sampled in the on-time; empty while there is more to
+    /// it than one comparison. A recording is without it.
     #[serde(skip)]
-    eye: Eye,
+    stale: Band,
     /// Samples that the mean takes: 2^shift.
     shift: u8,
     /// Samples since the blanking.
@@ -192,19 +182,17 @@ impl BackEmf {
         applied: &PwmCommand,
     ) -> Option<bool> {
         let (Some(watch), SampleMode::OnTime) = (self.watch, samples.sample_mode) else { return None };
-        if self.eye == Eye::Open {
-            return None;
-        }
         let signal = signal(c, samples, watch);
-        let passes = if self.eye == Eye::Before { signal < 0 } else { signal >= -self.noise };
-        if passes {
-            (self.previous, self.sampled_at) = (signal, applied.sample_at);
-            self.age = self.age.saturating_add(TICK as i32);
+        if !self.stale.contains(signal) {
+            return if self.stale.is_empty() { None } else { Some(false) };
         }
-        Some(passes)
+        (self.previous, self.sampled_at) = (signal, applied.sample_at);
+        self.age = self.age.saturating_add(TICK as i32);
+        Some(true)
     }
 
     /// The same of any tick.
+    #[inline(always)]
     pub fn passes_at_all(
         &mut self,
         c: &BackEmfCoefficients,
@@ -249,23 +237,24 @@ impl BackEmf {
             _ => return false,
         }
         (self.previous, self.sampled_at) = (mean, sample_at);
-        self.settle_eye();
+        self.expect();
         true
     }
 
     /// Where a mean is one sample, and the crossing is still to come or gone, the next samples take one comparison.
-    const fn settle_eye(&mut self) {
-        self.eye = match self.passage {
-            Passage::Healthy if self.shift == 0 => Eye::Before,
-            Passage::Found if self.shift == 0 => Eye::Beyond,
-            _ => Eye::Open,
+    #[inline]
+    const fn expect(&mut self) {
+        self.stale = match self.passage {
+            Passage::Healthy if self.shift == 0 => Band::new(i32::MIN, -1),
+            Passage::Found if self.shift == 0 => Band::new(-self.noise, i32::MAX),
+            _ => Band::EMPTY,
         };
     }
 
     /// Another step may have been applied.
     #[inline]
-    pub const fn open_eye(&mut self) {
-        self.eye = Eye::Open;
+    pub const fn beware(&mut self) {
+        self.stale = Band::EMPTY;
     }
 
     /// The same of the mean that this signal makes in a slow step.
@@ -312,7 +301,7 @@ impl BackEmf {
         }
         self.passage = Passage::Found;
         self.keep(crossing.mean, sample_at);
-        self.settle_eye();
+        self.expect();
     }
 
     /// How far the signal must go beyond its threshold. The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet
@@ -339,6 +328,7 @@ impl BackEmf {
     }
 
     /// The ordinary change to another step, whose crossing was found: true, and the tick is over. Else nothing is done.
+    #[inline(always)]
     pub fn turns_over(
         &mut self,
         c: &BackEmfCoefficients,
@@ -368,7 +358,7 @@ impl BackEmf {
         point: &OperatingPoint,
     ) -> Sight {
         let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
-        self.open_eye();
+        self.beware();
         let missed = self.follow(c, applied, point);
         let mut sight = Sight { missed, ..Sight::default() };
         let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
@@ -397,7 +387,7 @@ impl BackEmf {
     /// The crossing was too early to be one: it is looked for again.
     pub fn reject(&mut self) {
         (self.passage, self.after_run) = (Passage::Unseen, 0);
-        self.open_eye();
+        self.beware();
     }
 
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.

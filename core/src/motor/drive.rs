@@ -191,7 +191,7 @@ impl Drive {
     /// The loops with every limit.
     #[inline(never)]
     fn finish(&mut self, pattern: &Pattern, current: Amps) {
-        self.sensorless.open_eye();
+        self.sensorless.beware();
         let measured = &self.measurement.measured(current);
         let (c, mode) = (&self.coefficients.control, self.coefficients.mode(self.listens));
         let output = self.control.step(c, mode, pattern.demand, measured, &self.measurement);
@@ -201,7 +201,7 @@ impl Drive {
     /// The whole tick.
     #[inline(never)]
     fn look(&mut self, place: u32, samples: &Samples, current: Amps) {
-        self.sensorless.open_eye();
+        self.sensorless.beware();
         let pattern = self.survey(samples, &self.measurement.measured(current));
         self.conclude(place, &pattern, samples, current);
     }

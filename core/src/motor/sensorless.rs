@@ -189,8 +189,8 @@ impl Sensorless {
 
     /// Another step may have been applied than the one that is watched.
     #[inline]
-    pub const fn open_eye(&mut self) {
-        self.back_emf.open_eye();
+    pub const fn beware(&mut self) {
+        self.back_emf.beware();
     }
 
     /// What [`observe`](Self::observe) does in the tick of a running motor that finds the ordinary crossing, `ticks` after the last that was told: true. Else

@@ -194,7 +194,7 @@ impl Drive {
         };
         let present = self.commutator.present();
         self.calm.step = present;
-        self.sensorless.open_eye();
+        self.sensorless.beware();
         self.open_phase.change(present);
         if self.open_phase.is_shown() {
             self.calm.all = Sleep { granted: slept, left: 0 };
@@ -252,7 +252,7 @@ impl Drive {
         let (angle, speed_now) = self.place();
         let (step, commutations) = self.commutator.step(&c.commutator, angle, speed_now, torque);
         if !commutations.is_empty() {
-            self.sensorless.open_eye();
+            self.sensorless.beware();
         }
         self.applied.commutations = commutations;
         let present = self.commutator.present();
