@@ -420,6 +420,7 @@ impl BackEmf {
     }
 
     /// `step` began at `instant` of the period that has ended.
+    #[inline(always)]
     fn begin(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
         let OperatingPoint { torque, interval, emf } = *point;
         // The mean takes about an eighth of the step: one sample at 6 a step.
@@ -430,20 +431,15 @@ impl BackEmf {
             48..96 => 2,
             _ => 3,
         };
-        *self = Self {
-            step,
-            whole: self.step.sector().is_some(),
-            watch: watch(step, torque),
-            shift,
-            code: self.code,
-            age: TICK as i32 - i32::from(instant),
-            blank: blanking(c, interval),
-            interval,
-            flank: emf / 4,
-            // A mean of 8 samples has a third of the noise.
-            noise: if shift == 3 { c.noise / 2 } else { c.noise },
-            ..Self::default()
-        };
+        self.whole = self.step.sector().is_some();
+        (self.step, self.watch) = (step, watch(step, torque));
+        (self.passage, self.stale, self.shift) = (Passage::Unseen, Band::EMPTY, shift);
+        (self.age, self.blank, self.interval) = (TICK as i32 - i32::from(instant), blanking(c, interval), interval);
+        self.flank = emf / 4;
+        // A mean of 8 samples has a third of the noise.
+        self.noise = if shift == 3 { c.noise / 2 } else { c.noise };
+        // Nothing of the samples before counts: neither those in the window nor the last mean are looked at.
+        (self.count, self.sum, self.after_run) = (0, 0, 0);
     }
 
     /// Off-time: at 2 noises of the unsigned signal, from either side.

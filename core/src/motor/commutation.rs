@@ -182,6 +182,15 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// `value` in this direction: reversed, saturating, or as it is.
+    #[inline]
+    pub const fn signed(self, value: i32) -> i32 {
+        match self {
+            Self::Forward => value,
+            Self::Reverse => value.saturating_neg(),
+        }
+    }
+
     /// +1 or -1.
     #[inline]
     pub const fn sign(self) -> i32 {

@@ -392,6 +392,6 @@ impl Drive {
     /// The same in the direction of torque.
     #[inline]
     fn sensorless_forward(&self) -> i32 {
-        self.sensorless_rate.saturating_mul(self.machine.direction().sign()).max(0)
+        self.machine.direction().signed(self.sensorless_rate).max(0)
     }
 }

@@ -197,22 +197,19 @@ impl Hall {
 
     /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass; an invalid code
     /// goes on being counted.
+    #[inline(always)]
     pub fn calm(&self, c: &HallCoefficients) -> u32 {
         if !self.settled && !self.mute {
             return 0;
         }
-        let to = |age: u32| age.saturating_sub(self.since_edge) / TICK;
-        let end = if self.since_edge >= c.timeout {
-            u32::MAX
-        } else {
-            (c.timeout - 1).saturating_sub(self.since_edge) / TICK
-        };
-        let overdue = if self.unbounded == u32::MAX { u32::MAX } else { to(self.unbounded) };
+        // Until an edge is overdue, and until none is standstill.
+        let quiet = if self.since_edge >= c.timeout { u32::MAX } else { c.timeout - 1 };
+        let end = quiet.min(self.unbounded).saturating_sub(self.since_edge) / TICK;
         let per_tick = self.interpolated.unsigned_abs();
         let passed = self.angle.wrapping_sub(self.from);
         let room = if self.interpolated < 0 { passed } else { self.span.saturating_sub(passed) };
         let clamped = room.checked_div(per_tick).unwrap_or(u32::MAX);
-        end.min(overdue).min(clamped)
+        end.min(clamped)
     }
 
     /// The present code, and no edge, for `ticks` that [`calm`](Self::calm) allowed.

@@ -89,16 +89,26 @@ impl OpenPhase {
         if counted == 0 {
             return;
         }
-        let dead = self.carrying <= counted / 4;
-        let alive = self.carrying >= counted - counted / 4;
-        let evidence = core::mem::take(&mut self.evidence);
-        self.found = false;
-        for (phase, (count, before)) in (0..).zip(self.evidence.iter_mut().zip(evidence)) {
-            let fits = if phase == floating { alive } else { dead };
-            if fits {
-                *count = before.saturating_add(1);
-                self.found |= *count >= EVIDENCE;
+        let quarter = counted / 4;
+        let [a, b, c] = self.evidence;
+        let index = usize::from(floating);
+        if self.carrying >= counted - quarter {
+            // Alive: of this step's phases none is open.
+            let count = [a, b, c].get(index).map_or(0, |count| count.saturating_add(1));
+            self.evidence = [0; 3];
+            if let Some(slot) = self.evidence.get_mut(index) {
+                *slot = count;
             }
+            self.found = count >= EVIDENCE;
+        } else if self.carrying <= quarter {
+            // Dead: one of the two is.
+            self.evidence = [a.saturating_add(1), b.saturating_add(1), c.saturating_add(1)];
+            if let Some(slot) = self.evidence.get_mut(index) {
+                *slot = 0;
+            }
+            self.found = self.evidence.iter().any(|count| *count >= EVIDENCE);
+        } else {
+            (self.evidence, self.found) = ([0; 3], false);
         }
     }
 }

@@ -184,14 +184,15 @@ impl Drive {
         let angle = angle.wrapping_add((speed as u32).wrapping_mul(slept));
         let (c, torque) = (&self.coefficients.commutator, self.machine.direction());
         let mut step = self.commutator.present();
-        self.applied.commutations = match self.commutator.pass(c, angle, speed, torque) {
-            Some(commutation) => Commutations::one(commutation),
+        let (commutations, ticks) = match self.commutator.pass(c, angle, speed, torque) {
+            Some((commutation, ticks)) => (Commutations::one(commutation), ticks),
             None => {
                 let (first, commutations) = self.commutator.step(c, angle, speed, torque);
                 step = first;
-                commutations
+                (commutations, self.commutator.calm(angle, speed))
             }
         };
+        self.applied.commutations = commutations;
         let present = self.commutator.present();
         self.calm.step = present;
         self.sensorless.beware();
@@ -206,7 +207,7 @@ impl Drive {
             let held = self.sensorless.calm_in(present, torque, angle);
             self.calm.others = self.calm.others.min(slept.saturating_add(held));
         }
-        let left = self.commutator.calm(angle, speed).min(self.calm.others.saturating_sub(slept));
+        let left = ticks.min(self.calm.others.saturating_sub(slept));
         self.calm.all = Sleep { granted: slept.wrapping_add(left), left };
         step
     }
@@ -231,7 +232,7 @@ impl Drive {
             if !forward || !self.rotor.turns(c, samples, torque, slept.wrapping_add(1)) {
                 return None;
             }
-            self.rotor.hall_speed().to_bits().saturating_mul(torque.sign())
+            torque.signed(self.rotor.hall_speed().to_bits())
         };
         let quiet = self.protection.stays_quiet(speed);
         let fade = if quiet && self.listens { self.sensorless.run_on(&self.coefficients.sensorless) } else { Some(0) };
@@ -250,19 +251,25 @@ impl Drive {
         self.open_phase.count(current);
         let c = &self.coefficients;
         let (angle, speed_now) = self.place();
-        let (step, commutations) = self.commutator.step(&c.commutator, angle, speed_now, torque);
-        if !commutations.is_empty() {
-            self.sensorless.beware();
-        }
-        self.applied.commutations = commutations;
+        let (step, ticks) = match self.commutator.follow(&c.commutator, angle, speed_now, torque) {
+            Some(ticks) => {
+                self.applied.commutations = Commutations::NONE;
+                (self.commutator.present(), ticks)
+            }
+            None => {
+                let (step, commutations) = self.commutator.step(&c.commutator, angle, speed_now, torque);
+                self.applied.commutations = commutations;
+                self.sensorless.beware();
+                (step, self.commutator.calm(angle, speed_now))
+            }
+        };
         let present = self.commutator.present();
         self.open_phase.change(present);
         (self.calm.hall, self.calm.speed, self.calm.fade, self.calm.step) = (samples.hall, speed, fade, present);
         self.calm.machine -= slept;
         let own = if self.listens { self.estimator_calm() } else { self.rotor.calm(c) };
         self.calm.others = own.min(self.calm.machine);
-        let left = self.commutator.calm(angle, speed_now).min(self.calm.others);
-        self.calm.all = Sleep::new(left);
+        self.calm.all = Sleep::new(ticks.min(self.calm.others));
         if self.open_phase.is_shown() {
             self.calm.end();
         }
