@@ -142,6 +142,24 @@ impl Drive {
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
     pub fn handle_event(&mut self, event: Event) {
+        // A running motor is told again and again to run, and that it is well. Then what changes is the set-point or the temperature, which are
+        // read once a millisecond, and no station need be woken.
+        match event {
+            Event::Command(command) if self.machine.goes_on_with(command.request) => {
+                self.tell();
+                return self.machine.handle_command(command);
+            }
+            Event::SetPoint(speed) if self.machine.state().is_driving() => {
+                self.tell();
+                return self.machine.handle_set_point(speed);
+            }
+            Event::Slow(slow) if self.protection.stays_quiet_at(&self.coefficients.protection, &slow) => {
+                self.slow = slow;
+                return;
+            }
+            Event::Health(health) if health == self.health => return,
+            _ => {}
+        }
         self.wake();
         self.protection.wake();
         match event {

@@ -220,6 +220,15 @@ impl Protection {
         self.quiet && speed <= self.overspeed_trip
     }
 
+    /// Everything is at rest, and these measurements do not stir it.
+    pub fn stays_quiet_at(&self, c: &ProtectionCoefficients, slow: &SlowMeasurements) -> bool {
+        let temperature = slow.temperature.to_bits();
+        self.quiet
+            && temperature <= c.over_temperature.trip
+            && temperature <= c.warning.trip
+            && slow.pressure.to_bits() <= c.over_pressure.trip
+    }
+
     /// No edge backward is remembered, which one forward would make up for.
     #[inline]
     pub const fn goes_forward(&self) -> bool {
