@@ -272,36 +272,34 @@ impl Drive {
     /// What is done once a millisecond, spread over its ticks.
     #[inline(never)]
     fn rest_of_millisecond(&mut self, place: u32, demand: Demand, samples: &Samples, current: Amps) {
-        let ticks = u32::from(self.coefficients.control.ticks_per_ms);
-        if ticks > place::LAST {
-            return self.do_task(place, demand, samples, current);
-        }
         // A board with fewer ticks does more in its last.
-        let last = ticks.max(1) - 1;
-        for task in place..=if place == last { place::LAST } else { place } {
-            self.do_one_task(task, demand, samples, current);
+        if place + 1 >= u32::from(self.coefficients.control.ticks_per_ms) {
+            for task in place..place::LAST {
+                self.do_task(task, demand, samples, current);
+            }
+            return self.do_task(place::LAST, demand, samples, current);
         }
+        self.do_task(place, demand, samples, current);
     }
 
-    #[inline(never)]
-    fn do_one_task(&mut self, task: u32, demand: Demand, samples: &Samples, current: Amps) {
-        self.do_task(task, demand, samples, current);
-    }
-
-    #[inline(always)]
+    #[inline]
     fn do_task(&mut self, task: u32, demand: Demand, samples: &Samples, current: Amps) {
         match task {
-            place::RATINGS => {
-                let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
-                let temperature = self.slow.temperature;
-                self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns);
-            }
+            place::RATINGS => self.rate(demand),
             place::SPEED_LOOP => self.run_speed_loop(demand, current),
             place::RAILS => self.check_rails(),
             _ => self.make_due(samples),
         }
     }
 
+    #[inline(never)]
+    fn rate(&mut self, demand: Demand) {
+        let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
+        let temperature = self.slow.temperature;
+        self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns);
+    }
+
+    #[inline(never)]
     fn run_speed_loop(&mut self, demand: Demand, current: Amps) {
         let c = &self.coefficients;
         if let Demand::Speed { measured: speed, .. } = demand {
@@ -315,6 +313,7 @@ impl Drive {
         }
     }
 
+    #[inline(never)]
     fn check_rails(&mut self) {
         let c = &self.coefficients;
         if self.listens && self.machine.state().is_driving() {

@@ -377,6 +377,7 @@ impl Sensorless {
     }
 
     /// Once a millisecond while driving: the bucket, and in closed loop the voltage's testimony.
+    #[inline(always)]
     pub fn check(
         &mut self,
         c: &SensorlessCoefficients,
