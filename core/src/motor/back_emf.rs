@@ -273,9 +273,12 @@ impl BackEmf {
     pub fn crosses(&self, c: &BackEmfCoefficients, samples: &Samples, applied: &PwmCommand) -> Option<Crossing> {
         let watch = self.watch?;
         let age = self.age.saturating_add(TICK as i32);
-        let sees = age.saturating_add(applied.sample_at.into()) >= self.blank;
-        if !sees || c.comparator || self.is_changed_by(applied) {
-            return None;
+        // Where the sample before took one comparison, the rest is known.
+        if self.stale.is_empty() {
+            let sees = age.saturating_add(applied.sample_at.into()) >= self.blank;
+            if !sees || c.comparator || self.is_changed_by(applied) {
+                return None;
+            }
         }
         let threshold = self.threshold(samples, watch);
         let mean = self.mean(signal(c, samples, watch));

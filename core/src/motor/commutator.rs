@@ -84,7 +84,7 @@ impl Commutator {
 
     /// Another speed, or another place, within the sector, and no boundary in view: for how many ticks from now that goes on. `None` if there is
     /// more to it; then nothing is changed, and [`step`](Self::step) looks.
-    #[inline]
+    #[inline(always)]
     pub fn follow(
         &mut self,
         c: &CommutatorCoefficients,

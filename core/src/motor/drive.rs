@@ -261,6 +261,7 @@ impl Drive {
     }
 
     /// The estimator's speed may have changed.
+    #[inline]
     fn heed_speed(&mut self) {
         let turns = self.sensorless.speed(&self.coefficients.sensorless);
         if turns != self.sensorless_turns {

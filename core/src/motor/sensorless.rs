@@ -226,7 +226,7 @@ impl Sensorless {
     }
 
     /// For how many ticks from now only time would pass, as long as every one [`passes`](Self::passes), with the step `present` applied.
-    #[inline]
+    #[inline(always)]
     pub fn calm(&self, c: &SensorlessCoefficients, present: Step, torque: Direction) -> u32 {
         if !self.is_running() {
             return 0;
@@ -347,7 +347,7 @@ impl Sensorless {
     }
 
     /// One tick of a running motor that goes on: what the voltage fades by, in 1/16. `None` if [`step`](Self::step) is to look.
-    #[inline]
+    #[inline(always)]
     pub fn run_on(&mut self, c: &SensorlessCoefficients) -> Option<u8> {
         let ends = self.rotor.is_lost() || self.rotor.since() >= c.timeout || self.rotor.is_irregular();
         if !self.is_running() || ends {

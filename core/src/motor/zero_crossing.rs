@@ -94,7 +94,7 @@ impl ZeroCrossing {
 
     /// For how many ticks from now only time would pass, if nothing new is seen: until no crossing for `timeout` (1/65 536 tick) is a rotor at rest, until
     /// the one that has not come bounds the speed, and until the rotor stands where it cannot be before the crossing of `expected` is seen.
-    #[inline]
+    #[inline(always)]
     pub fn calm(&self, timeout: u32, expected: Option<u8>) -> u32 {
         let until = |age: u32, end: u32| end.saturating_sub(age) / TICK;
         let bounded = if self.valid == 0 { u32::MAX } else { until(self.fresh, self.patience()) };
@@ -103,7 +103,7 @@ impl ZeroCrossing {
     }
 
     /// For how many ticks from now a rotor at `angle` (u32 turn) has not reached the crossing of `sector`.
-    #[inline]
+    #[inline(always)]
     pub fn held(&self, sector: u8, angle: u32) -> u32 {
         let left = (crossing_of(sector).wrapping_sub(angle) as i32).wrapping_mul(self.direction.sign());
         (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
@@ -380,7 +380,7 @@ impl ZeroCrossing {
     }
 
     /// Speed over up to a revolution, but never more than the crossing that has not come allows.
-    #[inline]
+    #[inline(always)]
     pub fn speed_bounded(&self) -> i32 {
         if self.valid == 0 || self.fresh <= self.patience() {
             return self.speed_mean;

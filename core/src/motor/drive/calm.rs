@@ -434,6 +434,7 @@ impl Drive {
     }
 
     /// Ticks for which the sensorless estimator needs no look.
+    #[inline(always)]
     fn estimator_calm(&self) -> u32 {
         let (present, torque) = (self.commutator.present(), self.machine.direction());
         self.sensorless.calm(&self.coefficients.sensorless, present, torque)
