@@ -182,9 +182,12 @@ impl BackEmf {
         applied: &PwmCommand,
     ) -> Option<bool> {
         let (Some(watch), SampleMode::OnTime) = (self.watch, samples.sample_mode) else { return None };
+        if self.stale.is_empty() {
+            return None;
+        }
         let signal = signal(c, samples, watch);
         if !self.stale.contains(signal) {
-            return if self.stale.is_empty() { None } else { Some(false) };
+            return Some(false);
         }
         (self.previous, self.sampled_at) = (signal, applied.sample_at);
         self.age = self.age.saturating_add(TICK as i32);
@@ -226,7 +229,7 @@ impl BackEmf {
     }
 
     /// This mean is no news; then it is the last one.
-    #[inline]
+    #[inline(always)]
     fn mean_passes(&mut self, mean: i32, threshold: i32, sample_at: u16) -> bool {
         match self.passage {
             Passage::Found if mean >= threshold - self.noise => {}
@@ -500,7 +503,7 @@ impl BackEmf {
     /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
     /// anew. So for a rotor that nothing is known of however long it takes; one that turns may cross behind it, and from three eighths of the
     /// step on that is a late crossing.
-    #[inline(never)]
+    #[inline(always)]
     fn demagnetises(
         &mut self,
         c: &BackEmfCoefficients,

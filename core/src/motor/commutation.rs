@@ -149,10 +149,10 @@ impl Step {
     /// The phase that floats in a running step, 0 to 2.
     #[inline]
     pub const fn floating(self) -> Option<u8> {
-        match self {
-            Self::BC | Self::CB => Some(0),
-            Self::AC | Self::CA => Some(1),
-            Self::AB | Self::BA => Some(2),
+        // By step: coast, AB to CB, the locks.
+        const PHASES: [u8; 13] = [3, 2, 1, 0, 2, 1, 0, 3, 3, 3, 3, 3, 3];
+        match PHASES[self as usize] {
+            phase @ 0..=2 => Some(phase),
             _ => None,
         }
     }
