@@ -397,7 +397,7 @@ impl BackEmf {
     }
 
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.
-    #[inline]
+    #[inline(always)]
     pub fn expects(&self, present: Step, torque: Direction) -> Option<u8> {
         if present == self.step && self.passage == Passage::Found {
             None

@@ -261,8 +261,13 @@ impl Drive {
     }
 
     /// The estimator's speed may have changed.
-    #[inline]
+    #[inline(never)]
     fn heed_speed(&mut self) {
+        self.heed_speed_now();
+    }
+
+    #[inline(always)]
+    fn heed_speed_now(&mut self) {
         let turns = self.sensorless.speed(&self.coefficients.sensorless);
         if turns != self.sensorless_turns {
             self.sensorless_rate = self.coefficients.speed_of_turns.apply32(turns);

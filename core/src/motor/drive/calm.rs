@@ -213,67 +213,100 @@ impl Drive {
     }
 
     /// A tick in which the rotor of a motor that just runs shows that it has turned on, and nothing else asks for a look: the step that it begins with.
-    #[inline(never)]
+    #[inline]
     pub(super) fn turns(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
-        let slept = self.calm.slept();
-        if self.calm.machine <= slept || !self.stays_within_bounds(samples, current) {
+        if self.calm.machine <= self.calm.slept() || !self.stays_within_bounds(samples, current) {
             return None;
         }
-        let torque = self.machine.direction();
-        let c = &self.coefficients;
-        let speed = if self.listens {
-            if !self.sensorless.crosses(&c.sensorless, samples, &self.applied, slept.wrapping_add(1)) {
-                return None;
-            }
-            self.heed_speed();
-            self.sensorless_forward()
-        } else {
-            let forward = self.protection.goes_forward();
-            if !forward || !self.rotor.turns(c, samples, torque, slept.wrapping_add(1)) {
-                return None;
-            }
-            torque.signed(self.rotor.hall_speed().to_bits())
-        };
-        let quiet = self.protection.stays_quiet(speed);
-        let fade = if quiet && self.listens { self.sensorless.run_on(&self.coefficients.sensorless) } else { Some(0) };
-        let (true, Some(fade)) = (quiet, fade) else {
-            // It turns out to be for all stations, which find that it has been taken.
-            self.machine.sleep(slept);
-            self.forget_calm();
-            self.calm.taken = true;
+        if self.listens { self.crosses(samples, current) } else { self.passes_edge(samples, current) }
+    }
+
+    /// The same with hall sensors: their edge.
+    #[inline(never)]
+    fn passes_edge(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
+        let ticks = self.calm.slept().wrapping_add(1);
+        let (c, torque) = (&self.coefficients, self.machine.direction());
+        if !self.protection.goes_forward() || !self.rotor.turns(c, samples, torque, ticks) {
             return None;
+        }
+        let speed = torque.signed(self.rotor.hall_speed().to_bits());
+        if !self.protection.stays_quiet(speed) {
+            return self.leave_to_all(ticks);
+        }
+        let position = self.rotor.hall_position();
+        let (step, left) = self.follow(position.angle, position.speed);
+        let own = self.rotor.calm(&self.coefficients);
+        (self.calm.hall, self.calm.speed) = (samples.hall, speed);
+        self.sleep_on(current, ticks, left, own);
+        Some(step)
+    }
+
+    /// The same without: a crossing.
+    #[inline(never)]
+    fn crosses(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
+        let ticks = self.calm.slept().wrapping_add(1);
+        let c = &self.coefficients;
+        if !self.sensorless.crosses(&c.sensorless, samples, &self.applied, ticks) {
+            return None;
+        }
+        self.heed_speed_now();
+        let speed = self.sensorless_forward();
+        if !self.protection.stays_quiet(speed) {
+            return self.leave_to_all(ticks);
+        }
+        let Some(fade) = self.sensorless.run_on(&self.coefficients.sensorless) else {
+            return self.leave_to_all(ticks);
         };
-        if self.listens && !self.halls_sleep(samples) {
+        if !self.halls_sleep(samples) {
             self.attend_halls(samples);
         }
-        let slept = slept.wrapping_add(1);
-        self.machine.sleep(slept);
-        self.open_phase.count(current);
-        let c = &self.coefficients;
-        let (angle, speed_now) = self.place();
-        let (step, ticks) = match self.commutator.follow(&c.commutator, angle, speed_now, torque) {
-            Some(ticks) => {
-                self.applied.commutations = Commutations::NONE;
-                (self.commutator.present(), ticks)
-            }
-            None => {
-                let (step, commutations) = self.commutator.step(&c.commutator, angle, speed_now, torque);
-                self.applied.commutations = commutations;
-                self.sensorless.beware();
-                (step, self.commutator.calm(angle, speed_now))
-            }
-        };
+        let rotor = self.sensorless.rotor();
+        let (step, left) = self.follow(rotor.angle(), rotor.speed());
+        let own = self.estimator_calm();
+        (self.calm.hall, self.calm.speed, self.calm.fade) = (samples.hall, speed, fade);
+        self.sleep_on(current, ticks, left, own);
+        Some(step)
+    }
+
+    /// What has been taken turns out to be for all stations, the tick that is under way included in `ticks` of calm: they find it taken.
+    #[inline(never)]
+    fn leave_to_all(&mut self, ticks: u32) -> Option<Step> {
+        self.machine.sleep(ticks.wrapping_sub(1));
+        self.forget_calm();
+        self.calm.taken = true;
+        None
+    }
+
+    /// The pattern of a rotor that is at `angle` and turns at another `speed` (u32 turn, 2^-32 turn a tick): the step that the tick begins with, and for
+    /// how many ticks from now the last one goes on.
+    #[inline(always)]
+    fn follow(&mut self, angle: u32, speed: i32) -> (Step, u32) {
+        let (c, torque) = (&self.coefficients.commutator, self.machine.direction());
+        if let Some(ticks) = self.commutator.follow(c, angle, speed, torque) {
+            self.applied.commutations = Commutations::NONE;
+            return (self.commutator.present(), ticks);
+        }
+        let (step, commutations) = self.commutator.step(c, angle, speed, torque);
+        self.applied.commutations = commutations;
+        self.sensorless.beware();
+        (step, self.commutator.calm(angle, speed))
+    }
+
+    /// After `ticks` of calm, this one included, it goes on: until the next commutation, in `left` ticks, but no longer than the estimator (`own`) and the
+    /// state machine allow.
+    #[inline(always)]
+    fn sleep_on(&mut self, current: Amps, ticks: u32, left: u32, own: u32) {
+        self.machine.sleep(ticks);
         let present = self.commutator.present();
+        self.calm.step = present;
+        self.open_phase.count(current);
         self.open_phase.change(present);
-        (self.calm.hall, self.calm.speed, self.calm.fade, self.calm.step) = (samples.hall, speed, fade, present);
-        self.calm.machine -= slept;
-        let own = if self.listens { self.estimator_calm() } else { self.rotor.calm(c) };
+        self.calm.machine = self.calm.machine.wrapping_sub(ticks);
         self.calm.others = own.min(self.calm.machine);
-        self.calm.all = Sleep::new(ticks.min(self.calm.others));
+        self.calm.all = Sleep::new(left.min(self.calm.others));
         if self.open_phase.is_shown() {
             self.calm.end();
         }
-        Some(step)
     }
 
     /// The hall sensors. In a drive that has no use for them they sleep apart from the other stations.
