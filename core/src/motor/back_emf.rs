@@ -273,7 +273,12 @@ impl BackEmf {
 
     /// The ordinary crossing of a step that goes on: what [`step`](Self::step) would find. Nothing is taken yet.
     #[inline]
-    pub fn crosses(&self, c: &BackEmfCoefficients, samples: &Samples, applied: &PwmCommand) -> Option<Crossing> {
+    pub fn crosses(
+        &self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+    ) -> Option<Crossing> {
         let watch = self.watch?;
         let age = self.age.saturating_add(TICK as i32);
         // Where the sample before took one comparison, the rest is known.
@@ -440,7 +445,8 @@ impl BackEmf {
         self.whole = self.step.sector().is_some();
         (self.step, self.watch) = (step, watch(step, torque));
         (self.passage, self.stale, self.shift) = (Passage::Unseen, Band::EMPTY, shift);
-        (self.age, self.blank, self.interval) = (TICK as i32 - i32::from(instant), blanking(c, interval), interval);
+        (self.age, self.blank, self.interval) =
+            (TICK as i32 - i32::from(instant), blanking(c, interval), interval);
         self.flank = emf / 4;
         // A mean of 8 samples has a third of the noise.
         self.noise = if shift == 3 { c.noise / 2 } else { c.noise };

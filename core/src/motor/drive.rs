@@ -183,8 +183,11 @@ impl Drive {
         let place = self.control.tick(&self.coefficients.control);
         let idle = self.machine.state() == State::Initialization;
         let current = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        let step =
-            if self.is_calm(samples, current) { Some(self.go_on(current)) } else { self.turns(samples, current) };
+        let step = if self.is_calm(samples, current) {
+            Some(self.go_on(current))
+        } else {
+            self.turns(samples, current)
+        };
         match step {
             Some(step) => self.keep_on(step, place, samples, current),
             None => self.look(place, samples, current),

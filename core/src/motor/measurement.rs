@@ -170,16 +170,20 @@ impl Measurement {
     pub const fn plain_duty(&self, voltage: i32) -> Option<u32> {
         let bus = self.bus_voltage as u32;
         // One comparison for both.
-        if (voltage as u32).wrapping_sub(1) < bus.wrapping_sub(1) { Some(ratio(voltage as u32, bus)) } else { None }
+        if (voltage as u32).wrapping_sub(1) < bus.wrapping_sub(1) {
+            Some(ratio(voltage as u32, bus))
+        } else {
+            None
+        }
     }
 }
 
-/// `voltage / bus` in 1/32 768. The bus has more than 16 bits, and the voltage is below it.
+/// `voltage / bus` in 1/32 768. The bus has more than 16 bits, and the voltage is below it: both are shifted until the bus has 32.
 #[inline]
 const fn ratio(voltage: u32, bus: u32) -> u32 {
-    let scale = 16 - bus.leading_zeros();
-    // Of these 16 bits the highest is set, and no divisor is 0.
-    (voltage << (15 - scale)) / (bus >> scale | 1 << 15)
+    let shift = (bus | 1).leading_zeros();
+    // Of the divisor's 16 bits the highest is set, and it is not 0.
+    ((voltage << shift) >> 1) / ((bus << shift) >> 16 | 1 << 15)
 }
 
 /// Below 4 V nothing runs; from there on the bus voltage has more than 16 bits.

@@ -358,6 +358,17 @@ impl Sensorless {
         Some(self.rotor.fade())
     }
 
+    /// The same behind a [`crossing`](Self::crosses), after which nothing fades: false, and nothing is done, if [`step`](Self::step) is to look.
+    #[inline(always)]
+    pub fn runs_on(&mut self, c: &SensorlessCoefficients) -> bool {
+        if self.rotor.since() >= c.timeout || self.rotor.is_irregular() {
+            return false;
+        }
+        self.age = self.age.saturating_add(1);
+        self.idle = self.idle.saturating_add(1);
+        true
+    }
+
     fn run(&mut self, c: &SensorlessCoefficients) -> Plan {
         if self.rotor.is_lost() || self.rotor.since() >= c.timeout {
             self.end(Rail::Stall);

@@ -251,19 +251,16 @@ impl Drive {
         }
         self.heed_speed_now();
         let speed = self.sensorless_forward();
-        if !self.protection.stays_quiet(speed) {
+        if !self.protection.stays_quiet(speed) || !self.sensorless.runs_on(&self.coefficients.sensorless) {
             return self.leave_to_all(ticks);
         }
-        let Some(fade) = self.sensorless.run_on(&self.coefficients.sensorless) else {
-            return self.leave_to_all(ticks);
-        };
         if !self.halls_sleep(samples) {
             self.attend_halls(samples);
         }
         let rotor = self.sensorless.rotor();
         let (step, left) = self.follow(rotor.angle(), rotor.speed());
         let own = self.estimator_calm();
-        (self.calm.hall, self.calm.speed, self.calm.fade) = (samples.hall, speed, fade);
+        (self.calm.hall, self.calm.speed, self.calm.fade) = (samples.hall, speed, 0);
         self.sleep_on(current, ticks, left, own);
         Some(step)
     }
