@@ -14,7 +14,7 @@ pub(super) fn speed_of(sixths: u8, time: u32) -> i32 {
     // From 8 ticks on nothing saturates, and the divisor has 16 bits, the highest of which says that it is not 0.
     if time >= 8 * TICK {
         let scale = 16 - time.leading_zeros();
-        return (turned / (time >> scale | 1 << 15) << (16 - scale)) as i32;
+        return ((turned / ((time >> scale) | (1 << 15))) << (16 - scale)) as i32;
     }
     let scale = 16_u32.saturating_sub(time.leading_zeros());
     let quotient = turned / (time >> scale).max(1);

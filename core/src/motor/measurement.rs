@@ -183,7 +183,7 @@ impl Measurement {
 const fn ratio(voltage: u32, bus: u32) -> u32 {
     let shift = (bus | 1).leading_zeros();
     // Of the divisor's 16 bits the highest is set, and it is not 0.
-    ((voltage << shift) >> 1) / ((bus << shift) >> 16 | 1 << 15)
+    ((voltage << shift) >> 1) / (((bus << shift) >> 16) | (1 << 15))
 }
 
 /// Below 4 V nothing runs; from there on the bus voltage has more than 16 bits.
