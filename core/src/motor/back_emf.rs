@@ -261,10 +261,16 @@ impl BackEmf {
         for (step, instant) in core::iter::once(first).chain(later) {
             if step != self.step {
                 missed |= self.passage != Passage::Found && self.whole && step.sector().is_some();
-                self.begin(c, step, instant, point);
+                self.begin_late(c, step, instant, point);
             }
         }
         missed
+    }
+
+    /// [`begin`](Self::begin) where time matters less than room.
+    #[inline(never)]
+    fn begin_late(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
+        self.begin(c, step, instant, point);
     }
 
     /// `step` began at `instant` of the period that has ended.

@@ -230,7 +230,6 @@ impl Drive {
     /// Every station in turn, up to what is to be applied.
     #[inline]
     fn survey(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
-        let rests = self.calm.is_told_to_rest();
         self.wake();
         let taken = self.is_taken();
         let hall = if taken && !self.listens {
@@ -240,9 +239,6 @@ impl Drive {
         };
         if self.listens && !taken {
             self.listen(samples, measured);
-        }
-        if rests && let Some(pattern) = self.glance(samples, measured, hall) {
-            return pattern;
         }
         let critical = self.protect(samples, measured, hall);
         self.advance_state(critical, samples);

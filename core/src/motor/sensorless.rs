@@ -346,19 +346,8 @@ impl Sensorless {
         Plan::Level(level)
     }
 
-    /// One tick of a running motor that goes on: what the voltage fades by, in 1/16. `None` if [`step`](Self::step) is to look.
-    #[inline(always)]
-    pub fn run_on(&mut self, c: &SensorlessCoefficients) -> Option<u8> {
-        let ends = self.rotor.is_lost() || self.rotor.since() >= c.timeout || self.rotor.is_irregular();
-        if !self.is_running() || ends {
-            return None;
-        }
-        self.age = self.age.saturating_add(1);
-        self.idle = self.idle.saturating_add(1);
-        Some(self.rotor.fade())
-    }
-
-    /// The same behind a [`crossing`](Self::crosses), after which nothing fades: false, and nothing is done, if [`step`](Self::step) is to look.
+    /// One tick of a running motor that goes on behind a [`crossing`](Self::crosses), after which nothing fades: false, and nothing is done, if
+    /// [`step`](Self::step) is to look.
     #[inline(always)]
     pub fn runs_on(&mut self, c: &SensorlessCoefficients) -> bool {
         if self.rotor.since() >= c.timeout || self.rotor.is_irregular() {

@@ -12,7 +12,7 @@ use crate::motor::band::Band;
 use crate::motor::commutation::Step;
 use crate::motor::control::Demand;
 use crate::motor::hall::HallEvents;
-use crate::motor::measurement::{BUS_MIN, Measured};
+use crate::motor::measurement::BUS_MIN;
 use crate::motor::pwm::{Commutations, PwmCommand, Rectification};
 use crate::motor::samples::{Lines, Samples};
 use crate::motor::state::State;
@@ -211,44 +211,6 @@ impl Drive {
     /// The hall lines mean something else, or somebody has use for them again.
     pub(super) fn wake_halls(&mut self) {
         self.calm.halls = Sleep::default();
-    }
-
-    /// Most looks of a running motor find an edge forward or a crossing, and nothing else: `None` if this one does not.
-    #[inline]
-    pub(super) fn glance(
-        &mut self,
-        samples: &Samples,
-        measured: &Measured,
-        hall: HallEvents,
-    ) -> Option<Pattern> {
-        if !self.is_quiet(samples, measured.bus_current, self.speed()) {
-            return None;
-        }
-        let demand = if self.listens {
-            let fade = self.sensorless.run_on(&self.coefficients.sensorless)?;
-            Demand::Speed { measured: self.sensorless_forward(), fade }
-        } else {
-            if self.minds(hall) {
-                return None;
-            }
-            self.hall_demand()?
-        };
-        self.machine.sleep(1);
-        self.open_phase.count(measured.bus_current);
-        let pattern = self.turn_on(demand);
-        self.calm_down(samples, demand);
-        Some(pattern)
-    }
-
-    /// The pattern at the rotor's place.
-    #[inline]
-    fn turn_on(&mut self, demand: Demand) -> Pattern {
-        let (angle, speed) = self.place();
-        let (step, commutations) =
-            self.commutator.step(&self.coefficients.commutator, angle, speed, self.machine.direction());
-        let pattern = Pattern { demand, step, commutations, short: false };
-        self.open_phase.change(pattern.last());
-        pattern
     }
 
     /// Where the rotor is by the running mode: angle and speed, u32 turn and 2^-32 turn a tick.
