@@ -110,6 +110,12 @@ impl Duty {
     pub const fn from_bits(bits: u16) -> Self {
         if bits > Self::ONE.to_bits() { Self::ONE } else { Self(U1F15::from_bits(bits)) }
     }
+    /// From units of 2^-15 that are known to be no more than 32 768.
+    #[inline]
+    pub(crate) const fn from_bits_within(bits: u16) -> Self {
+        debug_assert!(bits <= Self::ONE.to_bits());
+        Self(U1F15::from_bits(bits))
+    }
 }
 
 /// Electrical angle, one turn = 65 536; wraps. 0 is the rising zero crossing of phase A's back-EMF.

@@ -1,6 +1,6 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
-use narx_core::motor::event::{Health, SlowMeasurements};
+use narx_core::motor::event::SlowMeasurements;
 use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
@@ -137,8 +137,8 @@ impl Closed {
             _ => {}
         }
         let watched = self.watched.as_mut().map(|drive| {
-            // An event that says nothing new: the drive looks at everything in this tick.
-            drive.handle_event(Event::Health(Health::default()));
+            // A calibration is withdrawn that nobody has asked for. It is no event that the drive passes over: it looks at everything in this tick.
+            drive.handle_event(Event::CalibrateHall(false));
             (drive.step(&samples), drive.poll_status())
         });
         let output = self.drive.step(&samples);

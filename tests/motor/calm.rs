@@ -2,7 +2,7 @@
 //! everything in every tick answers the same.
 
 use crate::bench::{Closed, MOTOR, Outcome};
-use narx_core::motor::{Request, State};
+use narx_core::motor::{Cause, FaultWord, Request, State};
 use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, PlantConfig};
 
 fn watched(supply: f64) -> Closed {
@@ -68,5 +68,54 @@ fn a_calm_tick_without_sensors_is_a_whole_tick() {
         closed.plant.inject(Injection::BlockedRotor);
         closed.run(40_000);
         assert!(closed.rpm().abs() < 1.0 && closed.status.state != State::SensorlessClosedLoop);
+    }
+}
+
+/// A motor that just runs, with its sensors or without, watched.
+fn running(sensors: bool) -> Closed {
+    let mut config = PlantConfig::new(MOTOR, 24.0);
+    config.angle_deg = 40.0;
+    let mut closed = if sensors { Closed::new(&config, &[]) } else { Closed::sensorless(&config, &[]) };
+    closed.watch();
+    closed.boot();
+    closed.set_point = 2_000.0;
+    closed.ask(Request::Drive);
+    assert_eq!(closed.run(14_000), Outcome::Running);
+    assert!(closed.rpm() > 1_900.0, "{} rpm", closed.rpm());
+    closed
+}
+
+/// Measurements and commands that say nothing new wake nobody. Those that do are seen in the same tick.
+#[test]
+fn news_ends_a_calm() {
+    for sensors in [true, false] {
+        let mut closed = running(sensors);
+        closed.plant.inject(Injection::Ambient(187.0));
+        assert_eq!(closed.run(2_500), Outcome::Running);
+        assert!(closed.status.faults.contains(FaultWord::TEMPERATURE_WARNING), "{:?}", closed.status);
+        closed.plant.inject(Injection::Ambient(25.0));
+        assert_eq!(closed.run(2_500), Outcome::Running);
+        assert!(closed.status.faults.is_empty(), "{:?}", closed.status);
+        for set_point in [2_500.0, 1_000.0, 2_000.0] {
+            closed.set_point = set_point;
+            closed.ask(Request::Drive);
+            assert_eq!(closed.run(3_000), Outcome::Running);
+            assert!((closed.rpm() - set_point).abs() < 0.1 * set_point, "{} rpm", closed.rpm());
+        }
+        closed.plant.inject(Injection::Ambient(193.0));
+        let code = Cause::OverTemperature as u16;
+        assert!(matches!(closed.run(2_500), Outcome::Fault { code: found, .. } if found == code));
+    }
+}
+
+/// An edge or a crossing that is beyond the largest speed is taken by the short way, and judged by the fault logic in the same tick.
+#[test]
+fn too_fast_an_edge_is_judged_in_its_tick() {
+    for sensors in [true, false] {
+        let mut closed = running(sensors);
+        closed.plant.set_load(LoadConfig { constant: -0.1, ..LoadConfig::default() });
+        let code = Cause::Overspeed as u16;
+        let outcome = closed.run(20_000);
+        assert!(matches!(outcome, Outcome::Fault { code: found, .. } if found == code), "{outcome:?}");
     }
 }

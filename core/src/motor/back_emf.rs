@@ -17,16 +17,18 @@
 //! the crossing is found where the flank, whose slope is known from the back-EMF constant, came from.
 
 mod edges;
+mod passing;
 mod window;
 
-use super::commutation::{Direction, Leg, Step};
+use super::band::Band;
+use super::commutation::{Direction, Step};
 use super::gain::Gain;
 use super::interval::{TICK, fraction};
 use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
 use super::samples::{SampleMode, Samples};
 use serde::{Deserialize, Serialize};
-use window::signal;
+use window::{Mean, signal};
 
 /// Coefficients of the back-EMF station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,6 +93,20 @@ pub struct Sight {
     pub missed: bool,
 }
 
+/// The ordinary crossing of a running motor.
+#[derive(Clone, Copy)]
+pub struct Crossing {
+    /// The rotor's sector.
+    pub sector: u8,
+    /// How long before the present boundary, 1/65 536 tick, negative is after it.
+    pub age: i32,
+    /// The signal's value at it, signed as it rises, raw I16F16 V.
+    pub threshold: i32,
+    /// Its age without the delays of comparators, and the mean that showed it.
+    ago: i32,
+    mean: Mean,
+}
+
 /// What is told from noise, times this, is a rotor on its way.
 const FIRST_SIGN: i32 = 4;
 /// Samples that the mean reaches back at most.
@@ -127,6 +143,10 @@ pub struct BackEmf {
     whole: bool,
     watch: Option<Watch>,
     passage: Passage,
+    /// Signals, raw I16F16 V, that say nothing new as long as this step goes on and is sampled in the on-time; empty while there is more to
+    /// it than one comparison. A recording is without it.
+    #[serde(skip)]
+    stale: Band,
     /// Samples that the mean takes: 2^shift.
     shift: u8,
     /// Samples since the blanking.
@@ -153,91 +173,27 @@ pub struct BackEmf {
 }
 
 impl BackEmf {
-    /// The ordinary tick of a step that goes on: takes its sample and answers true, if that says nothing new to the estimator. Else
-    /// nothing is taken, and [`step`](Self::step) is to look.
-    #[inline(always)]
-    pub fn passes(
-        &mut self,
-        c: &BackEmfCoefficients,
-        samples: &Samples,
-        bus_voltage: i32,
-        applied: &PwmCommand,
-    ) -> bool {
-        let Some(watch) = self.watch else { return false };
-        if self.is_changed_by(applied) || self.passage == Passage::Crossing {
-            return false;
-        }
-        let age = self.age.saturating_add(TICK as i32);
-        if c.comparator {
-            return self.edges_pass(samples, watch, age);
-        }
-        let hidden = age.saturating_add(applied.sample_at.into()) < self.blank
-            || (self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, age, watch));
-        if !hidden {
-            let (signal, threshold) = (signal(c, samples, watch), self.threshold(samples, watch));
-            let passes = if self.shift == 0 {
-                self.mean_passes(signal, threshold, applied.sample_at)
-            } else {
-                self.sample_passes(signal, threshold, applied.sample_at)
-            };
-            if !passes {
-                return false;
-            }
-        }
-        self.age = age;
-        true
-    }
-
-    /// This mean is no news; then it is the last one.
+    /// How far the signal must go beyond its threshold. The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet
+    /// has half the torque: it must be well on its way.
     #[inline]
-    fn mean_passes(&mut self, mean: i32, threshold: i32, sample_at: u16) -> bool {
-        match self.passage {
-            Passage::Found if mean >= threshold - self.noise => {}
-            Passage::Healthy if mean < threshold => {}
-            Passage::Unseen if mean < threshold - self.noise => {
-                (self.passage, self.after_run) = (Passage::Healthy, 0);
-            }
-            _ => return false,
-        }
-        (self.previous, self.sampled_at) = (mean, sample_at);
-        true
+    const fn beyond(&self) -> i32 {
+        if self.interval == 0 { FIRST_SIGN * self.noise } else { self.noise }
     }
 
-    /// The same of the mean that this signal makes in a slow step.
-    #[inline(never)]
-    fn sample_passes(&mut self, signal: i32, threshold: i32, sample_at: u16) -> bool {
-        let mean = self.mean(signal);
-        let passes = self.mean_passes(mean.value, threshold, sample_at);
-        if passes {
-            self.keep(mean, sample_at);
-        }
-        passes
+    /// How long ago the signal passed its threshold, on its way from the last mean to this one.
+    #[inline]
+    fn crossed_at(&self, mean: i32, threshold: i32, sample_at: u16) -> i32 {
+        let now = -i32::from(sample_at);
+        let previous_age = TICK as i32 - i32::from(self.sampled_at);
+        let part = fraction(threshold - self.previous, mean - self.previous);
+        let span = i64::from(previous_age.saturating_sub(now));
+        previous_age - ((span * i64::from(part)) >> 16) as i32 + self.mean_delay()
     }
 
     /// What was applied in the period that has ended begins another step.
     #[inline]
     pub fn is_changed_by(&self, applied: &PwmCommand) -> bool {
         applied.step != self.step || !applied.commutations.is_empty()
-    }
-
-    /// The ordinary change to another step, whose crossing was found: true, and the tick is over. Else nothing is done.
-    pub fn turns_over(
-        &mut self,
-        c: &BackEmfCoefficients,
-        applied: &PwmCommand,
-        point: &OperatingPoint,
-    ) -> bool {
-        let (step, instant) = match applied.commutations.last() {
-            Some(last) => (last.step, last.instant),
-            None => (applied.step, c.earliest),
-        };
-        let age = TICK as i32 - i32::from(instant) + i32::from(applied.sample_at);
-        let plain = self.passage == Passage::Found && !c.comparator && step.sector().is_some();
-        if !plain || age >= blanking(c, point.interval) {
-            return false;
-        }
-        self.begin(c, step, instant, point);
-        true
     }
 
     /// One tick. `bus_voltage` is raw I16F16 V as it is now, `applied` was in force in the period that has ended.
@@ -250,6 +206,7 @@ impl BackEmf {
         point: &OperatingPoint,
     ) -> Sight {
         let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
+        self.beware();
         let missed = self.follow(c, applied, point);
         let mut sight = Sight { missed, ..Sight::default() };
         let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
@@ -278,10 +235,11 @@ impl BackEmf {
     /// The crossing was too early to be one: it is looked for again.
     pub fn reject(&mut self) {
         (self.passage, self.after_run) = (Passage::Unseen, 0);
+        self.beware();
     }
 
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.
-    #[inline]
+    #[inline(always)]
     pub fn expects(&self, present: Step, torque: Direction) -> Option<u8> {
         if present == self.step && self.passage == Passage::Found {
             None
@@ -303,13 +261,20 @@ impl BackEmf {
         for (step, instant) in core::iter::once(first).chain(later) {
             if step != self.step {
                 missed |= self.passage != Passage::Found && self.whole && step.sector().is_some();
-                self.begin(c, step, instant, point);
+                self.begin_late(c, step, instant, point);
             }
         }
         missed
     }
 
+    /// [`begin`](Self::begin) where time matters less than room.
+    #[inline(never)]
+    fn begin_late(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
+        self.begin(c, step, instant, point);
+    }
+
     /// `step` began at `instant` of the period that has ended.
+    #[inline(always)]
     fn begin(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
         let OperatingPoint { torque, interval, emf } = *point;
         // The mean takes about an eighth of the step: one sample at 6 a step.
@@ -320,20 +285,16 @@ impl BackEmf {
             48..96 => 2,
             _ => 3,
         };
-        *self = Self {
-            step,
-            whole: self.step.sector().is_some(),
-            watch: floating(step, torque).map(|(sector, phase)| Watch { sector, phase: phase as u8 }),
-            shift,
-            code: self.code,
-            age: TICK as i32 - i32::from(instant),
-            blank: blanking(c, interval),
-            interval,
-            flank: emf / 4,
-            // A mean of 8 samples has a third of the noise.
-            noise: if shift == 3 { c.noise / 2 } else { c.noise },
-            ..Self::default()
-        };
+        self.whole = self.step.sector().is_some();
+        (self.step, self.watch) = (step, watch(step, torque));
+        (self.passage, self.stale, self.shift) = (Passage::Unseen, Band::EMPTY, shift);
+        (self.age, self.blank, self.interval) =
+            (TICK as i32 - i32::from(instant), blanking(c, interval), interval);
+        self.flank = emf / 4;
+        // A mean of 8 samples has a third of the noise.
+        self.noise = if shift == 3 { c.noise / 2 } else { c.noise };
+        // Nothing of the samples before counts: neither those in the window nor the last mean are looked at.
+        (self.count, self.sum, self.after_run) = (0, 0, 0);
     }
 
     /// Off-time: at 2 noises of the unsigned signal, from either side.
@@ -356,9 +317,7 @@ impl BackEmf {
     ) {
         let off_time = samples.sample_mode == SampleMode::OffTime;
         let (noise, threshold) = (self.noise, self.threshold(samples, watch));
-        // The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet has half the torque: it must be
-        // well on its way.
-        let beyond = if self.interval == 0 { FIRST_SIGN * noise } else { noise };
+        let beyond = self.beyond();
         let sample = self.mean(signal(c, samples, watch));
         let mean = sample.value;
         if mean < threshold - noise {
@@ -376,12 +335,7 @@ impl BackEmf {
         match self.passage {
             Passage::Crossing if mean < threshold => self.passage = Passage::Healthy,
             Passage::Healthy if mean >= threshold => {
-                let now = -i32::from(sample_at);
-                let previous_age = TICK as i32 - i32::from(self.sampled_at);
-                let part = fraction(threshold - self.previous, mean - self.previous);
-                let span = i64::from(previous_age.saturating_sub(now));
-                let delay = self.mean_delay();
-                self.crossed = previous_age - ((span * i64::from(part)) >> 16) as i32 + delay;
+                self.crossed = self.crossed_at(mean, threshold, sample_at);
                 self.passage = Passage::Crossing;
             }
             _ => {}
@@ -398,7 +352,7 @@ impl BackEmf {
     /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
     /// anew. So for a rotor that nothing is known of however long it takes; one that turns may cross behind it, and from three eighths of the
     /// step on that is a late crossing.
-    #[inline(never)]
+    #[inline(always)]
     fn demagnetises(
         &mut self,
         c: &BackEmfCoefficients,
@@ -431,11 +385,9 @@ fn blanking(c: &BackEmfCoefficients, interval: u32) -> i32 {
     blank.min(i32::MAX as u32) as i32
 }
 
-/// Rotor sector and floating phase of a step with torque in `torque`.
-pub fn floating(step: Step, torque: Direction) -> Option<(u8, usize)> {
-    let sector = step.rotor_sector(torque)?;
-    let phase = step.legs().iter().position(|leg| *leg == Leg::Floating)?;
-    Some((sector, phase))
+/// What a running step with torque in `torque` shows.
+fn watch(step: Step, torque: Direction) -> Option<Watch> {
+    Some(Watch { sector: step.rotor_sector(torque)?, phase: step.floating()? })
 }
 
 /// The floating terminal is at a rail: current into it before a rising crossing, out of it before a falling one, on the far side of the

@@ -8,6 +8,9 @@ pub struct Band {
 }
 
 impl Band {
+    /// No value at all.
+    pub const EMPTY: Self = Self { low: 0, count: 0 };
+
     /// `low..=high`, less than 2^32 values; nothing if `high` is below `low`.
     pub const fn new(low: i32, high: i32) -> Self {
         let count = if low <= high { high.wrapping_sub(low) as u32 } else { return Self { low, count: 0 } };

@@ -72,6 +72,20 @@ pub enum Leg {
 /// The six running steps by sector.
 pub const STEPS: [Step; 6] = [Step::AB, Step::AC, Step::BC, Step::BA, Step::CA, Step::CB];
 
+/// The same with forward and with reverse torque, in tables that three bits cannot miss.
+const FORWARD: [Step; 8] = turned(0);
+const REVERSE: [Step; 8] = turned(3);
+
+const fn turned(sectors: usize) -> [Step; 8] {
+    let mut steps = [Step::Coast; 8];
+    let mut sector = 0;
+    while sector < 8 {
+        steps[sector] = STEPS[(sector + sectors) % 6];
+        sector += 1;
+    }
+    steps
+}
+
 /// The six locks by the angle they pull to, from 0 in steps of 60 degrees.
 pub const LOCKS: [Step; 6] =
     [Step::LockBC, Step::LockC, Step::LockCA, Step::LockA, Step::LockAB, Step::LockB];
@@ -114,14 +128,14 @@ impl Step {
         }
     }
 
-    /// The step that gives torque in `direction` to a rotor in `sector` (0..=5; taken modulo 6).
+    /// The step that gives torque in `direction` to a rotor in `sector` (0..=5).
     #[inline]
     pub const fn for_sector(sector: u8, direction: Direction) -> Self {
-        let half_turn = match direction {
-            Direction::Forward => 0,
-            Direction::Reverse => 3,
+        let steps = match direction {
+            Direction::Forward => &FORWARD,
+            Direction::Reverse => &REVERSE,
         };
-        STEPS[(sector as usize + half_turn) % 6]
+        steps[(sector & 7) as usize]
     }
 
     /// The sector of a rotor that this step gives torque in `direction`.
@@ -129,6 +143,17 @@ impl Step {
         match (self.sector(), direction) {
             (Some(sector), Direction::Reverse) => Some((sector + 3) % 6),
             (sector, _) => sector,
+        }
+    }
+
+    /// The phase that floats in a running step, 0 to 2.
+    #[inline]
+    pub const fn floating(self) -> Option<u8> {
+        // By step: coast, AB to CB, the locks.
+        const PHASES: [u8; 13] = [3, 2, 1, 0, 2, 1, 0, 3, 3, 3, 3, 3, 3];
+        match PHASES[self as usize] {
+            phase @ 0..=2 => Some(phase),
+            _ => None,
         }
     }
 
@@ -157,6 +182,15 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// `value` in this direction: reversed, saturating, or as it is.
+    #[inline]
+    pub const fn signed(self, value: i32) -> i32 {
+        match self {
+            Self::Forward => value,
+            Self::Reverse => value.saturating_neg(),
+        }
+    }
+
     /// +1 or -1.
     #[inline]
     pub const fn sign(self) -> i32 {

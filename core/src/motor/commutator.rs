@@ -55,6 +55,58 @@ impl Commutator {
         }
     }
 
+    /// The rotor passes the boundary that it went on to, at the speed that it had: the commutation. `None` if there is more to it; then nothing is
+    /// changed, and [`step`](Self::step) looks. And for how many ticks from now the next step goes on.
+    #[inline]
+    pub fn pass(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> Option<(Commutation, u32)> {
+        let backward = speed < 0;
+        let next = neighbour(self.sector?, backward);
+        let ahead = distance(angle, entry(next, speed), speed).wrapping_sub(c.advance);
+        let per_tick = speed.unsigned_abs();
+        let seen = SIXTH - self.span;
+        let plain = speed == self.speed && torque == self.torque && seen < INSIDE && ahead < seen;
+        if !plain || ahead <= part_of(per_tick as i32, c.earliest.into()) {
+            return None;
+        }
+        let instant = instant_of(c, ahead, per_tick);
+        let step = Step::for_sector(next, torque);
+        self.until = before(entry(neighbour(next, backward), speed), seen.wrapping_add(c.advance), speed);
+        (self.sector, self.step) = (Some(next), step);
+        let ticks = distance(angle, self.until, speed).checked_div(per_tick).unwrap_or(0);
+        Some((Commutation { instant, step }, ticks))
+    }
+
+    /// Another speed, or another place, within the sector, and no boundary in view: for how many ticks from now that goes on. `None` if there is
+    /// more to it; then nothing is changed, and [`step`](Self::step) looks.
+    #[inline(always)]
+    pub fn follow(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> Option<u32> {
+        let backward = speed < 0;
+        let boundary = entry(neighbour(self.sector?, backward), speed);
+        let ahead = distance(angle, boundary, speed).wrapping_sub(c.advance);
+        let per_tick = speed.unsigned_abs();
+        let seen = seen_of(c, per_tick);
+        // The speed that it has is left alone: the angle may have moved back over the entry of its sector.
+        let plain = torque == self.torque && speed != self.speed && (1..SIXTH).contains(&seen);
+        if !plain || !(seen..INSIDE).contains(&ahead) {
+            return None;
+        }
+        (self.speed, self.span) = (speed, SIXTH - seen);
+        self.until = before(boundary, seen.wrapping_add(c.advance), speed);
+        (ahead - seen).checked_div(per_tick)
+    }
+
     /// Another speed, or the boundary ahead in view: what a rotor does that goes on.
     #[inline(never)]
     fn approach(
@@ -71,7 +123,7 @@ impl Commutator {
         let ahead = distance(angle, boundary, speed).wrapping_sub(c.advance);
         let per_tick = speed.unsigned_abs();
         let blind = part_of(per_tick as i32, c.earliest.into());
-        let seen = per_tick.saturating_add(blind / 2);
+        let seen = seen_of(c, per_tick);
         // Within the sector that it was, before the boundary at the first instant that counts, and no second one in view.
         let plain = torque == self.torque && per_tick > 0 && seen < SIXTH && ahead > blind && ahead < INSIDE;
         if !plain {
@@ -100,18 +152,19 @@ impl Commutator {
         speed: i32,
         torque: Direction,
     ) {
-        let before = seen.wrapping_add(c.advance);
+        let until = before(boundary, seen.wrapping_add(c.advance), speed);
         *self = Self {
             sector: Some(sector),
             step: Step::for_sector(sector, torque),
             speed,
             torque,
-            until: if speed < 0 { boundary.wrapping_add(before) } else { boundary.wrapping_sub(before) },
+            until,
             span: SIXTH - seen,
         };
     }
 
     /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick. It may begin in this period.
+    #[inline(always)]
     pub fn calm(&self, angle: u32, speed: i32) -> u32 {
         let next = angle.wrapping_add(speed as u32);
         let left = distance(next, self.until, speed);
@@ -180,6 +233,18 @@ const fn distance(angle: u32, place: u32, speed: i32) -> u32 {
     if speed < 0 { angle.wrapping_sub(place) } else { place.wrapping_sub(angle) }
 }
 
+/// So far `before` a boundary, against the motion.
+#[inline]
+const fn before(boundary: u32, before: u32, speed: i32) -> u32 {
+    if speed < 0 { boundary.wrapping_add(before) } else { boundary.wrapping_sub(before) }
+}
+
+/// How far ahead a boundary is taken in this period, u32 turn: to the middle of the next one's blind start.
+#[inline]
+fn seen_of(c: &CommutatorCoefficients, per_tick: u32) -> u32 {
+    per_tick.saturating_add(part_of(per_tick as i32, c.earliest.into()) / 2)
+}
+
 /// The sector after this one, in the direction of motion.
 const fn neighbour(sector: u8, backward: bool) -> u8 {
     match (sector, backward) {
@@ -193,10 +258,9 @@ const fn neighbour(sector: u8, backward: bool) -> u8 {
 /// A sector, less what the sector of an angle is rounded by.
 const INSIDE: u32 = SIXTH - (1 << 17);
 
-/// How far ahead a boundary is taken in this period, u32 turn: to the middle of the next one's blind start.
+/// [`seen_of`] a signed speed.
 fn window(c: &CommutatorCoefficients, speed: i32) -> u32 {
-    let per_tick = speed.saturating_abs();
-    (per_tick as u32).saturating_add(part_of(per_tick, c.earliest.into()) / 2)
+    seen_of(c, speed.saturating_abs() as u32)
 }
 
 /// When within this period the rotor leaves `sector`. A boundary that falls between the period's end and the middle of the

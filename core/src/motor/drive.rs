@@ -142,6 +142,24 @@ impl Drive {
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
     pub fn handle_event(&mut self, event: Event) {
+        // A running motor is told again and again to run, and that it is well. Then what changes is the set-point or the temperature, which are
+        // read once a millisecond, and no station need be woken.
+        match event {
+            Event::Command(command) if self.machine.goes_on_with(command.request) => {
+                self.tell();
+                return self.machine.handle_command(command);
+            }
+            Event::SetPoint(speed) if self.machine.state().is_driving() => {
+                self.tell();
+                return self.machine.handle_set_point(speed);
+            }
+            Event::Slow(slow) if self.protection.stays_quiet_at(&self.coefficients.protection, &slow) => {
+                self.slow = slow;
+                return;
+            }
+            Event::Health(health) if health == self.health => return,
+            _ => {}
+        }
         self.wake();
         self.protection.wake();
         match event {
@@ -165,12 +183,14 @@ impl Drive {
         let place = self.control.tick(&self.coefficients.control);
         let idle = self.machine.state() == State::Initialization;
         let current = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        if !self.is_calm(samples, current) {
-            self.look(place, samples, current);
-        } else if self.calm.commutates() {
-            self.commutate(place, samples, current);
+        let step = if self.is_calm(samples, current) {
+            Some(self.go_on(current))
         } else {
-            self.goes_on(place, samples, current);
+            self.turns(samples, current)
+        };
+        match step {
+            Some(step) => self.keep_on(step, place, samples, current),
+            None => self.look(place, samples, current),
         }
         self.applied
     }
@@ -182,7 +202,9 @@ impl Drive {
             self.rest_of_millisecond(place, pattern.demand, samples, current);
         }
         let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
-        if !speeds || !self.cruises(pattern.step, pattern.commutations, current) {
+        if speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
+            self.applied.commutations = pattern.commutations;
+        } else {
             self.finish(pattern, current);
         }
     }
@@ -190,6 +212,7 @@ impl Drive {
     /// The loops with every limit.
     #[inline(never)]
     fn finish(&mut self, pattern: &Pattern, current: Amps) {
+        self.sensorless.beware();
         let measured = &self.measurement.measured(current);
         let (c, mode) = (&self.coefficients.control, self.coefficients.mode(self.listens));
         let output = self.control.step(c, mode, pattern.demand, measured, &self.measurement);
@@ -199,6 +222,7 @@ impl Drive {
     /// The whole tick.
     #[inline(never)]
     fn look(&mut self, place: u32, samples: &Samples, current: Amps) {
+        self.sensorless.beware();
         let pattern = self.survey(samples, &self.measurement.measured(current));
         self.conclude(place, &pattern, samples, current);
     }
@@ -206,14 +230,15 @@ impl Drive {
     /// Every station in turn, up to what is to be applied.
     #[inline]
     fn survey(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
-        let rests = self.calm.is_told_to_rest();
         self.wake();
-        let hall = self.sense_halls(samples);
-        if self.listens {
+        let taken = self.is_taken();
+        let hall = if taken && !self.listens {
+            HallEvents { sectors: self.machine.direction().sign() as i8, ..HallEvents::default() }
+        } else {
+            self.sense_halls(samples)
+        };
+        if self.listens && !taken {
             self.listen(samples, measured);
-        }
-        if rests && let Some(pattern) = self.glance(samples, measured, hall) {
-            return pattern;
         }
         let critical = self.protect(samples, measured, hall);
         self.advance_state(critical, samples);
@@ -235,7 +260,13 @@ impl Drive {
     }
 
     /// The estimator's speed may have changed.
+    #[inline(never)]
     fn heed_speed(&mut self) {
+        self.heed_speed_now();
+    }
+
+    #[inline(always)]
+    fn heed_speed_now(&mut self) {
         let turns = self.sensorless.speed(&self.coefficients.sensorless);
         if turns != self.sensorless_turns {
             self.sensorless_rate = self.coefficients.speed_of_turns.apply32(turns);
@@ -246,31 +277,34 @@ impl Drive {
     /// What is done once a millisecond, spread over its ticks.
     #[inline(never)]
     fn rest_of_millisecond(&mut self, place: u32, demand: Demand, samples: &Samples, current: Amps) {
-        let ticks = u32::from(self.coefficients.control.ticks_per_ms);
-        if ticks > place::LAST {
-            return self.do_task(place, demand, samples, current);
-        }
         // A board with fewer ticks does more in its last.
-        let last = ticks.max(1) - 1;
-        for task in place..=if place == last { place::LAST } else { place } {
-            self.do_task(task, demand, samples, current);
+        if place + 1 >= u32::from(self.coefficients.control.ticks_per_ms) {
+            for task in place..place::LAST {
+                self.do_task(task, demand, samples, current);
+            }
+            return self.do_task(place::LAST, demand, samples, current);
         }
+        self.do_task(place, demand, samples, current);
     }
 
     #[inline]
     fn do_task(&mut self, task: u32, demand: Demand, samples: &Samples, current: Amps) {
         match task {
-            place::RATINGS => {
-                let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
-                let temperature = self.slow.temperature;
-                self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns);
-            }
+            place::RATINGS => self.rate(demand),
             place::SPEED_LOOP => self.run_speed_loop(demand, current),
             place::RAILS => self.check_rails(),
             _ => self.make_due(samples),
         }
     }
 
+    #[inline(never)]
+    fn rate(&mut self, demand: Demand) {
+        let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
+        let temperature = self.slow.temperature;
+        self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns);
+    }
+
+    #[inline(never)]
     fn run_speed_loop(&mut self, demand: Demand, current: Amps) {
         let c = &self.coefficients;
         if let Demand::Speed { measured: speed, .. } = demand {
@@ -284,6 +318,7 @@ impl Drive {
         }
     }
 
+    #[inline(never)]
     fn check_rails(&mut self) {
         let c = &self.coefficients;
         if self.listens && self.machine.state().is_driving() {
@@ -379,6 +414,6 @@ impl Drive {
     /// The same in the direction of torque.
     #[inline]
     fn sensorless_forward(&self) -> i32 {
-        self.sensorless_rate.saturating_mul(self.machine.direction().sign()).max(0)
+        self.machine.direction().signed(self.sensorless_rate).max(0)
     }
 }

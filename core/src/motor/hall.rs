@@ -153,11 +153,35 @@ impl Hall {
         let level = c.sectors[(samples.hall & 7) as usize];
         let events = if self.settled && level == self.sector && samples.edges.is_empty() {
             HallEvents::default()
-        } else if let Some(age) = self.moves_on(c, samples, level) {
-            self.advance(c, level, age)
+        } else if let Some(age) = self.moves_on(c, samples, level, self.since_edge) {
+            self.advance(c, level, age);
+            HallEvents { sectors: self.direction.sign() as i8, ..HallEvents::default() }
         } else {
             self.attend(c, samples, level)
         };
+        self.stay_plausible(c);
+        events
+    }
+
+    /// The same of a tick in which a turning rotor shows its edge in the direction of `torque`, `ticks` after the last that was told: true. Else nothing is
+    /// done.
+    #[inline]
+    pub fn turns(&mut self, c: &HallCoefficients, samples: &Samples, torque: Direction, ticks: u32) -> bool {
+        let level = c.sectors[(samples.hall & 7) as usize];
+        let since = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
+        let Some(age) = self.moves_on(c, samples, level, since) else { return false };
+        if self.direction != torque {
+            return false;
+        }
+        self.since_edge = since;
+        self.advance(c, level, age);
+        self.stay_plausible(c);
+        true
+    }
+
+    /// Interpolation stays near its sector, and the speed is one that an edge which has not come allows.
+    #[inline]
+    fn stay_plausible(&mut self, c: &HallCoefficients) {
         if self.angle.wrapping_sub(self.from) > self.span {
             self.clamp();
         }
@@ -169,27 +193,23 @@ impl Hall {
             self.intervals = [0; 6];
             self.rest(c);
         }
-        events
     }
 
     /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass; an invalid code
     /// goes on being counted.
+    #[inline(always)]
     pub fn calm(&self, c: &HallCoefficients) -> u32 {
         if !self.settled && !self.mute {
             return 0;
         }
-        let to = |age: u32| age.saturating_sub(self.since_edge) / TICK;
-        let end = if self.since_edge >= c.timeout {
-            u32::MAX
-        } else {
-            (c.timeout - 1).saturating_sub(self.since_edge) / TICK
-        };
-        let overdue = if self.unbounded == u32::MAX { u32::MAX } else { to(self.unbounded) };
+        // Until an edge is overdue, and until none is standstill.
+        let quiet = if self.since_edge >= c.timeout { u32::MAX } else { c.timeout - 1 };
+        let end = quiet.min(self.unbounded).saturating_sub(self.since_edge) / TICK;
         let per_tick = self.interpolated.unsigned_abs();
         let passed = self.angle.wrapping_sub(self.from);
         let room = if self.interpolated < 0 { passed } else { self.span.saturating_sub(passed) };
         let clamped = room.checked_div(per_tick).unwrap_or(u32::MAX);
-        end.min(overdue).min(clamped)
+        end.min(clamped)
     }
 
     /// The present code, and no edge, for `ticks` that [`calm`](Self::calm) allowed.
@@ -203,26 +223,26 @@ impl Hall {
         }
     }
 
-    /// The edge that a turning rotor shows: one, to the next sector in the direction of motion, after a plausible interval, and the level agrees. Its age.
+    /// The edge that a turning rotor shows: one, to the next sector in the direction of motion, after a plausible interval, and
+    /// the level agrees; `since` is the time since the last. Its age.
     #[inline]
-    fn moves_on(&self, c: &HallCoefficients, samples: &Samples, level: u8) -> Option<u32> {
+    fn moves_on(&self, c: &HallCoefficients, samples: &Samples, level: u8, since: u32) -> Option<u32> {
         let [edge] = samples.edges.as_slice() else { return None };
         let age = TICK - edge.instant as u32;
         let forward = edge.source == EdgeSource::Hall
             && level == after(self.sector, self.direction)
             && c.sectors[(edge.code & 7) as usize] == level;
         let settled = self.settled && !self.doubt && self.valid > 0;
-        let interval = self.since_edge.saturating_sub(age);
+        let interval = since.saturating_sub(age);
         (forward && settled && interval >= self.newest() / 2 && interval < c.timeout.min(LONGEST))
             .then_some(age)
     }
 
     /// The rotor has entered the next sector, `age` before this tick's boundary.
-    #[inline(never)]
-    fn advance(&mut self, c: &HallCoefficients, sector: u8, age: u32) -> HallEvents {
+    #[inline(always)]
+    fn advance(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
         self.count(self.since_edge.saturating_sub(age));
         self.enter(c, sector, age);
-        HallEvents { sectors: self.direction.sign() as i8, ..HallEvents::default() }
     }
 
     /// Something has changed, or waits.
@@ -344,7 +364,7 @@ impl Hall {
     }
 
     /// One more interval of the present run.
-    #[inline]
+    #[inline(always)]
     fn count(&mut self, interval: u32) {
         let [a, b, c, d, e, _] = self.intervals;
         if interval.max(a) > LONGEST {
@@ -356,7 +376,7 @@ impl Hall {
     }
 
     /// Angle and speed at the beginning of `sector`, which was `age` ago.
-    #[inline]
+    #[inline(always)]
     fn enter(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
         let direction = self.direction;
         self.since_edge = age;

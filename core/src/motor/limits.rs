@@ -61,6 +61,9 @@ const POWER_STEP: i32 = (48 << 16) + (1 << 15);
 const CONTINUOUS: i32 = 481_589;
 /// Its square, A^2 with 16 fraction bits.
 const CONTINUOUS_SQUARE: i64 = 54 << 16;
+/// What its upper 24 bits do not exceed heats nothing.
+const COLD: u32 = CONTINUOUS as u32 >> 8;
+const _: () = assert!((COLD as i64) * (COLD as i64) <= CONTINUOUS_SQUARE);
 /// Excess of I^2 over that, summed each millisecond, at which the continuous current alone is left: 12 A for 2 s.
 const HEAT_MAX: i64 = (180 * 1000) << 16;
 
@@ -89,6 +92,7 @@ impl CurrentLimit {
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
     /// Bus voltage and filtered bus current, raw I16F16; `phase_current` is the estimated mean phase current, raw I16F16 A.
+    #[inline(always)]
     pub fn update(
         &mut self,
         c: &LimitCoefficients,
@@ -119,13 +123,22 @@ impl CurrentLimit {
         // Watts over volts in 32 bits: the divisor keeps 11 and more from 18 V on.
         let rating = (POWER[usize::from(voltage > POWER_STEP)] << 23) / (voltage as u32 >> 9);
         let room = rating as i32 - current;
-        self.power = (self.power + i64::from(room) * (65_536 / 20)).min((c.maximum as i64) << 16).max(0);
+        let most = (c.maximum as i64) << 16;
+        if room >= 0 && self.power == most {
+            return c.maximum;
+        }
+        self.power = (self.power + i64::from(room) * (65_536 / 20)).min(most).max(0);
         (self.power >> 16) as i32
     }
 
     /// What heat leaves of the phase current: all of it when cold, the continuous rating when full.
     fn rate_heat(&mut self, c: &LimitCoefficients, phase_current: i32) -> i32 {
-        let current = i64::from(phase_current >> 8);
+        let current = phase_current >> 8;
+        // Cold, and it stays so.
+        if self.heat == 0 && current.unsigned_abs() <= COLD {
+            return c.phase_current;
+        }
+        let current = i64::from(current);
         self.heat = (self.heat + current * current - CONTINUOUS_SQUARE).clamp(0, HEAT_MAX);
         let above = i64::from(c.phase_current.saturating_sub(CONTINUOUS)).max(0);
         // In 2^-20ths, and by a constant reciprocal.

@@ -202,6 +202,11 @@ impl Machine {
         self.command_age = self.command_age.saturating_add(ticks);
     }
 
+    /// A driven state in which this request is no news.
+    pub fn goes_on_with(&self, request: Request) -> bool {
+        self.state.is_driving() && self.wants_to_run() && request == self.command.request
+    }
+
     #[inline]
     fn wants_to_run(&self) -> bool {
         matches!(self.command.request, Request::Drive | Request::Reverse)

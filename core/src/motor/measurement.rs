@@ -165,23 +165,26 @@ impl Measurement {
         Duty::from_bits(ratio(voltage, bus) as u16)
     }
 
-    /// The same of a `voltage` that is positive, and a bus that is above it and 4 V; else `None`. In 1/32 768.
+    /// The same, on a bus above [`BUS_MIN`], of a `voltage` that is positive and below the bus; else `None`. In 1/32 768.
     #[inline]
     pub const fn plain_duty(&self, voltage: i32) -> Option<u32> {
-        if self.bus_voltage > voltage && self.bus_voltage > BUS_MIN && voltage > 0 {
-            Some(ratio(voltage as u32, self.bus_voltage as u32))
+        let bus = self.bus_voltage as u32;
+        // One comparison for both.
+        if (voltage as u32).wrapping_sub(1) < bus.wrapping_sub(1) {
+            Some(ratio(voltage as u32, bus))
         } else {
             None
         }
     }
 }
 
-/// `voltage / bus` in 1/32 768. The bus has more than 16 bits, and the voltage is below it.
+/// `voltage / bus` in 1/32 768. The bus has more than 16 bits, and the voltage is below it: both are shifted until the bus has 32.
 #[inline]
 const fn ratio(voltage: u32, bus: u32) -> u32 {
-    let scale = 16 - bus.leading_zeros();
-    (voltage << (15 - scale)) / (bus >> scale)
+    let shift = (bus | 1).leading_zeros();
+    // Of the divisor's 16 bits the highest is set, and it is not 0.
+    ((voltage << shift) >> 1) / (((bus << shift) >> 16) | (1 << 15))
 }
 
 /// Below 4 V nothing runs; from there on the bus voltage has more than 16 bits.
-const BUS_MIN: i32 = 4 << 16;
+pub(super) const BUS_MIN: i32 = 4 << 16;

@@ -3,7 +3,7 @@
 //! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
 //! at rest a step that includes X carries nothing at a voltage that must drive a current.
 
-use super::commutation::{Leg, Step};
+use super::commutation::Step;
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
 
@@ -63,6 +63,12 @@ impl OpenPhase {
         }
     }
 
+    /// A phase is open, by what the last steps showed.
+    #[inline]
+    pub const fn is_shown(&self) -> bool {
+        self.found
+    }
+
     /// A phase is open.
     #[inline]
     pub const fn is_found(&self, c: &OpenPhaseCoefficients) -> bool {
@@ -79,15 +85,30 @@ impl OpenPhase {
     #[inline(never)]
     fn judge(&mut self) {
         let counted = self.ticks.saturating_sub(1);
-        if self.step.sector().is_none() || counted == 0 {
+        let Some(floating) = self.step.floating() else { return };
+        if counted == 0 {
             return;
         }
-        let dead = self.carrying <= counted / 4;
-        let alive = self.carrying >= counted - counted / 4;
-        for (count, leg) in self.evidence.iter_mut().zip(self.step.legs()) {
-            let fits = if leg == Leg::Floating { alive } else { dead };
-            *count = if fits { count.saturating_add(1) } else { 0 };
+        let quarter = counted / 4;
+        let [a, b, c] = self.evidence;
+        let index = usize::from(floating);
+        if self.carrying >= counted - quarter {
+            // Alive: of this step's phases none is open.
+            let count = [a, b, c].get(index).map_or(0, |count| count.saturating_add(1));
+            self.evidence = [0; 3];
+            if let Some(slot) = self.evidence.get_mut(index) {
+                *slot = count;
+            }
+            self.found = count >= EVIDENCE;
+        } else if self.carrying <= quarter {
+            // Dead: one of the two is.
+            self.evidence = [a.saturating_add(1), b.saturating_add(1), c.saturating_add(1)];
+            if let Some(slot) = self.evidence.get_mut(index) {
+                *slot = 0;
+            }
+            self.found = self.evidence.iter().any(|count| *count >= EVIDENCE);
+        } else {
+            (self.evidence, self.found) = ([0; 3], false);
         }
-        self.found = self.evidence.iter().any(|count| *count >= EVIDENCE);
     }
 }

@@ -7,6 +7,14 @@ use serde::{Deserialize, Serialize};
 /// Largest proportional part: 2^15 volts with 16 + 16 fraction bits, far above any output, far below overflow.
 const HEADROOM: i64 = 1 << 47;
 
+/// Less than that, by the upper word.
+#[inline]
+const fn is_small(part: i64) -> bool {
+    const HIGH: i32 = (HEADROOM >> 32) as i32;
+    let high = (part >> 32) as i32;
+    -HIGH <= high && high < HIGH
+}
+
 /// Gains of a [`Pi`], built for one step rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PiGains {
@@ -28,10 +36,20 @@ impl Pi {
     #[inline]
     pub fn step(&mut self, gains: &PiGains, error: i32, minimum: i32, maximum: i32) -> i32 {
         let (low, high) = (i64::from(minimum) << 16, i64::from(maximum.max(minimum)) << 16);
-        let proportional = gains.proportional.apply_extended(error).clamp(-HEADROOM, HEADROOM);
+        let proportional = gains.proportional.apply_extended(error);
+        let integral = gains.integral.apply_extended(error);
+        // Most steps come nowhere near a limit.
+        let integrator = self.integrator.wrapping_add(integral);
+        let output = integrator.wrapping_add(proportional);
+        let within = |value: i64| low <= value && value <= high;
+        if is_small(proportional) && is_small(integral) && within(integrator) && within(output) {
+            self.integrator = integrator;
+            return (output >> 16) as i32;
+        }
+        let proportional = proportional.clamp(-HEADROOM, HEADROOM);
         self.integrator = self
             .integrator
-            .saturating_add(gains.integral.apply_extended(error))
+            .saturating_add(integral)
             // Not `clamp`, which can panic: the compiler does not see that `low` is not above `high`.
             .min(high - proportional.min(0))
             .max(low - proportional.max(0));

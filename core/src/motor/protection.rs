@@ -74,10 +74,10 @@ pub struct ProtectionCoefficients {
 }
 
 impl ProtectionCoefficients {
-    /// Bus voltages that are no fault, raw I16F16.
+    /// Bus voltages that are no fault, and `least` to `most`, raw I16F16.
     #[inline]
-    pub const fn bus_voltage(&self) -> Band {
-        Band::new(self.under_voltage.trip, self.over_voltage.trip)
+    pub fn bus_voltage(&self, least: i32, most: i32) -> Band {
+        Band::new(self.under_voltage.trip.max(least), self.over_voltage.trip.min(most))
     }
 
     /// Bus currents that are no fault, raw I16F16.
@@ -218,6 +218,15 @@ impl Protection {
     #[inline]
     pub const fn stays_quiet(&self, speed: i32) -> bool {
         self.quiet && speed <= self.overspeed_trip
+    }
+
+    /// Everything is at rest, and these measurements do not stir it.
+    pub fn stays_quiet_at(&self, c: &ProtectionCoefficients, slow: &SlowMeasurements) -> bool {
+        let temperature = slow.temperature.to_bits();
+        self.quiet
+            && temperature <= c.over_temperature.trip
+            && temperature <= c.warning.trip
+            && slow.pressure.to_bits() <= c.over_pressure.trip
     }
 
     /// No edge backward is remembered, which one forward would make up for.

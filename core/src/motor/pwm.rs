@@ -41,6 +41,12 @@ impl Commutations {
     /// No change in this period.
     pub const NONE: Self = Self([None, None]);
 
+    /// One change.
+    #[inline]
+    pub const fn one(commutation: Commutation) -> Self {
+        Self([Some(commutation), None])
+    }
+
     /// Adds a change; one that finds no room is dropped: the next tick sees the rotor past the boundary and
     /// commutates at once.
     pub fn push(&mut self, commutation: Commutation) {

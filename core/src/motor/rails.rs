@@ -63,6 +63,7 @@ pub struct Rails {
 
 impl Rails {
     /// Once a millisecond while driven: the bucket leaks.
+    #[inline(always)]
     pub fn leak(&mut self, c: &RailCoefficients) {
         self.leak = if self.bucket > 0 { self.leak + 1 } else { 0 };
         if self.leak >= c.leak.max(1) {
@@ -89,6 +90,7 @@ impl Rails {
     /// Once a millisecond in closed loop: `voltage` applied, mean phase `current`, and the speed that the crossings claim; all raw
     /// I16F16. What the resistance leaves of the voltage is back-EMF; a copper between 0.85 and 1.9 times nominal (cold, and at 190 degrees) and a
     /// back-EMF between 0.72 and 1.3 times what the speed claims are believed (hot magnets leave 0.8, a strong lot has 1.05). True when they have disagreed for long.
+    #[inline(always)]
     pub fn is_wrong_lock(&mut self, c: &RailCoefficients, voltage: i32, current: i32, speed: i32) -> bool {
         if c.back_emf == Gain::ZERO || c.resistance == Gain::ZERO {
             return false;
@@ -97,17 +99,17 @@ impl Rails {
         let claimed = c.back_emf.apply32(speed);
         let fall = c.resistance.apply32(current);
         // 1/8 V for what dead time and switches take.
-        let low = voltage.saturating_sub(fall - fall / 8) < parts(claimed, 18, 25).saturating_sub(1 << 14);
+        let low = voltage.saturating_sub(fall - fall / 8) < share(claimed, 18, 25).saturating_sub(1 << 14);
         let turns = || c.commutation.apply32(saturate64((i64::from(current) * i64::from(speed)) >> 16));
-        let left = voltage.saturating_sub(parts(fall, 19, 10)).saturating_sub(1 << 15);
-        let most = parts(claimed, 13, 10);
+        let left = voltage.saturating_sub(fall.saturating_add(share(fall, 9, 10))).saturating_sub(1 << 15);
+        let most = claimed.saturating_add(share(claimed, 3, 10));
         let high = left > most && left.saturating_sub(turns().saturating_mul(2)) > most;
         self.wrong = if low || high { self.wrong.saturating_add(1) } else { self.wrong.saturating_sub(2) };
         self.wrong >= WRONG
     }
 }
 
-/// `value x numerator / denominator`, by multiplication.
-const fn parts(value: i32, numerator: i64, denominator: i64) -> i32 {
-    saturate64((value as i64 * ((numerator << 16) / denominator)) >> 16)
+/// `value x numerator / denominator`, less than 1, by multiplication.
+const fn share(value: i32, numerator: i64, denominator: i64) -> i32 {
+    ((value as i64 * ((numerator << 16) / denominator)) >> 16) as i32
 }

@@ -13,6 +13,9 @@ impl Ramp {
     #[inline]
     pub fn step(&mut self, target: i32, rate: i64) -> i32 {
         let target = (target as i64) << 16;
+        if self.value == target {
+            return self.value();
+        }
         let rate = rate.max(0);
         let distance = (target - self.value).clamp(rate.saturating_neg(), rate);
         self.value += distance;

@@ -35,15 +35,33 @@ impl Rotor {
     pub fn step(&mut self, c: &Coefficients, samples: &Samples) -> HallEvents {
         let events = self.hall.step(&c.hall, samples);
         self.sectors = self.sectors.wrapping_add(events.sectors as i32);
+        self.heed_speed(c);
+        events
+    }
+
+    /// One tick with an ordinary edge in the direction of `torque`, `ticks` after the last that was told: true. Else nothing is done.
+    #[inline]
+    pub fn turns(&mut self, c: &Coefficients, samples: &Samples, torque: Direction, ticks: u32) -> bool {
+        if !self.hall.turns(&c.hall, samples, torque, ticks) {
+            return false;
+        }
+        self.sectors = self.sectors.wrapping_add(torque.sign());
+        self.heed_speed(c);
+        true
+    }
+
+    /// The sensors' speed may have changed.
+    #[inline]
+    fn heed_speed(&mut self, c: &Coefficients) {
         let turns = self.hall.speed_bounded();
         if turns != self.hall_turns {
             self.hall_turns = turns;
             self.hall_speed = ElectricalSpeed::from_bits(c.speed_of_turns.apply32(turns));
         }
-        events
     }
 
     /// For how many ticks from now the hall sensors need no look, if their code stays.
+    #[inline(always)]
     pub fn calm(&self, c: &Coefficients) -> u32 {
         self.hall.calm(&c.hall)
     }

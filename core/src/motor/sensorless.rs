@@ -164,17 +164,56 @@ impl Sensorless {
         applied: &PwmCommand,
         torque: Direction,
     ) -> bool {
-        if self.back_emf.is_changed_by(applied) {
-            self.turns_over(c, applied, torque)
-        } else {
-            self.back_emf.passes(&c.back_emf, samples, bus_voltage, applied)
+        match self.back_emf.passes(&c.back_emf, samples, applied) {
+            Some(passes) => passes,
+            None => self.passes_at_all(c, samples, bus_voltage, applied, torque),
         }
     }
 
     #[inline(never)]
-    fn turns_over(&mut self, c: &SensorlessCoefficients, applied: &PwmCommand, torque: Direction) -> bool {
-        let point = self.operating_point(c, torque);
-        self.back_emf.turns_over(&c.back_emf, applied, &point)
+    fn passes_at_all(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> bool {
+        if self.back_emf.is_changed_by(applied) {
+            let point = self.operating_point(c, torque);
+            self.back_emf.turns_over(&c.back_emf, applied, &point)
+        } else {
+            self.back_emf.passes_at_all(&c.back_emf, samples, bus_voltage, applied)
+        }
+    }
+
+    /// Another step may have been applied than the one that is watched.
+    #[inline]
+    pub const fn beware(&mut self) {
+        self.back_emf.beware();
+    }
+
+    /// What [`observe`](Self::observe) does in the tick of a running motor that finds the ordinary crossing, `ticks` after the last that was told: true. Else
+    /// nothing is done.
+    #[inline]
+    pub fn crosses(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+        ticks: u32,
+    ) -> bool {
+        if self.phase != Phase::Run {
+            return false;
+        }
+        let Some(crossing) = self.back_emf.crosses(&c.back_emf, samples, applied) else { return false };
+        if !self.rotor.crosses(&crossing, c.emf_of_turns, ticks) {
+            return false;
+        }
+        self.back_emf.take(samples, &crossing, applied.sample_at);
+        self.age = self.age.saturating_add(ticks).wrapping_sub(1);
+        self.idle = 0;
+        true
     }
 
     /// What a step that begins now may expect.
@@ -187,11 +226,18 @@ impl Sensorless {
     }
 
     /// For how many ticks from now only time would pass, as long as every one [`passes`](Self::passes), with the step `present` applied.
+    #[inline(always)]
     pub fn calm(&self, c: &SensorlessCoefficients, present: Step, torque: Direction) -> u32 {
         if !self.is_running() {
             return 0;
         }
         self.rotor.calm(c.timeout, self.back_emf.expects(present, torque))
+    }
+
+    /// For how many ticks from now the commutation to `present`, which this tick begins with the rotor at `angle` (u32 turn), leaves it so.
+    #[inline]
+    pub fn calm_in(&self, present: Step, torque: Direction, angle: u32) -> u32 {
+        self.back_emf.expects(present, torque).map_or(u32::MAX, |sector| self.rotor.held(sector, angle))
     }
 
     /// So many of these ticks have passed.
@@ -300,16 +346,16 @@ impl Sensorless {
         Plan::Level(level)
     }
 
-    /// One tick of a running motor that goes on: what the voltage fades by, in 1/16. `None` if [`step`](Self::step) is to look.
-    #[inline]
-    pub fn run_on(&mut self, c: &SensorlessCoefficients) -> Option<u8> {
-        let ends = self.rotor.is_lost() || self.rotor.since() >= c.timeout || self.rotor.is_irregular();
-        if !self.is_running() || ends {
-            return None;
+    /// One tick of a running motor that goes on behind a [`crossing`](Self::crosses), after which nothing fades: false, and nothing is done, if
+    /// [`step`](Self::step) is to look.
+    #[inline(always)]
+    pub fn runs_on(&mut self, c: &SensorlessCoefficients) -> bool {
+        if self.rotor.since() >= c.timeout || self.rotor.is_irregular() {
+            return false;
         }
         self.age = self.age.saturating_add(1);
         self.idle = self.idle.saturating_add(1);
-        Some(self.rotor.fade())
+        true
     }
 
     fn run(&mut self, c: &SensorlessCoefficients) -> Plan {
@@ -331,6 +377,7 @@ impl Sensorless {
     }
 
     /// Once a millisecond while driving: the bucket, and in closed loop the voltage's testimony.
+    #[inline(always)]
     pub fn check(
         &mut self,
         c: &SensorlessCoefficients,
@@ -377,6 +424,7 @@ impl Sensorless {
     }
 
     /// Estimated speed, 2^-32 turn a tick, signed; 0 when none is known.
+    #[inline]
     pub fn speed(&self, c: &SensorlessCoefficients) -> i32 {
         let heard = match self.phase {
             Phase::Run => true,

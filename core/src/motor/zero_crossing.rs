@@ -4,7 +4,7 @@
 //! commutator finds its instants from it: crossing + 30 degrees - advance. A crossing that does not come is thereby commutated blind
 //! half an interval after it was due. What a level says for certain ("the rotor is not there yet") bounds the angle.
 
-use super::back_emf::{Level, Sight};
+use super::back_emf::{Crossing, Level, Sight};
 use super::commutation::Direction;
 use super::gain::Gain;
 use super::interval::{SIXTH, TICK, TWELFTH, part_of, speed_of};
@@ -84,6 +84,7 @@ impl ZeroCrossing {
     }
 
     /// So many ticks have passed in which there was nothing to [`observe`](Self::observe).
+    #[inline]
     pub const fn sleep(&mut self, ticks: u32) {
         let time = ticks.saturating_mul(TICK);
         self.since = self.since.saturating_add(time);
@@ -93,18 +94,19 @@ impl ZeroCrossing {
 
     /// For how many ticks from now only time would pass, if nothing new is seen: until no crossing for `timeout` (1/65 536 tick) is a rotor at rest, until
     /// the one that has not come bounds the speed, and until the rotor stands where it cannot be before the crossing of `expected` is seen.
+    #[inline(always)]
     pub fn calm(&self, timeout: u32, expected: Option<u8>) -> u32 {
         let until = |age: u32, end: u32| end.saturating_sub(age) / TICK;
         let bounded = if self.valid == 0 { u32::MAX } else { until(self.fresh, self.patience()) };
-        let held = match expected {
-            Some(sector) => {
-                let here = crossing_of(sector);
-                let left = (here.wrapping_sub(self.angle) as i32).wrapping_mul(self.direction.sign());
-                (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
-            }
-            None => u32::MAX,
-        };
+        let held = expected.map_or(u32::MAX, |sector| self.held(sector, self.angle));
         until(self.since, timeout.saturating_sub(1)).min(bounded).min(held)
+    }
+
+    /// For how many ticks from now a rotor at `angle` (u32 turn) has not reached the crossing of `sector`.
+    #[inline(always)]
+    pub fn held(&self, sector: u8, angle: u32) -> u32 {
+        let left = (crossing_of(sector).wrapping_sub(angle) as i32).wrapping_mul(self.direction.sign());
+        (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
     }
 
     /// Nothing is known but, perhaps, where the rotor rests.
@@ -146,6 +148,34 @@ impl ZeroCrossing {
         } else if sight.level == Level::Before || (starting && !sight.passed) {
             self.hold(place, starting);
         }
+        true
+    }
+
+    /// The ordinary crossing of a running motor, in the sector after the last one's, `ticks` after the last that was told: true. Else nothing is done.
+    #[inline]
+    pub fn crosses(&mut self, crossing: &Crossing, back_emf: Gain, ticks: u32) -> bool {
+        let sector = crossing.sector;
+        let place = if sector >= 5 { 0 } else { 2 * sector + 2 };
+        let next = match self.direction {
+            Direction::Forward => (self.place, place),
+            Direction::Reverse => (place, self.place),
+        };
+        let follows = next.0 + 2 == next.1 || (next.0, next.1) == (10, 0);
+        let since = self.since.saturating_add(ticks.saturating_mul(TICK));
+        let each = elapsed(since, crossing.age);
+        let plausible = each >= 2 * (self.interval / 4) && each <= LONGEST && since <= LONGEST;
+        if !follows || !plausible || self.valid < 6 || self.consistent < PREPARED {
+            return false;
+        }
+        self.sleep(ticks);
+        self.coasting = false;
+        let offset = self.threshold_angle(crossing.threshold, back_emf);
+        let (here, error) = self.miss(place, offset, crossing.age);
+        self.learn(each, 1);
+        self.predict_by(6);
+        self.correct(place, (here, error), crossing.age, true);
+        self.why = Why::Accepted;
+        self.polarities |= 1 << (sector & 1);
         true
     }
 
@@ -199,33 +229,53 @@ impl ZeroCrossing {
 
     /// The rotor was `offset` beyond `place` (in the direction of motion) `age` ago.
     fn accept(&mut self, place: u8, offset: i32, age: i32, why: Why) {
-        let sign = self.direction.sign();
         let twelfths = self.twelfths_to(place);
         let known = self.since < u32::MAX / 2 && twelfths > 0;
         let each = elapsed(self.since, age).saturating_mul(2) / u32::from(twelfths.max(1));
+        let miss = self.miss(place, offset, age);
+        if known {
+            self.learn(each, (twelfths / 2).clamp(1, 2));
+        }
+        let prepared = self.consistent >= PREPARED;
+        self.predict_by(self.valid);
+        self.correct(place, miss, age, prepared);
+        self.why = why;
+    }
+
+    /// Where the rotor was `age` ago, and how far that is from where it was thought to be, u32 turn: the margin.
+    #[inline(always)]
+    fn miss(&mut self, place: u8, offset: i32, age: i32) -> (u32, i32) {
+        let sign = self.direction.sign();
         let here = TWELFTH.wrapping_mul(place.into()).wrapping_add((offset.wrapping_mul(sign)) as u32);
         let error = here.wrapping_sub(self.angle.wrapping_sub(part_of(self.speed, age))) as i32;
         self.margin = ((error.wrapping_mul(-sign)) >> 16) as i16;
-        if known {
-            let off = each.abs_diff(self.interval);
-            if self.consistent < PREPARED {
-                self.deviation = 0;
-            } else {
-                self.deviation = self.deviation - (self.deviation >> 3) + off.min(self.interval);
-            }
-            for _ in 0..(twelfths / 2).clamp(1, 2) {
-                self.push(each.clamp(1, LONGEST));
-            }
+        (here, error)
+    }
+
+    /// So many intervals took this time `each`.
+    #[inline(always)]
+    fn learn(&mut self, each: u32, intervals: u8) {
+        let off = each.abs_diff(self.interval);
+        if self.consistent < PREPARED {
+            self.deviation = 0;
+        } else {
+            self.deviation = self.deviation - (self.deviation >> 3) + off.min(self.interval);
         }
-        let smooth = self.consistent >= PREPARED && (error.saturating_abs() as u32) < SIXTH / 4;
-        self.predict();
+        for _ in 0..intervals {
+            self.push(each.clamp(1, LONGEST));
+        }
+    }
+
+    /// The rotor was `here` `age` ago: half of a small `error` of a `prepared` estimate is believed, else all of it.
+    #[inline(always)]
+    fn correct(&mut self, place: u8, (here, error): (u32, i32), age: i32, prepared: bool) {
+        let smooth = prepared && (error.saturating_abs() as u32) < SIXTH / 4;
         let corrected = if smooth { here.wrapping_sub((error / 2) as u32) } else { here };
         self.angle = corrected.wrapping_add(part_of(self.speed, age));
         (self.since, self.fresh, self.place) = (age.max(0) as u32, age.max(0) as u32, place);
         self.consistent = self.consistent.saturating_add(1);
         (self.blind, self.late) = (0, 0);
         self.accepted = self.accepted.wrapping_add(1);
-        self.why = why;
     }
 
     fn push(&mut self, interval: u32) {
@@ -236,17 +286,18 @@ impl ZeroCrossing {
 
     /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend from the pair before: the
     /// newest pair's middle lies one interval back, the one before three, the middle of the next interval half of one ahead.
-    fn predict(&mut self) {
+    #[inline(always)]
+    fn predict_by(&mut self, valid: u8) {
         let [a, b, c, d, e, f] = self.intervals;
-        if self.valid == 0 {
+        if valid == 0 {
             return;
         }
         let (new, old) = (a + b, c + d);
-        let mean = speed_of(self.valid, new + old + e + f);
+        let mean = speed_of(valid, new + old + e + f);
         let fast = speed_of(2, new);
         // A revolution back is too far while the speed changes by more than an eighth within it.
-        let changes = self.valid > 2 && mean.abs_diff(fast) > mean.unsigned_abs() / 8;
-        let (speed, interval) = match self.valid {
+        let changes = valid > 2 && mean.abs_diff(fast) > mean.unsigned_abs() / 8;
+        let (speed, interval) = match valid {
             1 => (mean, a),
             2 | 3 => (fast, new / 2),
             _ => {
@@ -329,6 +380,7 @@ impl ZeroCrossing {
     }
 
     /// Speed over up to a revolution, but never more than the crossing that has not come allows.
+    #[inline(always)]
     pub fn speed_bounded(&self) -> i32 {
         if self.valid == 0 || self.fresh <= self.patience() {
             return self.speed_mean;

@@ -1,7 +1,7 @@
 //! The settled loop: as long as nothing comes near a limit, control is the division by the bus voltage.
 
 use super::coast::RETURN;
-use super::{Control, ControlCoefficients, MOTORING};
+use super::{Control, ControlCoefficients};
 use crate::motor::band::Band;
 use crate::motor::limits::Limiter;
 use crate::motor::measurement::Measurement;
@@ -9,7 +9,8 @@ use crate::motor::pwm::Rectification;
 use crate::units::{Amps, Duty};
 
 impl Control {
-    /// One tick of a settled closed loop, in full: the next duty, if it lies in `duties` and nothing comes near a limit. Else nothing is changed, and
+    /// One tick of a settled closed loop on a bus above 4 V and not above `bus_guard`, in full: the next duty, if it lies in `duties` and nothing
+    /// comes near a limit. Else nothing is changed, and
     /// [`step`](Self::step) decides.
     #[inline]
     pub fn cruise(
@@ -19,17 +20,16 @@ impl Control {
         bus_current: Amps,
         measurement: &Measurement,
     ) -> Option<Duty> {
-        let (bus, filtered) = (measurement.bus_voltage(), measurement.bus_current());
+        let filtered = measurement.bus_current();
         let before = self.output.duty.to_bits();
-        let draws = (filtered >= RETURN && bus <= c.bus_guard) || filtered >= MOTORING;
-        if !self.settled || !draws || bus_current.to_bits() > self.limit.bound(before).0 {
+        if !self.settled || filtered < RETURN || bus_current.to_bits() > self.limit.bound(before).0 {
             return None;
         }
         let duty = measurement.plain_duty(self.speed_voltage)? as i32 + i32::from(c.dead_time);
         if !duties.contains(duty) || duty.abs_diff(before.into()) >= u32::from(c.slew) {
             return None;
         }
-        self.output.duty = Duty::from_bits(duty as u16);
+        self.output.duty = Duty::from_bits_within(duty as u16);
         Some(self.output.duty)
     }
 

@@ -4,13 +4,15 @@
 //! lasts; until then a tick compares what it measures with what would end the calm, and the stations sleep. What they have not seen is
 //! told to them when it is over. A calm tick answers what a whole one would, bit for bit.
 
+mod turning;
+
 use super::pattern::Pattern;
 use super::{Drive, place};
 use crate::motor::band::Band;
 use crate::motor::commutation::Step;
 use crate::motor::control::Demand;
 use crate::motor::hall::HallEvents;
-use crate::motor::measurement::Measured;
+use crate::motor::measurement::BUS_MIN;
 use crate::motor::pwm::{Commutations, PwmCommand, Rectification};
 use crate::motor::samples::{Lines, Samples};
 use crate::motor::state::State;
@@ -31,6 +33,12 @@ pub(super) struct Calm {
     /// Estimated speed in the direction of torque, raw I16F16 electrical rev/s, and what the voltage fades by.
     speed: i32,
     fade: u8,
+    /// For so many ticks from the last that the stations were told of, no row of the state machine's table can hold by time alone; at least.
+    #[serde(skip)]
+    machine: u32,
+    /// This tick's edge or crossing has been taken before it turned out to be for all stations.
+    #[serde(skip)]
+    taken: bool,
     /// They follow from the coefficients: a recording is without them.
     #[serde(skip)]
     bounds: Bounds,
@@ -72,19 +80,13 @@ impl Calm {
     /// The next tick is a whole one.
     pub(super) const fn end(&mut self) {
         self.all = Sleep { granted: self.all.granted.wrapping_sub(self.all.left), left: 0 };
-        self.others = 0;
+        (self.others, self.machine) = (0, 0);
     }
 
     /// Ticks that the stations have not been told of.
     #[inline]
     pub(super) const fn slept(&self) -> u32 {
         self.all.granted.wrapping_sub(self.all.left)
-    }
-
-    /// Nothing but a commutation is due.
-    #[inline]
-    pub(super) const fn commutates(&self) -> bool {
-        self.all.left == 0
     }
 
     /// What it keeps asking for.
@@ -120,11 +122,17 @@ impl Drive {
         true
     }
 
+    /// The bus voltage is no fault and no limit.
+    #[inline]
+    pub(super) fn has_plain_voltage(&self) -> bool {
+        self.calm.bounds.voltage.contains(self.measurement.bus_voltage())
+    }
+
     /// Voltage, current and digital inputs are no fault.
     #[inline]
     fn stays_within_bounds(&self, samples: &Samples, current: Amps) -> bool {
         let bounds = &self.calm.bounds;
-        bounds.voltage.contains(self.measurement.bus_voltage())
+        self.has_plain_voltage()
             && bounds.current.contains(current.to_bits())
             && !samples.lines.intersects(bounds.lines)
     }
@@ -135,16 +143,27 @@ impl Drive {
         self.protection.stays_quiet(speed) && self.stays_within_bounds(samples, current)
     }
 
-    /// A calm tick.
+    /// A calm tick: another, or the commutation that is due. The step that it begins with.
     #[inline]
-    pub(super) fn goes_on(&mut self, place: u32, samples: &Samples, current: Amps) {
-        self.calm.all.left -= 1;
+    pub(super) fn go_on(&mut self, current: Amps) -> Step {
         self.open_phase.count(current);
+        if self.calm.all.left == 0 {
+            return self.commutate();
+        }
+        self.calm.all.left -= 1;
+        self.applied.commutations = Commutations::NONE;
+        self.calm.step
+    }
+
+    /// The loops of a tick that begins with `step` and has its commutations.
+    #[inline(always)]
+    pub(super) fn keep_on(&mut self, step: Step, place: u32, samples: &Samples, current: Amps) {
         if place <= place::LAST {
             self.rest_of_millisecond(place, self.calm.demand(), samples, current);
         }
-        if self.calm.fade > 0 || !self.cruises(self.calm.step, Commutations::NONE, current) {
-            self.finish(&Pattern::hold(self.calm.demand(), self.calm.step), current);
+        if self.calm.fade > 0 || !self.cruises(step, current) {
+            let commutations = self.applied.commutations;
+            self.finish(&Pattern { commutations, ..Pattern::hold(self.calm.demand(), step) }, current);
         }
     }
 
@@ -152,26 +171,11 @@ impl Drive {
     pub(super) fn settle_calm(&mut self) {
         let c = &self.coefficients;
         self.calm.bounds = Bounds {
-            voltage: c.protection.bus_voltage(),
+            voltage: c.protection.bus_voltage(BUS_MIN + 1, c.control.bus_guard),
             current: c.protection.bus_current(),
             duty: c.control.duties(c.mode(self.listens).duty_max),
             lines: c.protection.lines(),
         };
-    }
-
-    /// A commutation is due, and nothing else.
-    #[inline(never)]
-    pub(super) fn commutate(&mut self, place: u32, samples: &Samples, current: Amps) {
-        self.open_phase.count(current);
-        self.calm.all.granted = self.calm.all.granted.wrapping_add(1);
-        self.tell();
-        let pattern = self.turn_on(self.calm.demand());
-        // The estimator expects another crossing now.
-        if self.listens {
-            self.calm.others = self.calm.others.min(self.estimator_calm());
-        }
-        self.grant();
-        self.conclude(place, &pattern, samples, current);
     }
 
     /// The hall sensors. In a drive that has no use for them they sleep apart from the other stations.
@@ -209,44 +213,6 @@ impl Drive {
         self.calm.halls = Sleep::default();
     }
 
-    /// Most looks of a running motor find an edge forward or a crossing, and nothing else: `None` if this one does not.
-    #[inline]
-    pub(super) fn glance(
-        &mut self,
-        samples: &Samples,
-        measured: &Measured,
-        hall: HallEvents,
-    ) -> Option<Pattern> {
-        if !self.is_quiet(samples, measured.bus_current, self.speed()) {
-            return None;
-        }
-        let demand = if self.listens {
-            let fade = self.sensorless.run_on(&self.coefficients.sensorless)?;
-            Demand::Speed { measured: self.sensorless_forward(), fade }
-        } else {
-            if self.minds(hall) {
-                return None;
-            }
-            self.hall_demand()?
-        };
-        self.machine.sleep(1);
-        self.open_phase.count(measured.bus_current);
-        let pattern = self.turn_on(demand);
-        self.calm_down(samples, demand);
-        Some(pattern)
-    }
-
-    /// The pattern at the rotor's place.
-    #[inline]
-    fn turn_on(&mut self, demand: Demand) -> Pattern {
-        let (angle, speed) = self.place();
-        let (step, commutations) =
-            self.commutator.step(&self.coefficients.commutator, angle, speed, self.machine.direction());
-        let pattern = Pattern { demand, step, commutations, short: false };
-        self.open_phase.change(pattern.last());
-        pattern
-    }
-
     /// Where the rotor is by the running mode: angle and speed, u32 turn and 2^-32 turn a tick.
     #[inline]
     pub(super) fn place(&self) -> (u32, i32) {
@@ -259,35 +225,35 @@ impl Drive {
         }
     }
 
-    /// The tick of a settled loop, in full: true if nothing came near a limit.
+    /// The tick of a settled loop with a plain voltage, in full, but for its commutations: true if nothing came near a limit.
     #[inline]
-    pub(super) fn cruises(&mut self, step: Step, commutations: Commutations, current: Amps) -> bool {
+    pub(super) fn cruises(&mut self, step: Step, current: Amps) -> bool {
         let (c, duties) = (&self.coefficients.control, self.calm.bounds.duty);
         let Some(duty) = self.control.cruise(c, duties, current, &self.measurement) else {
             return false;
         };
         let (sample_at, sample_mode) = self.sampling(duty.to_bits());
-        self.applied = PwmCommand {
-            duty,
-            rectification: Rectification::Synchronous,
-            sample_at,
-            sample_mode,
-            step,
-            commutations,
-        };
+        let commutations = self.applied.commutations;
+        let rectification = Rectification::Synchronous;
+        self.applied = PwmCommand { duty, rectification, sample_at, sample_mode, step, commutations };
         true
     }
 
     /// What the stations have not seen of a calm is told to them, and it is over.
     pub(super) fn wake(&mut self) {
         self.tell();
-        (self.calm.all, self.calm.others) = (Sleep::default(), 0);
+        self.forget_calm();
+    }
+
+    fn forget_calm(&mut self) {
+        (self.calm.all, self.calm.others, self.calm.machine) = (Sleep::default(), 0, 0);
     }
 
     /// What the stations have not seen of a calm is told to them.
     pub(super) fn tell(&mut self) {
         let slept = self.calm.all.take();
         self.calm.others = self.calm.others.saturating_sub(slept);
+        self.calm.machine = self.calm.machine.saturating_sub(slept);
         if slept > 0 {
             self.machine.sleep(slept);
             if self.listens {
@@ -320,11 +286,13 @@ impl Drive {
             _ => return,
         };
         (self.calm.hall, self.calm.speed, self.calm.fade) = (samples.hall, speed, fade);
-        self.calm.others = own.min(self.machine.calm(&c.machine));
+        self.calm.machine = self.machine.calm(&c.machine);
+        self.calm.others = own.min(self.calm.machine);
         self.grant();
     }
 
     /// Ticks for which the sensorless estimator needs no look.
+    #[inline(always)]
     fn estimator_calm(&self) -> u32 {
         let (present, torque) = (self.commutator.present(), self.machine.direction());
         self.sensorless.calm(&self.coefficients.sensorless, present, torque)

@@ -118,7 +118,7 @@ impl Drive {
     #[inline]
     pub(super) fn hall_demand(&self) -> Option<Demand> {
         let least = -(self.coefficients.hall_mode.speed_min / 2);
-        let speed = self.rotor.hall_speed().to_bits().saturating_mul(self.machine.direction().sign());
+        let speed = self.machine.direction().signed(self.rotor.hall_speed().to_bits());
         let runs = speed >= least && !self.rotor.hall_doubtful();
         runs.then_some(Demand::Speed { measured: speed.max(0), fade: 0 })
     }

@@ -56,6 +56,7 @@ impl Drive {
     }
 
     /// This tick is reported.
+    #[inline(never)]
     pub(super) fn make_due(&mut self, samples: &Samples) {
         let (state, faults) = (self.machine.state(), self.protection.word().bits());
         let (tick, terminals) = (samples.tick, samples.phase_voltage);
