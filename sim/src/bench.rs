@@ -197,7 +197,11 @@ impl Bench {
             tick_rate: board.tick_rate,
             label: &self.label,
         };
-        let state = postcard::to_allocvec(&self.drive).unwrap_or_default();
+        let mut state = Vec::new();
+        self.drive.write_state(&mut |byte| {
+            state.push(byte);
+            true
+        });
         Recorder::new(RecordingBuffer::default(), &header, &state).ok()
     }
 

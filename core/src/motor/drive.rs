@@ -1,6 +1,7 @@
 //! The control tick: samples in, PWM command out, one straight line.
 
 mod calm;
+mod layout;
 mod pattern;
 mod reports;
 mod signals;
@@ -25,15 +26,10 @@ use super::sensorless::Sensorless;
 use super::state::State;
 use crate::units::Amps;
 use calm::Calm;
+pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use pattern::Pattern;
 use reports::Reports;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-/// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
-pub const LAYOUT_VERSION: u16 = 4;
-
-/// What the drive does with its inputs: rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 4;
+use serde::{Deserialize, Serialize};
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,21 +70,6 @@ mod place {
     pub(super) const RAILS: u32 = 2;
     pub(super) const REPORT: u32 = 3;
     pub(super) const LAST: u32 = REPORT;
-}
-
-impl Serialize for Drive {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// What follows from the coefficients is not recorded, but made anew.
-impl<'de> Deserialize<'de> for Drive {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut drive = Self::deserialize(deserializer)?;
-        drive.settle_calm();
-        Ok(drive)
-    }
 }
 
 impl Drive {

@@ -22,7 +22,6 @@ use crate::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use crate::motor::{Drive, Event, Samples};
 use core::fmt;
 use heapless::Vec;
-use postcard::ser_flavors::Flavor;
 
 /// First word of a recording.
 const FORMAT: u16 = 0x4e01;
@@ -54,9 +53,7 @@ impl Reader {
             Record::Inputs { halves, count, .. } => {
                 let mut words = HEAD;
                 for (half, bytes) in halves.iter().take(count.into()).zip(&mut states) {
-                    *bytes = checkpoint(memory, *half)
-                        .and_then(|drive| postcard::experimental::serialized_size(drive).ok())
-                        .unwrap_or(0) as u16;
+                    *bytes = checkpoint(memory, *half).map_or(0, size);
                     words += SEGMENT_HEAD + usize::from(bytes.div_ceil(2)) + usize::from(half.words);
                 }
                 words as u16
@@ -146,8 +143,14 @@ impl Reader {
             self.piece.clear();
             self.at = (segment, begin);
             if let Some(drive) = checkpoint(memory, half) {
-                // A full piece ends the work early, and says so with an error.
-                let _ = postcard::serialize_with_flavor(drive, Piece { skip: begin, bytes: &mut self.piece });
+                let (piece, mut before) = (&mut self.piece, begin);
+                drive.write_state(&mut |byte| match before.checked_sub(1) {
+                    Some(left) => {
+                        before = left;
+                        true
+                    }
+                    None => piece.push(byte).is_ok(),
+                });
             }
         }
         self.piece.get(place - begin).copied().unwrap_or(0)
@@ -158,26 +161,14 @@ fn checkpoint(memory: &Memory, half: Half) -> Option<&Drive> {
     memory.checkpoints.get(usize::from(half.place))?.as_ref()
 }
 
-/// Where some of what is serialised goes.
-struct Piece<'a> {
-    skip: usize,
-    bytes: &'a mut Vec<u8, PIECE>,
-}
-
-impl Flavor for Piece<'_> {
-    type Output = ();
-
-    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
-        match self.skip.checked_sub(1) {
-            Some(left) => self.skip = left,
-            None => self.bytes.push(byte).map_err(|_| postcard::Error::SerializeBufferFull)?,
-        }
-        Ok(())
-    }
-
-    fn finalize(self) -> postcard::Result<()> {
-        Ok(())
-    }
+/// Bytes of its state.
+fn size(drive: &Drive) -> u16 {
+    let mut bytes = 0;
+    drive.write_state(&mut |_| {
+        bytes += 1;
+        true
+    });
+    bytes
 }
 
 /// A recording as it was downloaded: words of parameter 301.

@@ -11,7 +11,7 @@ impl Drive {
         self.protection.word()
     }
 
-    /// The last step was a cheap one.
+    /// The last step was not one that looks at everything.
     pub(crate) const fn was_calm(&self) -> bool {
         !self.machine.state().is_driving() || self.calm.slept() > 0
     }

@@ -1,0 +1,49 @@
+//! The drive's state in bytes.
+
+use super::Drive;
+use postcard::ser_flavors::Flavor;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
+pub const LAYOUT_VERSION: u16 = 4;
+
+/// What the drive does with its inputs: rises with every change that moves a digest.
+pub const BEHAVIOUR_VERSION: u16 = 4;
+
+impl Serialize for Drive {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// What follows from the coefficients is not recorded, but made anew.
+impl<'de> Deserialize<'de> for Drive {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut drive = Self::deserialize(deserializer)?;
+        drive.settle_calm();
+        Ok(drive)
+    }
+}
+
+impl Drive {
+    /// Hands its serialised state (postcard) to `each` byte by byte, until that declines one. There is this one way, because all that
+    /// serialises the state by a way of its own has a copy of 16 KiB of code.
+    pub fn write_state(&self, each: &mut dyn FnMut(u8) -> bool) {
+        // The only error is the one that a declined byte makes.
+        let _ = postcard::serialize_with_flavor(self, Bytes(each));
+    }
+}
+
+struct Bytes<'a>(&'a mut dyn FnMut(u8) -> bool);
+
+impl Flavor for Bytes<'_> {
+    type Output = ();
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        if (self.0)(byte) { Ok(()) } else { Err(postcard::Error::SerializeBufferFull) }
+    }
+
+    fn finalize(self) -> postcard::Result<()> {
+        Ok(())
+    }
+}
