@@ -239,7 +239,7 @@ impl BackEmf {
     }
 
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn expects(&self, present: Step, torque: Direction) -> Option<u8> {
         if present == self.step && self.passage == Passage::Found {
             None
@@ -274,7 +274,7 @@ impl BackEmf {
     }
 
     /// `step` began at `instant` of the period that has ended.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn begin(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
         let OperatingPoint { torque, interval, emf } = *point;
         // The mean takes about an eighth of the step: one sample at 6 a step.
@@ -352,7 +352,7 @@ impl BackEmf {
     /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
     /// anew. So for a rotor that nothing is known of however long it takes; one that turns may cross behind it, and from three eighths of the
     /// step on that is a late crossing.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn demagnetises(
         &mut self,
         c: &BackEmfCoefficients,

@@ -84,7 +84,7 @@ impl Commutator {
 
     /// Another speed, or another place, within the sector, and no boundary in view: for how many ticks from now that goes on. `None` if there is
     /// more to it; then nothing is changed, and [`step`](Self::step) looks.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn follow(
         &mut self,
         c: &CommutatorCoefficients,
@@ -164,7 +164,7 @@ impl Commutator {
     }
 
     /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick. It may begin in this period.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn calm(&self, angle: u32, speed: i32) -> u32 {
         let next = angle.wrapping_add(speed as u32);
         let left = distance(next, self.until, speed);

@@ -133,7 +133,7 @@ impl Control {
     }
 
     /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn rate(
         &mut self,
         c: &ControlCoefficients,
@@ -148,7 +148,7 @@ impl Control {
 
     /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical
     /// rev/s; `target` is the set-point after saturation.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn turn(
         &mut self,
         c: &ControlCoefficients,

@@ -246,7 +246,7 @@ impl Drive {
         self.heed_speed_now();
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn heed_speed_now(&mut self) {
         let turns = self.sensorless.speed(&self.coefficients.sensorless);
         if turns != self.sensorless_turns {

@@ -197,7 +197,7 @@ impl Hall {
 
     /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass; an invalid code
     /// goes on being counted.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn calm(&self, c: &HallCoefficients) -> u32 {
         if !self.settled && !self.mute {
             return 0;
@@ -239,7 +239,7 @@ impl Hall {
     }
 
     /// The rotor has entered the next sector, `age` before this tick's boundary.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn advance(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
         self.count(self.since_edge.saturating_sub(age));
         self.enter(c, sector, age);
@@ -364,7 +364,7 @@ impl Hall {
     }
 
     /// One more interval of the present run.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn count(&mut self, interval: u32) {
         let [a, b, c, d, e, _] = self.intervals;
         if interval.max(a) > LONGEST {
@@ -376,7 +376,7 @@ impl Hall {
     }
 
     /// Angle and speed at the beginning of `sector`, which was `age` ago.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn enter(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
         let direction = self.direction;
         self.since_edge = age;

@@ -61,7 +61,7 @@ impl Rotor {
     }
 
     /// For how many ticks from now the hall sensors need no look, if their code stays.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn calm(&self, c: &Coefficients) -> u32 {
         self.hall.calm(&c.hall)
     }

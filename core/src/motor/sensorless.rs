@@ -226,7 +226,7 @@ impl Sensorless {
     }
 
     /// For how many ticks from now only time would pass, as long as every one [`passes`](Self::passes), with the step `present` applied.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn calm(&self, c: &SensorlessCoefficients, present: Step, torque: Direction) -> u32 {
         if !self.is_running() {
             return 0;
@@ -348,7 +348,7 @@ impl Sensorless {
 
     /// One tick of a running motor that goes on behind a [`crossing`](Self::crosses), after which nothing fades: false, and nothing is done, if
     /// [`step`](Self::step) is to look.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn runs_on(&mut self, c: &SensorlessCoefficients) -> bool {
         if self.rotor.since() >= c.timeout || self.rotor.is_irregular() {
             return false;
@@ -377,7 +377,7 @@ impl Sensorless {
     }
 
     /// Once a millisecond while driving: the bucket, and in closed loop the voltage's testimony.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn check(
         &mut self,
         c: &SensorlessCoefficients,

@@ -94,7 +94,7 @@ impl ZeroCrossing {
 
     /// For how many ticks from now only time would pass, if nothing new is seen: until no crossing for `timeout` (1/65 536 tick) is a rotor at rest, until
     /// the one that has not come bounds the speed, and until the rotor stands where it cannot be before the crossing of `expected` is seen.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn calm(&self, timeout: u32, expected: Option<u8>) -> u32 {
         let until = |age: u32, end: u32| end.saturating_sub(age) / TICK;
         let bounded = if self.valid == 0 { u32::MAX } else { until(self.fresh, self.patience()) };
@@ -103,7 +103,7 @@ impl ZeroCrossing {
     }
 
     /// For how many ticks from now a rotor at `angle` (u32 turn) has not reached the crossing of `sector`.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn held(&self, sector: u8, angle: u32) -> u32 {
         let left = (crossing_of(sector).wrapping_sub(angle) as i32).wrapping_mul(self.direction.sign());
         (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
@@ -243,7 +243,7 @@ impl ZeroCrossing {
     }
 
     /// Where the rotor was `age` ago, and how far that is from where it was thought to be, u32 turn: the margin.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn miss(&mut self, place: u8, offset: i32, age: i32) -> (u32, i32) {
         let sign = self.direction.sign();
         let here = TWELFTH.wrapping_mul(place.into()).wrapping_add((offset.wrapping_mul(sign)) as u32);
@@ -253,7 +253,7 @@ impl ZeroCrossing {
     }
 
     /// So many intervals took this time `each`.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn learn(&mut self, each: u32, intervals: u8) {
         let off = each.abs_diff(self.interval);
         if self.consistent < PREPARED {
@@ -267,7 +267,7 @@ impl ZeroCrossing {
     }
 
     /// The rotor was `here` `age` ago: half of a small `error` of a `prepared` estimate is believed, else all of it.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn correct(&mut self, place: u8, (here, error): (u32, i32), age: i32, prepared: bool) {
         let smooth = prepared && (error.saturating_abs() as u32) < SIXTH / 4;
         let corrected = if smooth { here.wrapping_sub((error / 2) as u32) } else { here };
@@ -286,7 +286,7 @@ impl ZeroCrossing {
 
     /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend from the pair before: the
     /// newest pair's middle lies one interval back, the one before three, the middle of the next interval half of one ahead.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn predict_by(&mut self, valid: u8) {
         let [a, b, c, d, e, f] = self.intervals;
         if valid == 0 {
@@ -380,7 +380,7 @@ impl ZeroCrossing {
     }
 
     /// Speed over up to a revolution, but never more than the crossing that has not come allows.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn speed_bounded(&self) -> i32 {
         if self.valid == 0 || self.fresh <= self.patience() {
             return self.speed_mean;

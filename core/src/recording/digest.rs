@@ -1,12 +1,18 @@
 //! The digest of a drive's outputs, defined byte for byte so that every language can repeat it.
 
-use super::outputs::{Bits, fields};
+use super::outputs::fields;
 use crate::motor::PwmCommand;
 use crate::motor::event::Status;
 use core::fmt;
 use crc::{CRC_64_XZ, Crc};
 
-static CRC64: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+/// A table of 2 KiB that does not compress is more than a web page's module can afford.
+#[cfg(target_arch = "wasm32")]
+type Way = crc::NoTable;
+#[cfg(not(target_arch = "wasm32"))]
+type Way = crc::Table<1>;
+
+static CRC64: Crc<u64, Way> = Crc::<u64, Way>::new(&CRC_64_XZ);
 
 /// CRC-64/XZ over the outputs of all ticks in order: every PWM command, and after it the status if that tick
 /// reported one. Each begins with a letter (`P`, `S`), then its fields in the order of their declaration, little
@@ -15,7 +21,7 @@ static CRC64: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 /// command's commutations are their count, then instant and step of each.
 #[derive(Clone)]
 pub struct Digest {
-    crc: crc::Digest<'static, u64>,
+    crc: crc::Digest<'static, u64, Way>,
 }
 
 impl Default for Digest {
@@ -33,13 +39,9 @@ impl fmt::Debug for Digest {
 impl Digest {
     /// Takes in what one tick answered.
     pub fn update(&mut self, command: &PwmCommand, status: Option<&Status>) {
-        fields(command, status, |_, bits| match bits {
-            Bits::U8(value) => self.crc.update(&value.to_le_bytes()),
-            Bits::U16(value) => self.crc.update(&value.to_le_bytes()),
-            Bits::U32(value) => self.crc.update(&value.to_le_bytes()),
-            Bits::U64(value) => self.crc.update(&value.to_le_bytes()),
-            Bits::I16(value) => self.crc.update(&value.to_le_bytes()),
-            Bits::I32(value) => self.crc.update(&value.to_le_bytes()),
+        fields(command, status, &mut |_, bits| {
+            let bytes = bits.value.to_le_bytes();
+            self.crc.update(bytes.get(..bits.bytes as usize).unwrap_or(&bytes));
         });
     }
 

@@ -15,35 +15,33 @@ pub struct Outputs {
     pub status: Option<Status>,
 }
 
-/// A field's raw bits in the width that the digest takes them.
+/// A field's raw bits, and how many bytes of them the digest takes. Signed ones are extended by their sign, eight bytes are unsigned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Bits {
-    U8(u8),
-    U16(u16),
-    U32(u32),
-    U64(u64),
-    I16(i16),
-    I32(i32),
+pub(super) struct Bits {
+    pub(super) value: i64,
+    pub(super) bytes: u32,
 }
 
-impl From<bool> for Bits {
-    fn from(value: bool) -> Self {
-        Self::U8(u8::from(value))
-    }
+macro_rules! bits {
+    ($($from:ty)*) => {
+        $(impl From<$from> for Bits {
+            fn from(value: $from) -> Self {
+                Self { value: value as i64, bytes: size_of::<$from>() as u32 }
+            }
+        })*
+    };
 }
+
+bits!(bool u8 u16 u32 u64 i16 i32);
 
 impl fmt::Display for Bits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::U8(value) => value.fmt(f),
-            Self::U16(value) => value.fmt(f),
-            Self::U32(value) => value.fmt(f),
-            Self::U64(value) => value.fmt(f),
-            Self::I16(value) => value.fmt(f),
-            Self::I32(value) => value.fmt(f),
-        }
+        if self.bytes == 8 { (self.value as u64).fmt(f) } else { self.value.fmt(f) }
     }
 }
+
+/// What is shown every field. One function, called for each: a copy of it for every field, and one of the list for every function, is 10 KB.
+pub(super) type See<'a> = &'a mut dyn FnMut(&'static str, Bits);
 
 /// Names of the parts of an answer, which stand before their fields with their letter.
 pub(super) const COMMAND: &str = "command";
@@ -55,8 +53,7 @@ impl fmt::Display for Outputs {
         let mut result = Ok(());
         let mut between = " ";
         let mut part = "";
-        // As one function that is called for every field: a copy for each would be 7 KB.
-        let see: &mut dyn FnMut(&'static str, Bits) = &mut |name, bits| {
+        let see: See<'_> = &mut |name, bits| {
             if name == STATUS {
                 part = "status.";
             }
@@ -71,44 +68,43 @@ impl fmt::Display for Outputs {
 }
 
 /// Shows every field in the order of the digest.
-#[inline]
-pub(super) fn fields(command: &PwmCommand, status: Option<&Status>, mut see: impl FnMut(&'static str, Bits)) {
-    command_fields(command, &mut see);
+pub(super) fn fields(command: &PwmCommand, status: Option<&Status>, see: See<'_>) {
+    command_fields(command, see);
     if let Some(status) = status {
-        status_fields(status, &mut see);
+        status_fields(status, see);
     }
 }
 
 // The structs are taken apart by name, so that a new field cannot be forgotten here.
 
-fn command_fields(command: &PwmCommand, see: &mut impl FnMut(&'static str, Bits)) {
+fn command_fields(command: &PwmCommand, see: See<'_>) {
     let PwmCommand { duty, rectification, sample_at, sample_mode, step, commutations } = command;
-    see(COMMAND, Bits::U8(b'P'));
-    see("duty", Bits::U16(duty.to_bits()));
+    see(COMMAND, b'P'.into());
+    see("duty", duty.to_bits().into());
     see(
         "rectification",
-        Bits::U8(match rectification {
-            Rectification::Diode => 0,
+        Bits::from(match rectification {
+            Rectification::Diode => 0_u8,
             Rectification::Synchronous => 1,
         }),
     );
-    see("sample_at", Bits::U16(*sample_at));
+    see("sample_at", (*sample_at).into());
     see(
         "sample_mode",
-        Bits::U8(match sample_mode {
-            SampleMode::OffTime => 0,
+        Bits::from(match sample_mode {
+            SampleMode::OffTime => 0_u8,
             SampleMode::OnTime => 1,
         }),
     );
-    see("step", Bits::U8(*step as u8));
-    see("commutations", Bits::U8(commutations.iter().count() as u8));
+    see("step", Bits::from(*step as u8));
+    see("commutations", Bits::from(commutations.iter().count() as u8));
     for Commutation { instant, step } in commutations.iter() {
-        see("commutation.instant", Bits::U16(instant));
-        see("commutation.step", Bits::U8(step as u8));
+        see("commutation.instant", instant.into());
+        see("commutation.step", Bits::from(step as u8));
     }
 }
 
-fn status_fields(status: &Status, see: &mut impl FnMut(&'static str, Bits)) {
+fn status_fields(status: &Status, see: See<'_>) {
     let Status {
         tick,
         state,
@@ -137,43 +133,43 @@ fn status_fields(status: &Status, see: &mut impl FnMut(&'static str, Bits)) {
         crossing_margin,
         crossings,
     } = status;
-    see(STATUS, Bits::U8(b'S'));
-    see("tick", Bits::U64(*tick));
-    see("state", Bits::U8(*state as u8));
-    see("faults", Bits::U32(faults.bits()));
-    see("critical", Bits::U32(critical.bits()));
-    see("extended_code", Bits::U16(*extended_code));
+    see(STATUS, b'S'.into());
+    see("tick", (*tick).into());
+    see("state", Bits::from(*state as u8));
+    see("faults", faults.bits().into());
+    see("critical", critical.bits().into());
+    see("extended_code", (*extended_code).into());
     see("command_expired", (*command_expired).into());
-    see("refusal", Bits::U8(*refusal as u8));
+    see("refusal", Bits::from(*refusal as u8));
     see("supply_low", (*supply_low).into());
-    see("direction", Bits::U8(*direction as u8));
-    see("setpoint", Bits::I32(setpoint.to_bits()));
-    see("speed_hall", Bits::I32(speed_hall.to_bits()));
-    see("speed_sensorless", Bits::I32(speed_sensorless.to_bits()));
-    see("angle", Bits::U16(angle.0));
-    see("sectors", Bits::I32(*sectors));
-    see("bus_voltage", Bits::I32(bus_voltage.to_bits()));
-    see("bus_current", Bits::I32(bus_current.to_bits()));
-    see("power", Bits::I32(power.to_bits()));
-    see("phase_voltage_a", Bits::I32(voltage_a.to_bits()));
-    see("phase_voltage_b", Bits::I32(voltage_b.to_bits()));
-    see("phase_voltage_c", Bits::I32(voltage_c.to_bits()));
-    see("duty", Bits::U16(duty.to_bits()));
-    see("limiter", Bits::U8(*limiter as u8));
-    see("hall_invalid", Bits::U16(*hall_invalid));
-    see("hall_jumps", Bits::U16(*hall_jumps));
+    see("direction", Bits::from(*direction as u8));
+    see("setpoint", setpoint.to_bits().into());
+    see("speed_hall", speed_hall.to_bits().into());
+    see("speed_sensorless", speed_sensorless.to_bits().into());
+    see("angle", angle.0.into());
+    see("sectors", (*sectors).into());
+    see("bus_voltage", bus_voltage.to_bits().into());
+    see("bus_current", bus_current.to_bits().into());
+    see("power", power.to_bits().into());
+    see("phase_voltage_a", voltage_a.to_bits().into());
+    see("phase_voltage_b", voltage_b.to_bits().into());
+    see("phase_voltage_c", voltage_c.to_bits().into());
+    see("duty", duty.to_bits().into());
+    see("limiter", Bits::from(*limiter as u8));
+    see("hall_invalid", (*hall_invalid).into());
+    see("hall_jumps", (*hall_jumps).into());
     match hall_calibration {
-        HallCalibration::None => see("hall_calibration", Bits::U8(0)),
-        HallCalibration::Running => see("hall_calibration", Bits::U8(1)),
+        HallCalibration::None => see("hall_calibration", 0_u8.into()),
+        HallCalibration::Running => see("hall_calibration", 1_u8.into()),
         HallCalibration::Done(HallWiring { order, polarity, offset }) => {
-            see("hall_calibration", Bits::U8(2));
-            see("hall_order", Bits::U8(*order));
-            see("hall_polarity", Bits::U8(*polarity));
-            see("hall_offset", Bits::I16(*offset));
+            see("hall_calibration", 2_u8.into());
+            see("hall_order", (*order).into());
+            see("hall_polarity", (*polarity).into());
+            see("hall_offset", (*offset).into());
         }
-        HallCalibration::Failed => see("hall_calibration", Bits::U8(3)),
+        HallCalibration::Failed => see("hall_calibration", 3_u8.into()),
     }
-    see("crossing", Bits::U8(*crossing as u8));
-    see("crossing_margin", Bits::I16(*crossing_margin));
-    see("crossings", Bits::U32(*crossings));
+    see("crossing", Bits::from(*crossing as u8));
+    see("crossing_margin", (*crossing_margin).into());
+    see("crossings", (*crossings).into());
 }

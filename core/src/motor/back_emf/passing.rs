@@ -11,7 +11,7 @@ use crate::motor::samples::{SampleMode, Samples};
 impl BackEmf {
     /// The ordinary tick of a step that goes on: takes its sample and answers true, if that says nothing new to the estimator. Else
     /// nothing is taken, and [`step`](Self::step) is to look. `None` if there is more to find out.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn passes(
         &mut self,
         c: &BackEmfCoefficients,
@@ -32,7 +32,7 @@ impl BackEmf {
     }
 
     /// The same of any tick.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn passes_at_all(
         &mut self,
         c: &BackEmfCoefficients,
@@ -66,7 +66,7 @@ impl BackEmf {
     }
 
     /// This mean is no news; then it is the last one.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn mean_passes(&mut self, mean: i32, threshold: i32, sample_at: u16) -> bool {
         match self.passage {
             Passage::Found if mean >= threshold - self.noise => {}
@@ -153,7 +153,7 @@ impl BackEmf {
     }
 
     /// The ordinary change to another step, whose crossing was found: true, and the tick is over. Else nothing is done.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn turns_over(
         &mut self,
         c: &BackEmfCoefficients,

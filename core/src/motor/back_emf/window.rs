@@ -62,7 +62,7 @@ impl BackEmf {
 
 /// What one sample says, signed as it rises: `2 v_f - v_g - v_h`, three times the back-EMF of a sinusoidal motor, twice that of a trapezoidal
 /// one, raw I16F16 V.
-#[inline(always)]
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(super) fn signal(c: &BackEmfCoefficients, samples: &Samples, watch: Watch) -> i32 {
     let [v_a, v_b, v_c] = samples.phase_voltage.map(i32::from);
     let floating = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);

@@ -156,7 +156,7 @@ impl Drive {
     }
 
     /// The loops of a tick that begins with `step` and has its commutations.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn keep_on(&mut self, step: Step, place: u32, samples: &Samples, current: Amps) {
         if place <= place::LAST {
             self.rest_of_millisecond(place, self.calm.demand(), samples, current);
@@ -292,7 +292,7 @@ impl Drive {
     }
 
     /// Ticks for which the sensorless estimator needs no look.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn estimator_calm(&self) -> u32 {
         let (present, torque) = (self.commutator.present(), self.machine.direction());
         self.sensorless.calm(&self.coefficients.sensorless, present, torque)

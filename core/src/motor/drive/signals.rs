@@ -25,7 +25,7 @@ impl Drive {
     }
 
     /// Sample of one signal.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn sample_of(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i16 {
         self.signal(signal, speed, samples).clamp(i16::MIN.into(), i16::MAX.into()) as i16
     }

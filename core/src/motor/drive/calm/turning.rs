@@ -109,7 +109,7 @@ impl Drive {
 
     /// The pattern of a rotor that is at `angle` and turns at another `speed` (u32 turn, 2^-32 turn a tick): the step that the tick begins with, and for
     /// how many ticks from now the last one goes on.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn follow(&mut self, angle: u32, speed: i32) -> (Step, u32) {
         let (c, torque) = (&self.coefficients.commutator, self.machine.direction());
         if let Some(ticks) = self.commutator.follow(c, angle, speed, torque) {
@@ -124,7 +124,7 @@ impl Drive {
 
     /// After `ticks` of calm, this one included, it goes on: until the next commutation, in `left` ticks, but no longer than the estimator (`own`) and the
     /// state machine allow.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn sleep_on(&mut self, current: Amps, ticks: u32, left: u32, own: u32) {
         self.machine.sleep(ticks);
         let present = self.commutator.present();
