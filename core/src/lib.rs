@@ -33,6 +33,7 @@ pub mod bus;
 pub mod description;
 pub mod device;
 pub mod dictionary;
+pub mod eddycan;
 pub mod master;
 pub mod motor;
 pub mod node;
