@@ -111,7 +111,7 @@ fn generate(root: &Path) -> ExitCode {
         // The tests that compare documents and snapshots write them when told so.
         Step::new("documents", move || {
             let mut tests = Command::new("cargo");
-            tests.args(["test", "-p", "narx-tests", "--test", "protocol"]);
+            tests.args(["test", "-p", "narx-tests", "--test", "protocol", "--test", "eddycan"]);
             run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
         }),
         Step::new("tables of running", move || {
