@@ -8,6 +8,7 @@ mod encoder;
 mod errors;
 mod filters;
 mod heartbeat;
+mod master;
 mod network;
 mod objects;
 mod pdo;
