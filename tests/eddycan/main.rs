@@ -4,6 +4,7 @@ mod bench;
 mod bus;
 mod comparators;
 mod document;
+mod eds;
 mod encoder;
 mod errors;
 mod filters;
