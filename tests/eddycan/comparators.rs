@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, mm};
 use narx_core::bus::eddycan::{Channels, NmtState, Position};
-use narx_core::eddycan::{Entry, MeasuringRange, Sample};
+use narx_core::eddycan::{Configuration, Entry, MeasuringRange, Sample, TxDriver, Variant};
 use proptest::prelude::*;
 
 const ONE: u32 = 1 << 30;
@@ -40,6 +40,18 @@ fn one_channel_has_both() {
         [(0, [false, false]), (1, [false, false]), (2, [true, false]), (4, [true, true])]
     {
         assert_eq!(outputs(&mut bench, mm(position), mm(4 - position)), expected, "{position} mm");
+    }
+}
+
+/// Each channel is compared within its own range; of a driver of one channel only the first counts.
+#[test]
+fn ranges_of_their_own() {
+    let range = |start, end| MeasuringRange::new(mm(start), mm(end)).unwrap();
+    for (channels, expected) in [(Channels::Single, [false, false]), (Channels::Dual, [false, true])] {
+        let variant = Variant { ranges: [range(0, 4), range(-8, 0)], ..crate::bench::variant(channels) };
+        let mut driver = TxDriver::new(variant, Configuration::new());
+        driver.handle_sample(Sample { positions: [mm(1), mm(-2)], counter: 0 });
+        assert_eq!(driver.outputs(), expected, "{channels:?}");
     }
 }
 

@@ -21,7 +21,12 @@ fn error_passive_is_told_when_it_is_entered() {
     bench.driver.handle_bus_state(bus(ErrorState::Passive));
     assert_eq!(bench.poll(), [passive()]);
     bench.driver.handle_bus_state(bus(ErrorState::Passive));
-    assert_eq!(bench.wait(10_000_000), [], "it has not been left");
+    assert_eq!(bench.wait(10_000_000), []);
+    bench.driver.handle_bus_state(bus(ErrorState::Passive));
+    assert_eq!(bench.poll(), [], "it has not been left");
+    bench.driver.handle_bus_state(bus(ErrorState::BusOff));
+    bench.driver.handle_bus_state(bus(ErrorState::Passive));
+    assert_eq!(bench.poll(), [], "that is the way back");
     bench.driver.handle_bus_state(bus(ErrorState::Active));
     bench.driver.handle_bus_state(bus(ErrorState::Passive));
     assert_eq!(bench.poll(), [passive()]);

@@ -92,14 +92,21 @@ fn comparators_see_the_filtered_position() {
     assert_eq!(bench.driver.outputs(), [false, false]);
 }
 
-/// A filter that is changed goes on from where the old one was.
+/// A filter that is written goes on from where the output was, and acts with the next sample; so does its end.
 #[test]
 fn a_change_makes_no_jump() {
     let mut bench = bench(Channels::Single, &[], mm(1).raw());
-    bench.enter(NmtState::PreOperational);
-    bench.put(Entry::Filter1, 1);
-    bench.enter(NmtState::Operational);
+    let write = |bench: &mut Bench, index| {
+        bench.enter(NmtState::PreOperational);
+        bench.put(Entry::Filter1, index);
+        bench.enter(NmtState::Operational);
+    };
+    write(&mut bench, 1);
     assert_eq!(filtered(&mut bench, [mm(1).raw(); 2])[0], mm(1).raw());
+    let [found, _] = filtered(&mut bench, [mm(2).raw(); 2]);
+    assert!(found > mm(1).raw() && found < mm(1).raw() + (1 << 20), "{found}");
+    write(&mut bench, 0);
+    assert_eq!(filtered(&mut bench, [mm(2).raw(); 2])[0], mm(2).raw());
 }
 
 proptest! {

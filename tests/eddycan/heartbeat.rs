@@ -60,6 +60,8 @@ fn configured_at_run_time_and_late() {
     assert_eq!(heartbeats(&mut bench, 1500).len(), 1, "within 2 s");
     let late = bench.wait(7_000_000);
     assert_eq!(late.len(), 1, "what was missed is not made up for");
+    assert_eq!(bench.wait(1), []);
+    assert_eq!(heartbeats(&mut bench, 2000).len(), 1);
     bench.put(Entry::CanConfig, 0);
     assert_eq!(heartbeats(&mut bench, 5000), []);
 }

@@ -191,6 +191,7 @@ fn answers_of_other_nodes() {
     // Where there are subindices they count.
     let write = Request::Write(Entry::Filter2, 1);
     assert_eq!(ask(write, &[0x60, 6, 0x20, 1, 0, 0, 0, 0]), None);
+    assert_eq!(ask(write, &[0x4F, 6, 0x20, 2, 1, 0, 0, 0]), None, "a value is no confirmation");
     assert_eq!(ask(write, &[0x60, 6, 0x20, 2, 0, 0, 0, 0]), Some(Ok(1)));
 }
 

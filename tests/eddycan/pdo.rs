@@ -94,6 +94,18 @@ fn a_late_poll_sends_one_and_keeps_the_beat() {
     assert_eq!(bench.wait(1).len(), 1, "50 ms after the first");
 }
 
+/// Operational begins with a PDO1, however short it was left for.
+#[test]
+fn every_start_begins_a_beat_of_its_own() {
+    let mut bench = Bench::in_state(NmtState::Operational, Channels::Single, &[(Entry::UpdateTime, 10)]);
+    assert_eq!(bench.poll().len(), 1);
+    bench.now += 3000;
+    bench.enter(NmtState::Stopped);
+    bench.enter(NmtState::Operational);
+    let start = bench.now;
+    assert_eq!(instants(&bench.pdos(20_000)), [start, start + 10_000]);
+}
+
 #[test]
 fn what_waits_is_overwritten() {
     let mut bench = Bench::in_state(NmtState::Operational, Channels::Single, &[(Entry::UpdateTime, 10)]);

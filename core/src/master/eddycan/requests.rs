@@ -83,18 +83,10 @@ impl Request {
         if matches!(self, Self::Write(Entry::ResetEncoder, _)) { 1 } else { attempts }
     }
 
-    /// Whether this answer can be its own. A late one to an earlier request of the same entry cannot be told from it; where the entry has no
-    /// subindex, nodes may answer with any.
-    fn is_answered_by(self, answer: SdoAnswer) -> bool {
+    /// Whether an answer is about its entry. Where the entry has no subindex, nodes may answer with any.
+    fn is_addressed_by(self, answer: SdoAnswer) -> bool {
         let object = self.entry().object();
-        let addressed =
-            answer.index == object.index && object.subindex.is_none_or(|own| own == answer.subindex);
-        let fits = match answer.outcome {
-            SdoOutcome::Aborted { .. } => true,
-            SdoOutcome::Written => matches!(self, Self::Write(..)),
-            SdoOutcome::Value(_) => matches!(self, Self::Read(_)),
-        };
-        addressed && fits
+        answer.index == object.index && object.subindex.is_none_or(|own| own == answer.subindex)
     }
 }
 
@@ -143,17 +135,20 @@ impl Requests {
     /// Takes an answer of the node: the entry and its value, if that is what was asked for and it was done.
     pub(super) fn take(&mut self, answer: SdoAnswer) -> Option<(Entry, u32)> {
         let request = self.current?.request;
-        if !request.is_answered_by(answer) {
+        if !request.is_addressed_by(answer) {
             return None;
         }
         let result = match (answer.outcome, request) {
-            (SdoOutcome::Value(value), _) => Ok(value.number() & mask(request.entry())),
+            (SdoOutcome::Value(value), Request::Read(entry)) => Ok(value.number() & mask(entry)),
             (SdoOutcome::Written, Request::Write(_, value)) => Ok(value),
-            (SdoOutcome::Written, Request::Read(_)) => return None,
             (SdoOutcome::Aborted { code }, _) => Err(match AbortCode::decode(code) {
                 Some(code) => RequestError::Refused(code),
                 None => RequestError::RefusedOtherwise { code },
             }),
+            // The late answer to an earlier request of the same entry; one of the same kind cannot be told from its own.
+            (SdoOutcome::Value(_), Request::Write(..)) | (SdoOutcome::Written, Request::Read(_)) => {
+                return None;
+            }
         };
         self.finish(request, result);
         result.ok().map(|value| (request.entry(), value))
