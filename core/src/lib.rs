@@ -18,11 +18,12 @@
 //!   description the tables as an XML document, which the node serves
 //!   device      Drive, scope and Node, joined by their queues: what a shell links
 //!   master      the other end of the bus, for whatever commands a drive
+//!   eddycan     the TX-Driver, another device: eddyCAN on 11-bit identifiers
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
 //! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `scope`, `bus`, `storage`, `description`, `node`,
-//! `device`, `master`, `recording`.
+//! `device`, `master`, `recording`; `eddycan` stands beside them on `bus` alone.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
@@ -33,6 +34,7 @@ pub mod bus;
 pub mod description;
 pub mod device;
 pub mod dictionary;
+pub mod eddycan;
 pub mod master;
 pub mod motor;
 pub mod node;

@@ -1,4 +1,4 @@
-//! PROTOCOL.md: its tables are made from the code, and stay so. `UPDATE=1`, set by `cargo xtask generate`, rewrites them.
+//! PROTOCOL.md: its tables of the drive are made from the code, and stay so.
 
 use narx_core::bus::Id;
 use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, MessageId, NAMES, SIGNALS};
@@ -6,11 +6,8 @@ use narx_core::description::{LOG_RECORD, LogEntry};
 use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Kind, Parameter};
 use narx_core::motor::fault::Cause;
 use narx_core::motor::signal::DRIVE_SIGNALS;
+use narx_tests::{Block, check_blocks, protocol};
 use std::fmt::Write;
-use std::path::PathBuf;
-
-/// Name of a block and what makes it.
-type Block = (&'static str, fn() -> String);
 
 const BLOCKS: [Block; 10] = [
     ("causes", causes),
@@ -181,33 +178,15 @@ fn parameter(row: &Parameter) -> String {
     )
 }
 
-fn document() -> (PathBuf, String) {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../PROTOCOL.md");
-    let text = std::fs::read_to_string(&path).unwrap();
-    (path, text)
-}
-
 #[test]
 fn generated_tables_are_up_to_date() {
-    let (path, text) = document();
-    let mut fresh = text.clone();
-    for (name, render) in BLOCKS {
-        let open = format!("<!-- generated:{name} -->\n");
-        let start = fresh.find(&open).unwrap_or_else(|| panic!("no block {name}")) + open.len();
-        let length = fresh[start..].find("<!-- end -->").unwrap_or_else(|| panic!("block {name} has no end"));
-        fresh.replace_range(start..start + length, &render());
-    }
-    if std::env::var_os("UPDATE").is_some() {
-        std::fs::write(path, &fresh).unwrap();
-        return;
-    }
-    assert!(text == fresh, "PROTOCOL.md is out of date: cargo xtask generate");
+    check_blocks(&BLOCKS);
 }
 
 /// The message table is written by hand: each identifier must be what its opcode and type say.
 #[test]
 fn identifiers_in_the_message_table_agree_with_the_code() {
-    let (_, text) = document();
+    let text = protocol();
     let mut found = Vec::new();
     for line in text.lines() {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();

@@ -1,5 +1,5 @@
 //! What other people's tools make of our files: python-can reads the logs and commands the virtual drive, cantools reads the
-//! database, xmlschema the description.
+//! database, xmlschema the description, python-canopen the EDS of the TX-Driver.
 
 use crate::steps::{self, Outcome};
 use crate::{candump, dbc, decoded, install};

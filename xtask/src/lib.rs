@@ -12,6 +12,7 @@ pub mod decoded;
 pub mod demo;
 pub mod drive;
 pub mod driven;
+pub mod eds;
 pub mod firmware;
 pub mod floor;
 pub mod header;

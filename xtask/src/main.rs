@@ -9,6 +9,7 @@ use xtask::coverage;
 use xtask::dbc;
 use xtask::demo;
 use xtask::drive;
+use xtask::eds;
 use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
@@ -57,6 +58,12 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Make docs/eddycan-*.eds anew: the TX-Driver for CANopen tools
+    Eds {
+        /// Write nothing; fail if a file differs from the code
+        #[arg(long)]
+        check: bool,
+    },
     /// Build a firmware image, and run it where there is an emulator for its board
     Firmware(firmware::Arguments),
     /// Make tests/golden/instructions.toml anew: instructions of every control tick on a Cortex-M4F
@@ -66,7 +73,7 @@ enum Job {
         check: bool,
     },
     /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
-    /// CAN database, the C header, type declarations, golden figures
+    /// CAN database, EDS, the C header, type declarations, golden figures
     Generate,
     /// Make ffi/include/narx.h anew: the C header
     Header {
@@ -96,6 +103,7 @@ fn main() -> ExitCode {
         Job::Callgrind { check } => callgrind::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Dbc { check } => dbc::command(root, check),
+        Job::Eds { check } => eds::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
@@ -111,7 +119,7 @@ fn generate(root: &Path) -> ExitCode {
         // The tests that compare documents and snapshots write them when told so.
         Step::new("documents", move || {
             let mut tests = Command::new("cargo");
-            tests.args(["test", "-p", "narx-tests", "--test", "protocol"]);
+            tests.args(["test", "-p", "narx-tests", "--test", "protocol", "--test", "eddycan"]);
             run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
         }),
         Step::new("tables of running", move || {
@@ -121,6 +129,7 @@ fn generate(root: &Path) -> ExitCode {
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
         Step::new("CAN database", move || dbc::regenerate(root, false)),
+        Step::new("EDS", move || eds::regenerate(root, false)),
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),

@@ -43,6 +43,11 @@ impl Id {
         Self::Extended { raw: raw & 0x1FFF_FFFF }
     }
 
+    /// An 11-bit identifier of the low 11 bits of `raw`.
+    pub(super) const fn standard_masked(raw: u16) -> Self {
+        Self::Standard { raw: raw & 0x7FF }
+    }
+
     /// Whether it has 29 bits.
     pub const fn is_extended(self) -> bool {
         matches!(self, Self::Extended { .. })
@@ -83,6 +88,16 @@ impl Frame {
     /// A remote frame that asks for `dlc` bytes, or `None` above 8.
     pub const fn remote(id: Id, dlc: u8) -> Option<Self> {
         if dlc <= 8 { Some(Self { id, remote: true, length: dlc, data: [0; 8] }) } else { None }
+    }
+
+    /// A data frame of the first `length` bytes, at most 8; the others must be 0.
+    pub(super) const fn short(id: Id, data: [u8; 8], length: u8) -> Self {
+        Self { id, remote: false, length: if length < 8 { length } else { 8 }, data }
+    }
+
+    /// A remote frame that asks for `dlc` bytes, at most 8.
+    pub(super) const fn remote_clamped(id: Id, dlc: u8) -> Self {
+        Self { id, remote: true, length: if dlc < 8 { dlc } else { 8 }, data: [0; 8] }
     }
 
     /// The identifier.

@@ -1,6 +1,7 @@
 //! CAN frames and the wire formats: bytes to meaning and back, nothing else.
 
 mod confinement;
+pub mod eddycan;
 pub mod frame;
 pub mod narmotion;
 

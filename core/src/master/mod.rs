@@ -15,11 +15,14 @@
 //! the download, and reading parameters in the background. One message is under way at a time, so that an answer
 //! belongs to what was asked. An answer that comes later than the time-out, or twice, may be taken for that of the next
 //! message on the same parameter.
+//!
+//! [`eddycan`] is the master of a TX-Driver, likewise.
 
 mod assembly;
 mod commands;
 mod described;
 mod download;
+pub mod eddycan;
 mod error;
 mod exchange;
 mod markup;

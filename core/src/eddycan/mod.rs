@@ -1,0 +1,257 @@
+//! The TX-Driver: an eddy-current displacement sensor's driver with one or two channels and an incremental encoder, as a node of an
+//! eddyCAN network. A pure state machine without a clock, a bus or a memory of its own.
+//!
+//! ```text
+//!  frames ------ handle_frame --> +----------+ -- poll_frame --> frames
+//!  samples ---- handle_sample --> |          | ----- outputs --> switching outputs
+//!  controller handle_bus_state -> | TxDriver | -- poll_store --> configuration to store
+//!  memory -------- handle_store > |          | -- take_reset --> restart the device
+//!  time ----------------- poll -> +----------+
+//! ```
+//!
+//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left. A shell that has been told to
+//! restart makes a new one from the stored configuration.
+
+mod comparator;
+mod configuration;
+mod encoder;
+mod errors;
+mod filter;
+mod heartbeat;
+mod nmt;
+mod objects;
+mod outbox;
+mod pdo;
+mod sdo;
+mod sensing;
+mod store;
+
+pub use comparator::MeasuringRange;
+pub use configuration::{Configuration, EncoderSetup, InvalidConfiguration, UpdateTime};
+pub use objects::{Access, Entry, Kind, OBJECTS, Object, STORED};
+pub use sensing::Sample;
+
+use crate::bus::eddycan::{
+    Bitrate, Channels, DecodeError, ErrorCode, Layout, NmtState, NodeId, PdoKind, ToNode,
+};
+use crate::bus::{BusState, ErrorState, Frame};
+use heartbeat::Heartbeat;
+use outbox::Outbox;
+use pdo::Timer;
+use sensing::Sensing;
+use store::Store;
+
+/// What a driver is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Variant {
+    /// Sensors of it.
+    pub channels: Channels,
+    /// What they measure; the second one of a driver of one channel does not count.
+    pub ranges: [MeasuringRange; 2],
+    /// Samples a second that the shell takes, Hz.
+    pub sample_rate: u32,
+    /// Release of the firmware, major in the high byte (2100h).
+    pub firmware: u16,
+}
+
+/// The device.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TxDriver {
+    variant: Variant,
+    configuration: Configuration,
+    /// In force since the restart, whatever is stored now.
+    node: NodeId,
+    bitrate: Bitrate,
+    state: NmtState,
+    /// The last time that was told, microseconds.
+    now: u64,
+    sensing: Sensing,
+    timer: Timer,
+    heartbeat: Heartbeat,
+    outbox: Outbox,
+    store: Store,
+    bus: BusState,
+    restart: Restart,
+}
+
+/// Whether the device is to restart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Restart {
+    No,
+    /// When the configuration is stored, at the latest at this time.
+    By(u64),
+    /// The shell has been told.
+    Told,
+}
+
+impl Restart {
+    /// A memory that does not answer must not keep a node from restarting.
+    const fn within_a_second(now: u64) -> Self {
+        Self::By(now.saturating_add(1_000_000))
+    }
+}
+
+impl TxDriver {
+    /// A device at power-up, with the configuration that was stored. The boot-up message is the first that it sends.
+    pub fn new(variant: Variant, configuration: Configuration) -> Self {
+        let state = if configuration.autostart() { NmtState::Operational } else { NmtState::PreOperational };
+        Self {
+            variant,
+            configuration,
+            node: configuration.node(),
+            bitrate: configuration.bitrate(),
+            state,
+            now: 0,
+            sensing: Sensing::new(&variant, &configuration),
+            timer: Timer::default(),
+            heartbeat: Heartbeat::default(),
+            outbox: Outbox::default(),
+            store: Store::default(),
+            bus: BusState::default(),
+            restart: Restart::No,
+        }
+    }
+
+    /// The present configuration.
+    pub const fn configuration(&self) -> &Configuration {
+        &self.configuration
+    }
+
+    /// The node-id in force.
+    pub const fn node(&self) -> NodeId {
+        self.node
+    }
+
+    /// The bitrate in force: the one that the shell sets the controller to.
+    pub const fn bitrate(&self) -> Bitrate {
+        self.bitrate
+    }
+
+    /// What the node does; never [`NmtState::BootUp`].
+    pub const fn state(&self) -> NmtState {
+        self.state
+    }
+
+    /// What its PDOs carry.
+    pub fn layout(&self) -> Layout {
+        self.configuration.layout(self.variant.channels)
+    }
+
+    /// Takes a frame that arrived at `now`, microseconds. A frame that is not for this node, or that is none of its protocol, changes
+    /// nothing.
+    pub fn handle_frame(&mut self, frame: &Frame, now: u64) {
+        if self.restart != Restart::No {
+            return;
+        }
+        self.now = now;
+        match ToNode::decode(frame) {
+            Ok(ToNode::Nmt { command, target }) => self.handle_nmt(command, target),
+            Ok(ToNode::Sync) => self.trigger(PdoKind::Sync),
+            Ok(ToNode::RequestPdo { node, bytes }) if node == self.node => {
+                if bytes == self.layout().length() {
+                    self.trigger(PdoKind::Remote);
+                }
+            }
+            Ok(ToNode::Sdo { node, request }) if node == self.node => self.handle_sdo(request),
+            Err(DecodeError::NmtCommand(target)) => self.handle_unknown_nmt(target),
+            Ok(_) | Err(_) => {}
+        }
+    }
+
+    /// Takes a sample, at the rate that the variant says.
+    pub fn handle_sample(&mut self, sample: Sample) {
+        self.sensing.take(sample, &self.variant, &self.configuration);
+    }
+
+    /// Takes the state of the CAN controller, whenever the shell looks. Off the bus no frame is handed out, and positions and answers that wait
+    /// are dropped; the shell does the same with what waits in the controller.
+    pub fn handle_bus_state(&mut self, state: BusState) {
+        let before = core::mem::replace(&mut self.bus, state);
+        if before.error == ErrorState::Active && state.error == ErrorState::Passive {
+            self.outbox.errors.note(ErrorCode::Passive, self.now);
+        }
+        if before.is_off() != state.is_off() {
+            self.outbox.discard_present();
+        }
+    }
+
+    /// Takes whether the shell has stored what [`Self::poll_store`] handed out. A shell that could not read its memory at power-up says false, too.
+    pub fn handle_store(&mut self, done: bool) {
+        self.store.finish(done);
+        if !done {
+            self.outbox.errors.note(ErrorCode::Generic, self.now);
+        }
+    }
+
+    /// Advances time to `now`, microseconds.
+    pub fn poll(&mut self, now: u64) {
+        self.now = now;
+        if self.restart != Restart::No {
+            return;
+        }
+        let autostart = self.configuration.autostart();
+        if self.heartbeat.is_due(now, autostart) && self.configuration.heartbeat() {
+            self.outbox.put_heartbeat();
+        }
+        // A period begins with what can be sent in it.
+        let ready =
+            self.state == NmtState::Operational && self.sensing.reading(&self.configuration).is_some();
+        if ready && self.timer.is_due(now, self.period()) {
+            self.trigger(PdoKind::Timer);
+        }
+    }
+
+    /// When to poll again at the latest, if nothing is handled until then.
+    pub fn next_poll(&self) -> u64 {
+        let timer = match self.period() {
+            Some(_) if self.state == NmtState::Operational => self.timer.due().unwrap_or(self.now),
+            _ => u64::MAX,
+        };
+        self.heartbeat.due().unwrap_or(self.now).min(timer)
+    }
+
+    /// The next frame to send; none while the controller is off the bus, or when a restart has been asked for.
+    pub fn poll_frame(&mut self) -> Option<Frame> {
+        if self.bus.is_off() || self.restart != Restart::No {
+            return None;
+        }
+        let message = self.outbox.pop(self.state)?;
+        Some(message.encode(self.node, self.layout()))
+    }
+
+    /// The next configuration to store; at most one is under way.
+    pub fn poll_store(&mut self) -> Option<Configuration> {
+        let due = self.store.begin(self.now, self.restart != Restart::No);
+        due.then_some(self.configuration)
+    }
+
+    /// The switching outputs: high while the position is above the comparator's value. Low before the first sample.
+    pub const fn outputs(&self) -> [bool; 2] {
+        self.sensing.outputs()
+    }
+
+    /// Whether to restart the device now; says so once. What was written is stored by then, unless the memory has not answered for a second.
+    pub fn take_reset(&mut self) -> bool {
+        let Restart::By(latest) = self.restart else { return false };
+        let due = self.store.is_idle() || self.now >= latest;
+        if due {
+            self.restart = Restart::Told;
+        }
+        due
+    }
+
+    /// Period of PDO1, microseconds; `None` if it is not sent.
+    pub fn period(&self) -> Option<u64> {
+        pdo::period(&self.configuration, self.layout(), self.bitrate)
+    }
+
+    /// Puts the present reading into the PDO of this kind, in Operational.
+    fn trigger(&mut self, kind: PdoKind) {
+        if self.state != NmtState::Operational {
+            return;
+        }
+        if let Some(reading) = self.sensing.reading(&self.configuration) {
+            self.outbox.put_pdo(kind, reading);
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! States and commands (section 3.4).
+
+use super::{Restart, TxDriver};
+use crate::bus::eddycan::{ErrorCode, NmtCommand, NmtState, Target};
+
+impl TxDriver {
+    pub(super) fn handle_nmt(&mut self, command: NmtCommand, target: Target) {
+        if !target.includes(self.node) {
+            return;
+        }
+        match command {
+            NmtCommand::Start => self.enter(NmtState::Operational),
+            NmtCommand::Stop => self.enter(NmtState::Stopped),
+            NmtCommand::PreOperational => self.enter(NmtState::PreOperational),
+            NmtCommand::Reset => self.restart = Restart::within_a_second(self.now),
+        }
+    }
+
+    /// Only the node that is meant by name complains, or one wrong broadcast would fill the bus with errors.
+    pub(super) fn handle_unknown_nmt(&mut self, target: Target) {
+        if target == Target::Node(self.node) {
+            self.outbox.errors.note(ErrorCode::Protocol, self.now);
+        }
+    }
+
+    /// What the new state does not send is dropped. Being told to stay changes nothing.
+    fn enter(&mut self, state: NmtState) {
+        if state == self.state {
+            return;
+        }
+        self.state = state;
+        self.timer = Default::default();
+        self.outbox.discard_pdos();
+        if state == NmtState::Stopped {
+            self.outbox.discard_answers();
+        }
+    }
+}

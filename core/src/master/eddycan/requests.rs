@@ -1,0 +1,180 @@
+//! Entries that are read and written: one request under way, sent again when no answer comes, and answered once.
+
+use crate::bus::eddycan::{AbortCode, SdoAction, SdoAnswer, SdoOutcome, SdoRequest};
+use crate::eddycan::Entry;
+use crate::master::NotTaken;
+use core::fmt;
+use heapless::Deque;
+
+/// Requests that may wait, be under way, or be answered and not taken.
+const CAPACITY: usize = 8;
+
+/// Shortest time-out, microseconds: two of the longest frames and an idle bus at 100 kbit/s.
+const SHORTEST: u64 = 3000;
+
+/// Something that is asked of the node once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Read an entry.
+    Read(Entry),
+    /// Write an entry.
+    Write(Entry, u32),
+}
+
+/// A request and what came of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// What was asked for.
+    pub request: Request,
+    /// The value that was read or written.
+    pub result: Result<u32, RequestError>,
+}
+
+/// Why a request was not done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RequestError {
+    /// No answer, however often it was sent. A Stopped node does not answer.
+    NoAnswer,
+    /// The node refuses, for a reason of Table 10.
+    Refused(AbortCode),
+    /// The node refuses, for a reason that Table 10 does not list.
+    RefusedOtherwise {
+        /// The code.
+        code: u32,
+    },
+}
+
+/// Requests from the call to the taken answer.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Requests {
+    waiting: Deque<Request, CAPACITY>,
+    current: Option<UnderWay>,
+    answers: Deque<Answer, CAPACITY>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct UnderWay {
+    request: Request,
+    /// When it was last sent, microseconds.
+    sent: u64,
+    /// How often it may be sent again.
+    left: u8,
+}
+
+impl Request {
+    const fn entry(self) -> Entry {
+        match self {
+            Self::Read(entry) | Self::Write(entry, _) => entry,
+        }
+    }
+
+    /// The message; a write has no size, as the specification's has none.
+    fn encode(self) -> SdoRequest {
+        let object = self.entry().object();
+        let action = match self {
+            Self::Read(_) => SdoAction::Read,
+            Self::Write(_, value) => SdoAction::Write { size: None, data: value.to_le_bytes() },
+        };
+        SdoRequest { index: object.index, subindex: object.subindex.unwrap_or(0), action }
+    }
+
+    /// A second reset of the encoder would make another place 0.
+    const fn attempts(self, attempts: u8) -> u8 {
+        if matches!(self, Self::Write(Entry::ResetEncoder, _)) { 1 } else { attempts }
+    }
+
+    /// Whether an answer is about its entry. Where the entry has no subindex, nodes may answer with any.
+    fn is_addressed_by(self, answer: SdoAnswer) -> bool {
+        let object = self.entry().object();
+        answer.index == object.index && object.subindex.is_none_or(|own| own == answer.subindex)
+    }
+}
+
+impl Requests {
+    pub(super) fn push(&mut self, request: Request) -> Result<(), NotTaken> {
+        // So there is always room for the answer.
+        let taken = self.waiting.len() + usize::from(self.current.is_some()) + self.answers.len();
+        if taken >= CAPACITY {
+            return Err(NotTaken::Full);
+        }
+        self.waiting.push_back(request).map_err(|_| NotTaken::Full)
+    }
+
+    pub(super) fn pop(&mut self) -> Option<Answer> {
+        self.answers.pop_front()
+    }
+
+    /// What to send now: the next request, or again the one that got no answer.
+    pub(super) fn poll(&mut self, now: u64, timeout: u64, attempts: u8) -> Option<SdoRequest> {
+        if let Some(under_way) = &mut self.current {
+            if now < under_way.sent.saturating_add(timeout.max(SHORTEST)) {
+                return None;
+            }
+            if let Some(left) = under_way.left.checked_sub(1) {
+                (under_way.left, under_way.sent) = (left, now);
+                return Some(under_way.request.encode());
+            }
+            let request = under_way.request;
+            self.finish(request, Err(RequestError::NoAnswer));
+        }
+        let request = self.waiting.pop_front()?;
+        let left = request.attempts(attempts).saturating_sub(1);
+        self.current = Some(UnderWay { request, sent: now, left });
+        Some(request.encode())
+    }
+
+    /// When time brings something.
+    pub(super) fn deadline(&self, now: u64, timeout: u64) -> u64 {
+        match self.current {
+            Some(under_way) => under_way.sent.saturating_add(timeout.max(SHORTEST)).max(now),
+            None if self.waiting.is_empty() => u64::MAX,
+            None => now,
+        }
+    }
+
+    /// Takes an answer of the node: the entry and its value, if that is what was asked for and it was done.
+    pub(super) fn take(&mut self, answer: SdoAnswer) -> Option<(Entry, u32)> {
+        let request = self.current?.request;
+        if !request.is_addressed_by(answer) {
+            return None;
+        }
+        let result = match (answer.outcome, request) {
+            (SdoOutcome::Value(value), Request::Read(entry)) => Ok(value.number() & mask(entry)),
+            (SdoOutcome::Written, Request::Write(_, value)) => Ok(value),
+            (SdoOutcome::Aborted { code }, _) => Err(match AbortCode::decode(code) {
+                Some(code) => RequestError::Refused(code),
+                None => RequestError::RefusedOtherwise { code },
+            }),
+            // The late answer to an earlier request of the same entry; one of the same kind cannot be told from its own.
+            (SdoOutcome::Value(_), Request::Write(..)) | (SdoOutcome::Written, Request::Read(_)) => {
+                return None;
+            }
+        };
+        self.finish(request, result);
+        result.ok().map(|value| (request.entry(), value))
+    }
+
+    fn finish(&mut self, request: Request, result: Result<u32, RequestError>) {
+        self.current = None;
+        // `push` has seen to the room.
+        let _ = self.answers.push_back(Answer { request, result });
+    }
+}
+
+/// Bits of the entry's type: some nodes answer everything with four bytes.
+fn mask(entry: Entry) -> u32 {
+    let bits = 8 * u32::from(entry.object().kind.size());
+    u32::MAX >> (32 - bits)
+}
+
+impl fmt::Display for RequestError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoAnswer => f.write_str("the node does not answer"),
+            Self::Refused(code) => code.fmt(f),
+            Self::RefusedOtherwise { code } => write!(f, "{code:08X}h"),
+        }
+    }
+}
+
+impl core::error::Error for RequestError {}
