@@ -82,9 +82,10 @@ pub struct ControlTick<'q, 'm> {
 impl ControlTick<'_, '_> {
     /// One control tick: takes at most one event, and reports if a report is due.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
-        if let Some(event) = self.events.dequeue() {
-            self.scope.handle_event(&event);
+        if let Some(event) = self.events.peek() {
+            self.scope.handle_event(event);
             self.drive.handle_event(event);
+            self.events.dequeue();
         }
         let command = self.drive.step(samples);
         self.unsent = self.drive.poll_status().or(self.unsent);

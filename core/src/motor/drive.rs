@@ -26,6 +26,7 @@ use super::sensorless::Sensorless;
 use super::state::State;
 use crate::units::Amps;
 use calm::Calm;
+use core::borrow::Borrow;
 pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use pattern::Pattern;
 use reports::Reports;
@@ -122,10 +123,15 @@ impl Drive {
     }
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
-    pub fn handle_event(&mut self, event: Event) {
+    pub fn handle_event(&mut self, event: impl Borrow<Event>) {
+        self.heed(event.borrow());
+    }
+
+    /// By reference: an event is as large as the coefficients, and moving it takes longer than what most of them ask for.
+    fn heed(&mut self, event: &Event) {
         // A running motor is told again and again to run, and that it is well. Then what changes is the set-point or the temperature, which are
         // read once a millisecond, and no station need be woken.
-        match event {
+        match *event {
             Event::Command(command) if self.machine.goes_on_with(command.request) => {
                 self.tell();
                 return self.machine.handle_command(command);
@@ -144,18 +150,18 @@ impl Drive {
         self.wake();
         self.protection.wake();
         match event {
-            Event::Command(command) => self.machine.handle_command(command),
-            Event::SetPoint(speed) => self.machine.handle_set_point(speed),
+            Event::Command(command) => self.machine.handle_command(*command),
+            Event::SetPoint(speed) => self.machine.handle_set_point(*speed),
             Event::Coefficients(coefficients) => {
                 self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
-                self.coefficients = coefficients;
+                self.coefficients.clone_from(coefficients);
                 self.parameters_fit = true;
                 self.settle();
             }
             Event::CoefficientsRejected => self.parameters_fit = false,
-            Event::Slow(slow) => self.slow = slow,
-            Event::Health(health) => self.health = health,
-            Event::CalibrateHall(run) => self.machine.handle_calibration(run),
+            Event::Slow(slow) => self.slow = *slow,
+            Event::Health(health) => self.health = *health,
+            Event::CalibrateHall(run) => self.machine.handle_calibration(*run),
         }
     }
 

@@ -337,11 +337,11 @@ mod image {
             let recorded = self.scoped.event.take();
             let own = recorded.is_none();
             let command = self.command.filter(|_| self.ticks.is_multiple_of(3));
-            let mut event = recorded.or(command.map(Event::Command));
+            let event = recorded.or(command.map(Event::Command));
             let mut order = self.scoped.order();
             let Scoped { drive, scope, .. } = &mut self.scoped;
             let ((command, answer), instructions) =
-                count_whole(drive, scope, samples, &mut event, &mut order);
+                count_whole(drive, scope, samples, event.as_ref(), &mut order);
             if let Some(Answer::Ended(_, memory)) = answer {
                 MEMORY.give(Some(memory));
             }
@@ -361,7 +361,7 @@ mod image {
         drive: &mut Drive,
         scope: &mut Scope<&'static mut Memory>,
         samples: &Samples,
-        event: &mut Option<Event>,
+        event: Option<&Event>,
         order: &mut Option<Order<&'static mut Memory>>,
     ) -> ((PwmCommand, Option<Answer<&'static mut Memory>>), u32) {
         instructions::count(|| whole(drive, scope, samples, event, order))
@@ -373,11 +373,11 @@ mod image {
         drive: &mut Drive,
         scope: &mut Scope<&'static mut Memory>,
         samples: &Samples,
-        event: &mut Option<Event>,
+        event: Option<&Event>,
         order: &mut Option<Order<&'static mut Memory>>,
     ) -> (PwmCommand, Option<Answer<&'static mut Memory>>) {
-        if let Some(event) = event.take() {
-            scope.handle_event(&event);
+        if let Some(event) = event {
+            scope.handle_event(event);
             drive.handle_event(event);
         }
         let command = step(drive, samples);
