@@ -48,7 +48,7 @@ impl Drive {
     /// A tick in which the rotor of a motor that just runs shows that it has turned on, and nothing else asks for a look: the step that it begins with.
     #[inline]
     pub(in crate::motor::drive) fn turns(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
-        if self.calm.machine <= self.calm.slept() || !self.stays_within_bounds(samples, current) {
+        if self.calm.machine.0 <= self.calm.slept() || !self.stays_within_bounds(samples, current) {
             return None;
         }
         if self.listens { self.crosses(samples, current) } else { self.passes_edge(samples, current) }
@@ -131,8 +131,8 @@ impl Drive {
         self.calm.step = present;
         self.open_phase.count(current);
         self.open_phase.change(present);
-        self.calm.machine = self.calm.machine.wrapping_sub(ticks);
-        self.calm.others = own.min(self.calm.machine);
+        self.calm.machine.0 = self.calm.machine.0.wrapping_sub(ticks);
+        self.calm.others = own.min(self.calm.machine.0);
         self.calm.all = Sleep::new(left.min(self.calm.others));
         if self.open_phase.is_shown() {
             self.calm.end();
