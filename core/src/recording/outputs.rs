@@ -40,7 +40,7 @@ impl fmt::Display for Bits {
     }
 }
 
-/// What is shown every field. One function, called for each: a copy of it for every field, and one of the list for every function, is 10 KB.
+/// What is shown every field. One function that is called for each, because code that is copied for every field, in every list, does not fit into a web page's module.
 pub(super) type See<'a> = &'a mut dyn FnMut(&'static str, Bits);
 
 /// Names of the parts of an answer, which stand before their fields with their letter.

@@ -27,7 +27,7 @@ impl<'de> Deserialize<'de> for Drive {
 
 impl Drive {
     /// Hands its serialised state (postcard) to `each` byte by byte, until that declines one. There is this one way, because all that
-    /// serialises the state by a way of its own has a copy of 16 KiB of code.
+    /// serialises the state by a way of its own brings another copy of the code for every field.
     pub fn write_state(&self, each: &mut dyn FnMut(u8) -> bool) {
         // The only error is the one that a declined byte makes.
         let _ = postcard::serialize_with_flavor(self, Bytes(each));
