@@ -156,10 +156,12 @@ fn the_trigger_is_never_lost() {
         press(&mut session);
         session.run(0.123);
         press(&mut session);
-        // The trigger's tick is the one that makes it record.
+        // By now it has come.
+        let triggered = session.bench().now_ns() / 100_000;
         wait(&mut session, ScopeState::Done);
         let scoped = rerun(&fetch(&mut session));
         assert!(scoped.ticks >= u64::from(asked.min(335) as u32), "{asked}: {}", scoped.ticks);
+        assert!(scoped.first <= triggered, "{asked}: begins at {}, triggered by {triggered}", scoped.first);
         holds_what_happened(&session, &scoped);
     }
 }
