@@ -130,7 +130,10 @@ impl Pair {
     }
 
     pub(crate) fn state(&self) -> ScopeState {
-        self.scope.state()
+        match self.scope.state() {
+            ScopeState::Idle => self.keeper.state(),
+            state => state,
+        }
     }
 
     /// What the node would be told.

@@ -81,7 +81,7 @@ impl Note {
 }
 
 /// What the next tick is compared with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Before {
     pub(super) tick: u64,
     pub(super) lines: Lines,
@@ -89,6 +89,8 @@ pub(super) struct Before {
 }
 
 impl Before {
+    pub(super) const START: Self = Self { tick: 0, lines: Lines::empty(), skew: 0 };
+
     fn of(samples: &Samples) -> Self {
         Self { tick: samples.tick, lines: samples.lines, skew: samples.skew }
     }

@@ -2,8 +2,8 @@
 
 use super::memory::Memory;
 use super::read::Reader;
-use super::{Answer, Order, Report, Request, State};
-use core::borrow::Borrow;
+use super::{Answer, Order, Report, Request, Setup, State};
+use core::borrow::BorrowMut;
 
 /// Stands between the node and the [`Scope`](super::Scope). `H` holds the memory.
 #[derive(Clone, Debug)]
@@ -12,18 +12,19 @@ pub struct Keeper<H> {
     /// The other half has it.
     lent: bool,
     order: Option<Order<H>>,
-    /// What the scope does, until the node was told.
-    state: Option<State>,
+    /// What the scope does, and whether the node has been told.
+    state: State,
+    told: bool,
     reader: Option<Reader>,
 }
 
 impl<H> Default for Keeper<H> {
     fn default() -> Self {
-        Self { memory: None, lent: false, order: None, state: None, reader: None }
+        Self { memory: None, lent: false, order: None, state: State::Idle, told: true, reader: None }
     }
 }
 
-impl<H: Borrow<Memory>> Keeper<H> {
+impl<H: BorrowMut<Memory>> Keeper<H> {
     /// Without a memory the scope cannot be armed.
     pub fn new(memory: H) -> Self {
         Self { memory: Some(memory), ..Self::default() }
@@ -33,17 +34,29 @@ impl<H: Borrow<Memory>> Keeper<H> {
     pub fn handle(&mut self, request: Request) {
         match request {
             Request::Arm(setup) => {
-                // One that is armed, or has no memory, cannot be.
                 self.reader = None;
-                match self.memory.take() {
-                    Some(memory) => (self.lent, self.order) = (true, Some(Order::Arm(setup, memory))),
-                    None if self.lent => {}
-                    None => self.state = Some(State::Idle),
+                // One that is armed cannot be.
+                if !self.lent {
+                    self.arm(&setup);
                 }
             }
             Request::Force => self.order = Some(Order::Force),
             Request::Read => self.reader = self.memory.as_ref().map(|memory| Reader::new(memory.borrow())),
         }
+    }
+
+    /// Without room for a record the scope stays idle.
+    fn arm(&mut self, setup: &Setup) {
+        self.lent = self.memory.as_mut().is_some_and(|memory| memory.borrow_mut().begin(setup));
+        if self.lent {
+            self.order = self.memory.take().map(Order::Arm);
+        }
+        (self.state, self.told) = (if self.lent { State::Armed } else { State::Idle }, false);
+    }
+
+    /// What the scope does, as far as it was told here.
+    pub const fn state(&self) -> State {
+        self.state
     }
 
     /// There is an order for the control tick's half.
@@ -58,19 +71,22 @@ impl<H: Borrow<Memory>> Keeper<H> {
 
     /// Takes what the control tick's half says.
     pub fn take(&mut self, answer: Answer<H>) {
-        match answer {
-            Answer::State(state) => self.state = Some(state),
-            Answer::Ended(state, memory) => {
-                (self.state, self.memory, self.lent) = (Some(state), Some(memory), false);
+        self.told = false;
+        self.state = match answer {
+            Answer::Triggered => State::Recording,
+            Answer::Done(memory) => {
+                (self.memory, self.lent) = (Some(memory), false);
+                State::Done
             }
-        }
+        };
     }
 
     /// What the node has to hear. Ask only if it takes it.
     pub fn poll_report(&mut self) -> Option<Report> {
-        let memory = self.memory.as_ref().map(Borrow::borrow);
-        if let Some(state) = self.state.take() {
-            return Some(Report::State(state, memory.map_or(0, |memory| Reader::new(memory).words())));
+        let memory = self.memory.as_ref().map(|memory| -> &Memory { memory.borrow() });
+        if !self.told {
+            self.told = true;
+            return Some(Report::State(self.state, memory.map_or(0, |memory| Reader::new(memory).words())));
         }
         let (memory, reader) = (memory?, self.reader.as_mut()?);
         let block = reader.next(memory);

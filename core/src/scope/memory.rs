@@ -1,7 +1,9 @@
 //! The scope's memory.
 
-use super::inputs;
-use crate::motor::Drive;
+use super::inputs::{self, Before, Note};
+use super::plan::Plan;
+use super::setup::Setup;
+use crate::motor::{self, Drive};
 use core::borrow::{Borrow, BorrowMut};
 
 /// Words of a scope that holds as much as parameter 23 can ask for of one signal: 8 KiB.
@@ -14,6 +16,8 @@ pub struct Memory<W: ?Sized = [u16]> {
     /// State of the drive before the first inputs of each half.
     pub(super) checkpoints: [Option<Drive>; 2],
     pub(super) record: Record,
+    pub(super) plan: Plan,
+    pub(super) progress: Progress,
     pub(super) words: W,
 }
 
@@ -26,6 +30,89 @@ pub(super) enum Record {
     Signals { oldest: u16, words: u16 },
     /// The halves, the older one first, and how many of them.
     Inputs { rate: u32, halves: [Half; 2], count: u8 },
+}
+
+/// How far the record has come.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Progress {
+    pub(super) phase: Phase,
+    /// It has not been told yet.
+    pub(super) changed: bool,
+    /// Samples that are to come: before the trigger counts, or until the record is full.
+    pub(super) left: u16,
+    pub(super) before: Quiet,
+    pub(super) ring: Ring,
+    pub(super) course: Course,
+}
+
+/// [`State`](super::State) in the eyes of the tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// Armed.
+    Watching,
+    /// Armed: the trigger has come, and some samples before it have not.
+    Fired,
+    Recording,
+    Done,
+}
+
+/// What a trigger compares with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Quiet {
+    pub(super) holds: bool,
+    pub(super) state: motor::State,
+    pub(super) faults: u32,
+}
+
+/// Of signals.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ring {
+    /// Where the sample begins.
+    pub(super) next: usize,
+    /// Signals of it that have been read.
+    pub(super) read: usize,
+    /// Once it is complete, ticks to the next one.
+    pub(super) wait: usize,
+}
+
+/// Of inputs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course {
+    /// The event of this tick.
+    pub(super) note: Note,
+    /// The half that is being filled, if one is.
+    pub(super) now: Option<Half>,
+    /// The other one, if it goes before without a gap.
+    pub(super) older: Option<Half>,
+    pub(super) before: Before,
+    /// The trigger lies in the older half, which may not be lost any more.
+    pub(super) keeps: bool,
+    /// Ticks that the first checkpoint may still wait for a calm one.
+    pub(super) patience: u8,
+}
+
+/// Ticks that the first checkpoint waits so: it takes longer than the scope's other work, so it keeps away from ticks that are long themselves.
+pub(super) const PATIENCE: u8 = 16;
+
+impl Progress {
+    const fn new(before: u16) -> Self {
+        Self {
+            phase: Phase::Watching,
+            changed: false,
+            left: before,
+            // A level that holds already is no edge; what the drive does now is no change.
+            before: Quiet { holds: true, state: motor::State::Initialization, faults: u32::MAX },
+            ring: Ring { next: 0, read: 0, wait: 0 },
+            course: Course {
+                note: Note::Nothing,
+                now: None,
+                older: None,
+                before: Before::START,
+                keeps: false,
+                patience: PATIENCE,
+            },
+        }
+    }
 }
 
 /// Inputs since a checkpoint.
@@ -42,7 +129,13 @@ pub(super) struct Half {
 impl<const N: usize> Memory<[u16; N]> {
     /// An empty one of `N` words, at most 65 535 of which are used.
     pub const fn new() -> Self {
-        Self { checkpoints: [const { None }; 2], record: Record::Nothing, words: [0; N] }
+        Self {
+            checkpoints: [const { None }; 2],
+            record: Record::Nothing,
+            plan: Plan::new(),
+            progress: Progress::new(0),
+            words: [0; N],
+        }
     }
 }
 
@@ -65,6 +158,15 @@ impl<const N: usize> BorrowMut<Memory> for Memory<[u16; N]> {
 }
 
 impl Memory {
+    /// Forgets its record and begins another, if there is room for it.
+    pub(super) fn begin(&mut self, setup: &Setup) -> bool {
+        self.record = Record::Nothing;
+        let Some(plan) = Plan::of(setup, self) else { return false };
+        self.progress = Progress::new(if plan.inputs { 0 } else { plan.before });
+        self.plan = plan;
+        true
+    }
+
     /// Words that are used.
     pub(super) fn room(&self) -> usize {
         self.words.len().min(u16::MAX.into())

@@ -14,6 +14,7 @@
 mod inputs;
 mod keeper;
 mod memory;
+mod plan;
 mod read;
 mod setup;
 mod tick;
@@ -75,8 +76,8 @@ pub enum State {
 /// To the control tick's half. `H` holds the [`Memory`].
 #[derive(Clone, Debug)]
 pub enum Order<H> {
-    /// Wait for a trigger, with this memory.
-    Arm(Setup, H),
+    /// Wait for a trigger, with this memory, which knows what to record.
+    Arm(H),
     /// Do not wait any longer.
     Force,
 }
@@ -84,8 +85,8 @@ pub enum Order<H> {
 /// From the control tick's half.
 #[derive(Clone, Debug)]
 pub enum Answer<H> {
-    /// It does this now.
-    State(State),
-    /// It has ended, with a record or without, and gives the memory back.
-    Ended(State, H),
+    /// The trigger has come.
+    Triggered,
+    /// The record is complete, and stands in this memory.
+    Done(H),
 }

@@ -277,7 +277,7 @@ impl<'a> Segment<'a> {
     /// Its ticks: the event that the drive took, and its samples.
     pub fn ticks(&self) -> impl Iterator<Item = Result<(Option<Event>, Samples), MalformedInputs>> + 'a {
         let mut from = In(self.inputs);
-        let mut before = Before { tick: self.first.wrapping_sub(1), ..Before::default() };
+        let mut before = Before { tick: self.first.wrapping_sub(1), ..Before::START };
         (0..self.ticks).map(move |_| inputs::read(&mut from, &mut before).ok_or(MalformedInputs::Words))
     }
 }

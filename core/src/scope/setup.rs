@@ -56,13 +56,6 @@ pub struct Threshold {
     pub above: bool,
 }
 
-impl Threshold {
-    /// `sample` is there. At the level it is on neither side.
-    pub(super) const fn holds(&self, sample: i16) -> bool {
-        if self.above { sample > self.level } else { sample < self.level }
-    }
-}
-
 impl Setup {
     /// Ticks from one sample to the next.
     pub fn period(&self) -> u16 {

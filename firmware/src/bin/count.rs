@@ -38,7 +38,7 @@ mod image {
     use narx_core::node::Node;
     use narx_core::recording::{Recording, ReplayError, Replayable, replay_with};
     use narx_core::scope::{
-        Answer, Memory, Order, Scope, Setup, State as ScopeState, Threshold, Trigger, WORDS,
+        Answer, Keeper, Memory, Order, Request, Scope, Setup, State as ScopeState, Threshold, Trigger, WORDS,
     };
     use narx_core::storage::{Mailbox, Storage};
     use narx_firmware::boards::qemu::instructions::{self, Sum};
@@ -228,6 +228,8 @@ mod image {
         #[serde(skip)]
         scope: Scope<&'static mut Memory>,
         #[serde(skip)]
+        keeper: Keeper<&'static mut Memory>,
+        #[serde(skip)]
         wait: u16,
         #[serde(skip)]
         event: Option<Event>,
@@ -242,10 +244,13 @@ mod image {
             if self.scope.state() == ScopeState::Armed {
                 return (self.wait == 0).then_some(Order::Force);
             }
-            let mut memory = None;
-            MEMORY.with(|place| memory = place.take());
+            if self.scope.state() == ScopeState::Recording {
+                return None;
+            }
+            MEMORY.with(|place| self.keeper = place.take().map(Keeper::new).unwrap_or_default());
+            self.keeper.handle(Request::Arm(setup(INPUTS)));
             self.wait = 500;
-            memory.map(|memory| Order::Arm(setup(INPUTS), memory))
+            self.keeper.poll_order()
         }
     }
 
@@ -294,7 +299,7 @@ mod image {
             let (answer, instructions) =
                 look(&mut self.scope, &self.drive, samples, event.as_ref(), &mut order);
             self.instructions = instructions;
-            if let Some(Answer::Ended(_, memory)) = answer {
+            if let Some(Answer::Done(memory)) = answer {
                 MEMORY.give(Some(memory));
             }
             command
@@ -342,7 +347,7 @@ mod image {
             let Scoped { drive, scope, .. } = &mut self.scoped;
             let ((command, answer), instructions) =
                 count_whole(drive, scope, samples, event.as_ref(), &mut order);
-            if let Some(Answer::Ended(_, memory)) = answer {
+            if let Some(Answer::Done(memory)) = answer {
                 MEMORY.give(Some(memory));
             }
             self.added = own.then(|| instructions.saturating_sub(without));
@@ -396,8 +401,8 @@ mod image {
         instructions::count(|| attend(scope, drive, samples, event, order))
     }
 
-    /// What the control tick does with a scope.
-    #[inline(never)]
+    /// What the control tick does with a scope, within the tick's own function.
+    #[inline(always)]
     fn attend(
         scope: &mut Scope<&'static mut Memory>,
         drive: &Drive,

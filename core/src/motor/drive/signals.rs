@@ -16,60 +16,59 @@ impl Drive {
         !self.machine.state().is_driving() || self.calm.slept() > 0
     }
 
-    /// Samples of as many `signals` as `words` has room for, as of the last step, Q3.12 of their bases.
-    #[inline]
-    pub(crate) fn sample(&self, signals: &[Signal], speed: SpeedScale, samples: &Samples, words: &mut [u16]) {
-        for (word, signal) in words.iter_mut().zip(signals) {
-            *word = self.sample_of(*signal, speed, samples) as u16;
-        }
-    }
-
-    /// Sample of one signal.
+    /// Samples of four signals, as of the last step, Q3.12 of their bases. Not a loop: within one the compiler would compute every signal there
+    /// is before it, or call each.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn sample_of(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i16 {
-        self.signal(signal, speed, samples).clamp(i16::MIN.into(), i16::MAX.into()) as i16
+    pub(crate) fn sample4(
+        &self,
+        signals: &[Signal; 4],
+        speed: SpeedScale,
+        samples: &Samples,
+        words: &mut [u16; 4],
+    ) {
+        let ([a, b, c, d], [to_a, to_b, to_c, to_d]) = (signals, words);
+        *to_a = self.sample(*a, speed, samples) as u16;
+        *to_b = self.sample(*b, speed, samples) as u16;
+        *to_c = self.sample(*c, speed, samples) as u16;
+        *to_d = self.sample(*d, speed, samples) as u16;
     }
 
-    /// One of them. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn. Within a loop the compiler would compute every
-    /// signal there is before it, and bound each in a way of its own.
-    #[inline(never)]
-    fn signal(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i32 {
-        let terminal = |phase: usize| {
-            let code = samples.phase_voltage.get(phase).copied().unwrap_or(0);
-            self.coefficients.measurement.phase_voltage.convert(code) >> 8
-        };
+    /// Sample of one signal. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn. What cannot leave the range is not bounded.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    pub(crate) fn sample(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i16 {
+        let terminal = |code| bounded(self.coefficients.measurement.phase_voltage.convert(code) >> 8);
         match signal {
-            Signal::SetPoint => speed.apply(self.setpoint()),
-            Signal::SpeedSensorless => speed.apply(self.speed_sensorless()),
-            Signal::SpeedHall => speed.apply(self.rotor.hall_speed().to_bits()),
-            Signal::BusVoltage => self.measurement.bus_voltage() >> 8,
-            Signal::BusCurrent => self.measurement.bus_current() >> 5,
+            Signal::SetPoint => bounded(speed.apply(self.setpoint())),
+            Signal::SpeedSensorless => bounded(speed.apply(self.speed_sensorless())),
+            Signal::SpeedHall => bounded(speed.apply(self.rotor.hall_speed().to_bits())),
+            Signal::BusVoltage => bounded(self.measurement.bus_voltage() >> 8),
+            Signal::BusCurrent => bounded(self.measurement.bus_current() >> 5),
             Signal::Power => {
-                let power =
-                    i64::from(self.measurement.bus_voltage()) * i64::from(self.measurement.bus_current());
-                (power >> 26) as i32
+                let (voltage, current) = (self.measurement.bus_voltage(), self.measurement.bus_current());
+                bounded(((i64::from(voltage) * i64::from(current)) >> 26) as i32)
             }
-            Signal::TerminalA => terminal(0),
-            Signal::TerminalB => terminal(1),
-            Signal::TerminalC => terminal(2),
-            Signal::Duty => i32::from(self.applied.duty.to_bits()) >> 3,
-            Signal::Angle => (self.angle_now() >> 20) as i32,
-            Signal::State => (self.machine.state() as i32) << 12,
-            Signal::Limiter => (self.limiter() as i32) << 11,
-            Signal::Step => (self.applied.step as i32) << 11,
-            Signal::Hall => i32::from(samples.hall) << 12,
-            Signal::Crossing => (self.sensorless.why().0 as i32) << 12,
-            Signal::CrossingMargin => i32::from(self.sensorless.why().1) >> 1,
-            Signal::LoopVoltage => self.control.speed_voltage() >> 8,
-            Signal::PhaseCurrent => self.control.phase_current() >> 5,
+            Signal::TerminalA => terminal(samples.phase_voltage[0]),
+            Signal::TerminalB => terminal(samples.phase_voltage[1]),
+            Signal::TerminalC => terminal(samples.phase_voltage[2]),
+            Signal::Duty => (self.applied.duty.to_bits() >> 3) as i16,
+            Signal::Angle => (self.angle_now() >> 20) as i16,
+            Signal::State => (self.machine.state() as i16) << 12,
+            Signal::Limiter => (self.limiter() as i16) << 11,
+            Signal::Step => (self.applied.step as i16) << 11,
+            Signal::Hall => bounded(i32::from(samples.hall) << 12),
+            Signal::Crossing => (self.sensorless.why().0 as i16) << 12,
+            Signal::CrossingMargin => self.sensorless.why().1 >> 1,
+            Signal::LoopVoltage => bounded(self.control.speed_voltage() >> 8),
+            Signal::PhaseCurrent => bounded(self.control.phase_current() >> 5),
             Signal::PeriodCurrent => {
-                self.measurement.bus_current_of(&self.coefficients.measurement, samples) >> 5
+                bounded(self.measurement.bus_current_of(&self.coefficients.measurement, samples) >> 5)
             }
             Signal::Fault => match self.protection.word().bits() {
                 0 => -1 << 10,
-                word => (word.trailing_zeros() as i32) << 10,
+                word => (word.trailing_zeros() as i16) << 10,
             },
-            Signal::Inputs => i32::from(samples.lines.bits()) << 11,
+            Signal::Inputs => bounded(i32::from(samples.lines.bits()) << 11),
         }
     }
 
@@ -79,4 +78,9 @@ impl Drive {
         let (angle, speed) = self.place();
         angle.wrapping_add((speed as u32).wrapping_mul(self.calm.slept()))
     }
+}
+
+#[inline]
+fn bounded(value: i32) -> i16 {
+    value.clamp(i16::MIN.into(), i16::MAX.into()) as i16
 }

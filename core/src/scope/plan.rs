@@ -1,0 +1,95 @@
+//! A set-up as the control tick follows it: what can be computed beforehand is, by the background.
+
+use super::memory::Memory;
+use super::setup::{SIGNALS_A_TICK, Setup, Threshold, Trigger};
+use crate::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
+use heapless::Vec;
+
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    /// The signals of a sample.
+    pub(super) signals: Vec<Signal, { DRIVE_SIGNALS.len() }>,
+    pub(super) inputs: bool,
+    pub(super) tick_rate: u32,
+    /// Words of a record of signals.
+    pub(super) length: usize,
+    /// Samples from before the trigger, and from it on.
+    pub(super) before: u16,
+    pub(super) after: u16,
+    /// Ticks between a complete sample and the next one.
+    pub(super) pause: usize,
+    pub(super) watch: Watch,
+    pub(super) speed: SpeedScale,
+}
+
+impl Plan {
+    /// Nothing.
+    pub(super) const fn new() -> Self {
+        Self {
+            signals: Vec::new(),
+            inputs: false,
+            tick_rate: 0,
+            length: 0,
+            before: 0,
+            after: 0,
+            pause: 0,
+            watch: Watch::Nothing,
+            speed: SpeedScale::new(1),
+        }
+    }
+
+    /// As much of `setup` as `memory` has room for; `None` if it has none.
+    pub(super) fn of(setup: &Setup, memory: &Memory) -> Option<Self> {
+        let Setup { inputs, tick_rate, speed, .. } = *setup;
+        let wide = setup.signals.len();
+        let samples = if inputs {
+            (memory.half() > 0).then_some(setup.samples)?
+        } else {
+            memory.room().checked_div(wide)?.min(setup.samples.into()) as u16
+        };
+        if samples == 0 && !inputs {
+            return None;
+        }
+        let before = setup.before.min(samples.saturating_sub(1));
+        Some(Self {
+            signals: setup.signals.clone(),
+            inputs,
+            tick_rate,
+            length: wide * usize::from(samples),
+            before,
+            after: (samples - before).max(1),
+            pause: usize::from(setup.period()).saturating_sub(wide.div_ceil(SIGNALS_A_TICK)),
+            watch: Watch::of(setup.trigger),
+            speed,
+        })
+    }
+}
+
+/// What to watch for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Watch {
+    Nothing,
+    /// A sample whose bits, after `flip`, are above the level: so one comparison does for both sides.
+    Sample {
+        signal: Signal,
+        flip: i32,
+        level: i32,
+        edge: bool,
+    },
+    Change,
+    Fault,
+}
+
+impl Watch {
+    const fn of(trigger: Trigger) -> Self {
+        let (Threshold { signal, level, above }, edge) = match trigger {
+            Trigger::Forced => return Self::Nothing,
+            Trigger::StateChange => return Self::Change,
+            Trigger::Fault => return Self::Fault,
+            Trigger::Level(threshold) => (threshold, false),
+            Trigger::Edge(threshold) => (threshold, true),
+        };
+        let flip = if above { 0 } else { -1 };
+        Self::Sample { signal, flip, level: level as i32 ^ flip, edge }
+    }
+}
