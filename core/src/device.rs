@@ -92,10 +92,7 @@ impl ControlTick<'_, '_> {
         if let Some(status) = self.unsent.take() {
             self.unsent = self.statuses.enqueue(status).err();
         }
-        if let Some(order) = self.orders.dequeue() {
-            self.scope.handle(order);
-        }
-        self.scope.step(&self.drive, samples);
+        // What the scope did in the tick before is told in this one: a tick in which something happens is long enough.
         if self.scope.has_answer()
             && self.answers.ready()
             && let Some(answer) = self.scope.poll()
@@ -103,6 +100,10 @@ impl ControlTick<'_, '_> {
             // Room was just seen, and nobody else fills it.
             let _ = self.answers.enqueue(answer);
         }
+        if let Some(order) = self.orders.dequeue() {
+            self.scope.handle(order);
+        }
+        self.scope.step(&self.drive, samples);
         command
     }
 

@@ -38,7 +38,7 @@ pub(super) struct Progress {
     pub(super) phase: Phase,
     /// It has not been told yet.
     pub(super) changed: bool,
-    /// Samples that are to come: before the trigger counts, or until the record is full.
+    /// Samples that are to come: before the trigger counts, or until the record is full. Of inputs one counts before, the first checkpoint.
     pub(super) left: u16,
     pub(super) before: Quiet,
     pub(super) ring: Ring,
@@ -67,12 +67,12 @@ pub(super) struct Quiet {
 /// Of signals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ring {
-    /// Where the sample begins.
-    pub(super) next: usize,
-    /// Signals of it that have been read.
-    pub(super) read: usize,
+    /// Where the next signal goes.
+    pub(super) place: u16,
+    /// Signals of this sample that have been read.
+    pub(super) read: u8,
     /// Once it is complete, ticks to the next one.
-    pub(super) wait: usize,
+    pub(super) wait: u16,
 }
 
 /// Of inputs.
@@ -102,7 +102,7 @@ impl Progress {
             left: before,
             // A level that holds already is no edge; what the drive does now is no change.
             before: Quiet { holds: true, state: motor::State::Initialization, faults: u32::MAX },
-            ring: Ring { next: 0, read: 0, wait: 0 },
+            ring: Ring { place: 0, read: 0, wait: 0 },
             course: Course {
                 note: Note::Nothing,
                 now: None,
@@ -162,7 +162,7 @@ impl Memory {
     pub(super) fn begin(&mut self, setup: &Setup) -> bool {
         self.record = Record::Nothing;
         let Some(plan) = Plan::of(setup, self) else { return false };
-        self.progress = Progress::new(if plan.inputs { 0 } else { plan.before });
+        self.progress = Progress::new(if plan.inputs { 1 } else { plan.before });
         self.plan = plan;
         true
     }

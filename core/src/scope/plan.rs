@@ -16,8 +16,9 @@ pub(super) struct Plan {
     /// Samples from before the trigger, and from it on.
     pub(super) before: u16,
     pub(super) after: u16,
-    /// Ticks between a complete sample and the next one.
-    pub(super) pause: usize,
+    /// Ticks between a complete sample and the next one, and how many signals count as read then.
+    pub(super) pause: u16,
+    pub(super) rest: u8,
     pub(super) watch: Watch,
     pub(super) speed: SpeedScale,
 }
@@ -33,6 +34,7 @@ impl Plan {
             before: 0,
             after: 0,
             pause: 0,
+            rest: 0,
             watch: Watch::Nothing,
             speed: SpeedScale::new(1),
         }
@@ -50,6 +52,7 @@ impl Plan {
         if samples == 0 && !inputs {
             return None;
         }
+        let pause = setup.period().saturating_sub(wide.div_ceil(SIGNALS_A_TICK) as u16);
         let before = setup.before.min(samples.saturating_sub(1));
         Some(Self {
             signals: setup.signals.clone(),
@@ -58,7 +61,8 @@ impl Plan {
             length: wide * usize::from(samples),
             before,
             after: (samples - before).max(1),
-            pause: usize::from(setup.period()).saturating_sub(wide.div_ceil(SIGNALS_A_TICK)),
+            pause,
+            rest: if pause == 0 { 0 } else { wide as u8 },
             watch: Watch::of(setup.trigger),
             speed,
         })

@@ -122,31 +122,30 @@ impl Memory {
     #[inline]
     fn record_signals(&mut self, drive: &Drive, samples: &Samples) {
         let (plan, ring) = (&self.plan, &mut self.progress.ring);
-        let wide = plan.signals.len();
-        if ring.read >= wide {
-            ring.wait -= 1;
+        let (wide, read, place) = (plan.signals.len(), usize::from(ring.read), usize::from(ring.place));
+        let next = read + SIGNALS_A_TICK;
+        let signals = plan.signals.get(read..next).and_then(|signals| signals.first_chunk());
+        let words =
+            self.words.get_mut(place..place + SIGNALS_A_TICK).and_then(|words| words.first_chunk_mut());
+        if let (Some(signals), Some(words)) = (signals, words) {
+            drive.sample4(signals, plan.speed, samples, words);
+        } else if read < wide {
+            let words = self.words.get_mut(place..).unwrap_or_default();
+            sample_few(drive, plan.signals.get(read..).unwrap_or_default(), plan.speed, samples, words);
+        } else {
+            ring.wait = ring.wait.saturating_sub(1);
             if ring.wait == 0 {
                 ring.read = 0;
             }
             return;
         }
-        let Some(signals) = plan.signals.get(ring.read..) else { return };
-        let Some(words) = self.words.get_mut(ring.next + ring.read..) else { return };
-        if let (Some(signals), Some(words)) = (signals.first_chunk(), words.first_chunk_mut()) {
-            drive.sample4(signals, plan.speed, samples, words);
-        } else {
-            sample_few(drive, signals, plan.speed, samples, words);
-        }
-        ring.read += SIGNALS_A_TICK;
-        if ring.read < wide {
+        if next < wide {
+            (ring.read, ring.place) = (next as u8, (place + SIGNALS_A_TICK) as u16);
             return;
         }
-        if plan.pause == 0 {
-            ring.read = 0;
-        }
-        ring.wait = plan.pause;
-        let end = ring.next + wide;
-        ring.next = if end >= plan.length { 0 } else { end };
+        let end = place + wide - read;
+        ring.place = if end >= plan.length { 0 } else { end as u16 };
+        (ring.read, ring.wait) = (plan.rest, plan.pause);
         self.count();
     }
 
@@ -172,7 +171,7 @@ impl Memory {
             Record::Inputs { rate: self.plan.tick_rate, halves, count }
         } else {
             // The ring is full, so the oldest sample is where the next one would go.
-            Record::Signals { oldest: ring.next as u16, words: self.plan.length as u16 }
+            Record::Signals { oldest: ring.place, words: self.plan.length as u16 }
         };
         (self.progress.phase, self.progress.changed) = (Phase::Done, true);
     }
@@ -206,6 +205,7 @@ impl Memory {
         let course = &mut self.progress.course;
         if course.now.take().is_some() || note == Note::Checkpoint {
             (course.older, course.patience) = (None, PATIENCE);
+            self.progress.left = 1;
         }
         match course.patience.checked_sub(1) {
             Some(left) if !drive.was_calm() => course.patience = left,
@@ -230,6 +230,9 @@ impl Memory {
         if let Some(checkpoint) = self.checkpoints.get_mut(usize::from(place)) {
             *checkpoint = Some(drive.clone());
         }
+        if self.progress.phase != Phase::Recording {
+            self.progress.left = 0;
+        }
         let Course { now, before, .. } = &mut self.progress.course;
         *now = Some(Half { place, first: samples.tick.wrapping_add(1), ticks: 0, words: 0 });
         *before = Before { tick: samples.tick, ..Before::START };
@@ -239,16 +242,16 @@ impl Memory {
     #[inline]
     fn watch(&mut self, drive: &Drive, samples: &Samples) {
         let (plan, before) = (&self.plan, &mut self.progress.before);
-        if let Watch::Sample { signal, flip, level, edge } = plan.watch {
-            if (i32::from(drive.sample(signal, plan.speed, samples)) ^ flip) > level {
+        if let Watch::Sample { signal, flip, level, edge } = &plan.watch {
+            if (drive.sample(*signal, plan.speed, samples) ^ flip) > *level {
                 let held = core::mem::replace(&mut before.holds, true);
-                if !(held && edge) && self.has_enough() {
+                if !(held && *edge) && self.progress.left == 0 {
                     self.start();
                 }
             } else {
                 before.holds = false;
             }
-        } else if !matches!(plan.watch, Watch::Nothing) && self.changes(drive) {
+        } else if self.changes(drive) {
             self.start();
         }
     }
@@ -259,8 +262,9 @@ impl Memory {
         let before = &mut self.progress.before;
         let (state, faults) = (drive.state(), drive.faults().bits());
         let came = match self.plan.watch {
+            Watch::Change => state != before.state,
             Watch::Fault => faults & !before.faults != 0,
-            _ => state != before.state,
+            Watch::Nothing | Watch::Sample { .. } => false,
         };
         // The first look only learns what there is.
         let learns = before.faults == u32::MAX;
@@ -272,18 +276,15 @@ impl Memory {
     #[inline]
     fn start(&mut self) {
         self.progress.phase = Phase::Fired;
-        if self.has_enough() {
+        if self.progress.left == 0 {
             let Progress { phase, changed, left, ring, .. } = &mut self.progress;
             (*phase, *changed, *left) = (Phase::Recording, true, self.plan.after);
             // The trigger's own tick is the first one after it; a sample that was being read is dropped.
+            if usize::from(ring.read) < self.plan.signals.len() {
+                ring.place = ring.place.saturating_sub(ring.read.into());
+            }
             ring.read = 0;
         }
-    }
-
-    /// There are as many samples from before the trigger as were asked for.
-    #[inline]
-    fn has_enough(&self) -> bool {
-        self.progress.left == 0 && (!self.plan.inputs || self.progress.course.now.is_some())
     }
 }
 

@@ -413,13 +413,14 @@ mod image {
         if let Some(event) = event {
             scope.handle_event(event);
         }
+        let answer = if scope.has_answer() { scope.poll() } else { None };
         if order.is_some()
             && let Some(order) = order.take()
         {
             scope.handle(order);
         }
         scope.step(drive, samples);
-        if scope.has_answer() { scope.poll() } else { None }
+        answer
     }
 
     /// A function of its own, so that what the compiler does around it does not move the figure.

@@ -36,7 +36,7 @@ impl Drive {
     /// Sample of one signal. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn. What cannot leave the range is not bounded.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     #[cfg_attr(target_arch = "wasm32", inline(never))]
-    pub(crate) fn sample(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i16 {
+    pub(crate) fn sample(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i32 {
         let terminal = |code| bounded(self.coefficients.measurement.phase_voltage.convert(code) >> 8);
         match signal {
             Signal::SetPoint => bounded(speed.apply(self.setpoint())),
@@ -51,14 +51,14 @@ impl Drive {
             Signal::TerminalA => terminal(samples.phase_voltage[0]),
             Signal::TerminalB => terminal(samples.phase_voltage[1]),
             Signal::TerminalC => terminal(samples.phase_voltage[2]),
-            Signal::Duty => (self.applied.duty.to_bits() >> 3) as i16,
-            Signal::Angle => (self.angle_now() >> 20) as i16,
-            Signal::State => (self.machine.state() as i16) << 12,
-            Signal::Limiter => (self.limiter() as i16) << 11,
-            Signal::Step => (self.applied.step as i16) << 11,
+            Signal::Duty => i32::from(self.applied.duty.to_bits() >> 3),
+            Signal::Angle => (self.angle_now() >> 20) as i32,
+            Signal::State => (self.machine.state() as i32) << 12,
+            Signal::Limiter => (self.limiter() as i32) << 11,
+            Signal::Step => (self.applied.step as i32) << 11,
             Signal::Hall => bounded(i32::from(samples.hall) << 12),
-            Signal::Crossing => (self.sensorless.why().0 as i16) << 12,
-            Signal::CrossingMargin => self.sensorless.why().1 >> 1,
+            Signal::Crossing => (self.sensorless.why().0 as i32) << 12,
+            Signal::CrossingMargin => i32::from(self.sensorless.why().1 >> 1),
             Signal::LoopVoltage => bounded(self.control.speed_voltage() >> 8),
             Signal::PhaseCurrent => bounded(self.control.phase_current() >> 5),
             Signal::PeriodCurrent => {
@@ -66,7 +66,7 @@ impl Drive {
             }
             Signal::Fault => match self.protection.word().bits() {
                 0 => -1 << 10,
-                word => (word.trailing_zeros() as i16) << 10,
+                word => (word.trailing_zeros() as i32) << 10,
             },
             Signal::Inputs => bounded(i32::from(samples.lines.bits()) << 11),
         }
@@ -81,6 +81,6 @@ impl Drive {
 }
 
 #[inline]
-fn bounded(value: i32) -> i16 {
-    value.clamp(i16::MIN.into(), i16::MAX.into()) as i16
+fn bounded(value: i32) -> i32 {
+    value.clamp(i16::MIN.into(), i16::MAX.into())
 }
