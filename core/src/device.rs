@@ -16,9 +16,10 @@ use crate::node::{Identity, Node};
 use crate::scope::{Answer, Keeper, Memory, Order, Scope};
 use heapless::spsc::{Consumer, Producer, Queue};
 
-/// Room of a queue, one of which stays free.
-const EVENTS: usize = 3;
-const STATUSES: usize = 5;
+/// Room of a queue, one of which stays free. An event takes as much as the coefficients, and the tick takes no more than one; a report that
+/// finds no room waits, and a newer one replaces it.
+const EVENTS: usize = 2;
+const STATUSES: usize = 3;
 const ORDERS: usize = 2;
 const ANSWERS: usize = 3;
 

@@ -53,6 +53,11 @@ impl Id {
         matches!(self, Self::Extended { .. })
     }
 
+    /// The serialised form.
+    const fn marked(self) -> u32 {
+        self.raw() | if self.is_extended() { EXTENDED } else { 0 }
+    }
+
     /// The identifier's number.
     pub const fn raw(self) -> u32 {
         match self {
@@ -63,10 +68,11 @@ impl Id {
 }
 
 /// A classic CAN frame: up to 8 data bytes, or a remote request for that many.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Parts", into = "Parts")]
 pub struct Frame {
-    id: Id,
+    /// The identifier in its serialised form: a frame then takes 16 bytes instead of 20, and there are dozens in queues.
+    id: u32,
     remote: bool,
     length: u8,
     data: [u8; 8],
@@ -77,32 +83,33 @@ impl Frame {
     pub fn data(id: Id, bytes: &[u8]) -> Option<Self> {
         let mut data = [0; 8];
         data.get_mut(..bytes.len())?.copy_from_slice(bytes);
-        Some(Self { id, remote: false, length: bytes.len() as u8, data })
+        Some(Self { id: id.marked(), remote: false, length: bytes.len() as u8, data })
     }
 
     /// A data frame of 8 bytes.
     pub const fn full(id: Id, data: [u8; 8]) -> Self {
-        Self { id, remote: false, length: 8, data }
+        Self { id: id.marked(), remote: false, length: 8, data }
     }
 
     /// A remote frame that asks for `dlc` bytes, or `None` above 8.
     pub const fn remote(id: Id, dlc: u8) -> Option<Self> {
-        if dlc <= 8 { Some(Self { id, remote: true, length: dlc, data: [0; 8] }) } else { None }
+        if dlc <= 8 { Some(Self { id: id.marked(), remote: true, length: dlc, data: [0; 8] }) } else { None }
     }
 
     /// A data frame of the first `length` bytes, at most 8; the others must be 0.
     pub(super) const fn short(id: Id, data: [u8; 8], length: u8) -> Self {
-        Self { id, remote: false, length: if length < 8 { length } else { 8 }, data }
+        Self { id: id.marked(), remote: false, length: if length < 8 { length } else { 8 }, data }
     }
 
     /// A remote frame that asks for `dlc` bytes, at most 8.
     pub(super) const fn remote_clamped(id: Id, dlc: u8) -> Self {
-        Self { id, remote: true, length: if dlc < 8 { dlc } else { 8 }, data: [0; 8] }
+        Self { id: id.marked(), remote: true, length: if dlc < 8 { dlc } else { 8 }, data: [0; 8] }
     }
 
     /// The identifier.
     pub const fn id(&self) -> Id {
-        self.id
+        let raw = self.id & !EXTENDED;
+        if self.id & EXTENDED != 0 { Id::Extended { raw } } else { Id::Standard { raw: raw as u16 } }
     }
 
     /// Whether it is a remote frame.
@@ -127,6 +134,19 @@ impl Frame {
     }
 }
 
+impl fmt::Debug for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { remote, length, data, .. } = self;
+        let mut frame = f.debug_struct("Frame");
+        frame
+            .field("id", &self.id())
+            .field("remote", remote)
+            .field("length", length)
+            .field("data", data)
+            .finish()
+    }
+}
+
 /// Identifier or frame parts that no CAN frame has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InvalidFrame;
@@ -145,7 +165,7 @@ struct Parts(Id, bool, u8, [u8; 8]);
 
 impl From<Frame> for Parts {
     fn from(frame: Frame) -> Self {
-        Self(frame.id, frame.remote, frame.length, frame.data)
+        Self(frame.id(), frame.remote, frame.length, frame.data)
     }
 }
 
@@ -158,13 +178,13 @@ impl TryFrom<Parts> for Frame {
         if length > 8 || padding.iter().any(|byte| *byte != 0) {
             return Err(InvalidFrame);
         }
-        Ok(Self { id, remote, length, data })
+        Ok(Self { id: id.marked(), remote, length, data })
     }
 }
 
 impl From<Id> for u32 {
     fn from(id: Id) -> Self {
-        id.raw() | if id.is_extended() { EXTENDED } else { 0 }
+        id.marked()
     }
 }
 
@@ -234,7 +254,7 @@ impl embedded_can::Frame for Frame {
     }
 
     fn is_extended(&self) -> bool {
-        self.id.is_extended()
+        Self::id(self).is_extended()
     }
 
     fn is_remote_frame(&self) -> bool {
@@ -242,7 +262,7 @@ impl embedded_can::Frame for Frame {
     }
 
     fn id(&self) -> embedded_can::Id {
-        self.id.into()
+        Self::id(self).into()
     }
 
     fn dlc(&self) -> usize {

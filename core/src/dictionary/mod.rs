@@ -30,6 +30,10 @@ pub const OWN_FIRST: u16 = 256;
 pub struct Dictionary;
 
 impl Dictionary {
+    /// Rows whose values are kept over a restart.
+    pub(crate) const STORED_COUNT: usize =
+        stored(&general::GENERAL) + stored(&control::CONTROL) + stored(&own::OWN);
+
     /// Every row in the order of the numbers.
     pub fn rows() -> impl Iterator<Item = &'static Parameter> {
         GENERAL.iter().chain(&CONTROL).chain(&OWN)
@@ -65,3 +69,12 @@ impl Dictionary {
 static GENERAL: [Parameter; general::GENERAL.len()] = general::GENERAL;
 static CONTROL: [Parameter; control::CONTROL.len()] = control::CONTROL;
 static OWN: [Parameter; own::OWN.len()] = own::OWN;
+
+const fn stored(rows: &[Parameter]) -> usize {
+    let (mut count, mut at) = (0, 0);
+    while at < rows.len() {
+        count += rows[at].is_stored() as usize;
+        at += 1;
+    }
+    count
+}

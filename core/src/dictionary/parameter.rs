@@ -127,6 +127,11 @@ impl Effect {
 }
 
 impl Parameter {
+    /// Whether its value is kept over a restart: not that of a command, nor what the drive itself writes.
+    pub(crate) const fn is_stored(&self) -> bool {
+        !matches!(self.access, Access::ReadOnly) && !self.command
+    }
+
     /// Whether the 32 bits `raw` are a value within the range.
     pub const fn accepts(&self, raw: i32) -> bool {
         let value = self.kind.widen(raw);

@@ -1,40 +1,69 @@
 //! The place where node and storage meet in a loop that polls: one request there, one report back.
 
 use super::{Report, Request, Storage};
-use core::cell::Cell;
+use core::cell::RefCell;
 use core::future::poll_fn;
 use core::task::Poll;
 use embedded_storage_async::nor_flash::NorFlash;
 
-/// One request and one report. Both sides run in the same loop: nothing here may be touched from an interrupt.
+/// One place for a request and then for its report. Both sides run in the same loop: nothing here may be touched from an interrupt.
 #[derive(Default)]
-pub struct Mailbox {
-    request: Cell<Option<Request>>,
-    report: Cell<Option<Report>>,
+pub struct Mailbox(RefCell<Letter>);
+
+#[derive(Default)]
+#[allow(clippy::large_enum_variant, reason = "one of them exists, and there is no heap")]
+enum Letter {
+    #[default]
+    Nothing,
+    Request(Request),
+    Report(Report),
 }
 
 impl Mailbox {
     /// Empty.
     pub const fn new() -> Self {
-        Self { request: Cell::new(None), report: Cell::new(None) }
+        Self(RefCell::new(Letter::Nothing))
     }
 
-    /// Hands a request over; one that has not been taken is replaced, which a node never does.
+    /// Hands a request over; one that has not been taken, or a report, is replaced, which a node never does.
     pub fn ask(&self, request: Request) {
-        self.request.set(Some(request));
+        self.put(Letter::Request(request));
     }
 
     /// The report, once there is one.
     pub fn take_report(&self) -> Option<Report> {
-        self.report.take()
+        match self.take(|letter| matches!(letter, Letter::Report(_)))? {
+            Letter::Report(report) => Some(report),
+            _ => None,
+        }
     }
 
     /// Serves requests for ever. The future wakes nobody: whoever runs it polls it again.
     pub async fn serve<F: NorFlash>(&self, storage: &mut Storage<F>) -> ! {
         loop {
-            let request = poll_fn(|_| self.request.take().map_or(Poll::Pending, Poll::Ready)).await;
+            let request = poll_fn(|_| self.take_request().map_or(Poll::Pending, Poll::Ready)).await;
             let report = storage.execute(request).await;
-            self.report.set(Some(report));
+            self.put(Letter::Report(report));
         }
+    }
+
+    fn take_request(&self) -> Option<Request> {
+        match self.take(|letter| matches!(letter, Letter::Request(_)))? {
+            Letter::Request(request) => Some(request),
+            _ => None,
+        }
+    }
+
+    // No borrow outlasts these two, so none is ever refused.
+
+    fn put(&self, letter: Letter) {
+        if let Ok(mut place) = self.0.try_borrow_mut() {
+            *place = letter;
+        }
+    }
+
+    fn take(&self, wanted: impl Fn(&Letter) -> bool) -> Option<Letter> {
+        let mut place = self.0.try_borrow_mut().ok()?;
+        wanted(&place).then(|| core::mem::take(&mut *place))
     }
 }

@@ -5,7 +5,7 @@
 //!  format u16 | firmware release u16 | number u16, value i32 | number u16, value i32 | ...       big endian
 //! ```
 
-use crate::dictionary::{Access, Category, Dictionary, PARAMETER_COUNT, Parameter, Parameters, number};
+use crate::dictionary::{Category, Dictionary, Parameter, Parameters, number};
 use serde::{Deserialize, Serialize};
 
 /// The form that is written, and the newest that is understood.
@@ -13,8 +13,11 @@ const FORMAT: u16 = 1;
 const HEAD: usize = 4;
 const PAIR: usize = 6;
 
+/// Parameters of newer firmware that are passed over when an older one is put back.
+const NEWER: usize = 16;
+
 /// Room for any set of this dictionary.
-pub(super) const BODY_MAX: usize = HEAD + PAIR * PARAMETER_COUNT;
+pub(super) const BODY_MAX: usize = HEAD + PAIR * (Dictionary::STORED_COUNT + NEWER);
 
 /// Which part of the parameters: each is stored by a command of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,7 +36,7 @@ impl Part {
     /// Whether a parameter belongs to this part. Commands and what the drive itself writes are in none.
     pub fn contains(self, row: &Parameter) -> bool {
         let once = row.number == number::DEVICE_NUMBER || row.category == Category::Calibration;
-        row.access != Access::ReadOnly && !row.command && once == (self == Self::Once)
+        row.is_stored() && once == (self == Self::Once)
     }
 
     /// Writes the part's values; answers the number of bytes.

@@ -104,13 +104,19 @@ mod image {
         }
         let device =
             size_of::<Queues<'_>>() + size_of::<ControlTick<'_, '_>>() + size_of::<Background<'_, '_>>();
+        let storage = size_of::<Storage<()>>() + size_of::<Mailbox>();
         for (what, bytes) in [
             ("state", size_of::<Drive>() - size_of::<Coefficients>()),
             ("coefficients", size_of::<Coefficients>()),
+            ("control_tick", size_of::<ControlTick<'_, '_>>()),
+            ("queues", size_of::<Queues<'_>>()),
+            ("background", size_of::<Background<'_, '_>>()),
             ("node", size_of::<Node>()),
             ("device", device),
-            ("storage", size_of::<Storage<()>>() + size_of::<Mailbox>()),
+            ("storage", storage),
+            ("whole", device + storage),
             ("scope", size_of::<Memory<[u16; WORDS]>>()),
+            ("scope_words", size_of::<[u16; WORDS]>()),
             ("master", size_of::<Master>()),
         ] {
             hprintln!("bytes {} {}", what, bytes);
