@@ -16,10 +16,10 @@ use crate::node::{Identity, Node};
 use crate::scope::{Answer, Keeper, Memory, Order, Scope};
 use heapless::spsc::{Consumer, Producer, Queue};
 
-/// Room of a queue, one of which stays free. An event takes as much as the coefficients, and the tick takes no more than one; a report that
-/// finds no room waits, and a newer one replaces it.
+/// Room of a queue, one of which stays free. An event takes as much as the coefficients, and the tick takes no more than one. A report that
+/// finds no room is not made yet: what waits is then no older than what a longer queue would hold.
 const EVENTS: usize = 2;
-const STATUSES: usize = 3;
+const STATUSES: usize = 2;
 const ORDERS: usize = 2;
 const ANSWERS: usize = 3;
 
@@ -64,7 +64,7 @@ impl<'m> Queues<'m> {
         };
         background.hand_over();
         let scope = Scope::default();
-        (ControlTick { drive, events, statuses, unsent: None, scope, orders, answers }, background)
+        (ControlTick { drive, events, statuses, scope, orders, answers }, background)
     }
 }
 
@@ -73,8 +73,6 @@ pub struct ControlTick<'q, 'm> {
     drive: Drive,
     events: Consumer<'q, Event>,
     statuses: Producer<'q, Status>,
-    /// The newest report, while the background is late.
-    unsent: Option<Status>,
     scope: Scope<&'m mut Memory>,
     orders: Consumer<'q, Order<&'m mut Memory>>,
     answers: Producer<'q, Answer<&'m mut Memory>>,
@@ -89,9 +87,11 @@ impl ControlTick<'_, '_> {
             self.events.dequeue();
         }
         let command = self.drive.step(samples);
-        self.unsent = self.drive.poll_status().or(self.unsent);
-        if let Some(status) = self.unsent.take() {
-            self.unsent = self.statuses.enqueue(status).err();
+        if self.statuses.ready()
+            && let Some(status) = self.drive.poll_status()
+        {
+            // Room was just seen, and nobody else fills it.
+            let _ = self.statuses.enqueue(status);
         }
         // What the scope did in the tick before is told in this one: a tick in which something happens is long enough.
         if self.scope.has_answer()

@@ -1,7 +1,6 @@
 //! The background's half of the scope: it keeps the memory while the other half has no use for it.
 
 use super::memory::Memory;
-use super::read::Reader;
 use super::{Answer, Order, Report, Request, Setup, State};
 use core::borrow::BorrowMut;
 
@@ -15,12 +14,11 @@ pub struct Keeper<H> {
     /// What the scope does, and whether the node has been told.
     state: State,
     told: bool,
-    reader: Option<Reader>,
 }
 
 impl<H> Default for Keeper<H> {
     fn default() -> Self {
-        Self { memory: None, lent: false, order: None, state: State::Idle, told: true, reader: None }
+        Self { memory: None, lent: false, order: None, state: State::Idle, told: true }
     }
 }
 
@@ -34,14 +32,17 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
     pub fn handle(&mut self, request: Request) {
         match request {
             Request::Arm(setup) => {
-                self.reader = None;
                 // One that is armed cannot be.
                 if !self.lent {
                     self.arm(&setup);
                 }
             }
             Request::Force => self.order = Some(Order::Force),
-            Request::Read => self.reader = self.memory.as_ref().map(|memory| Reader::new(memory.borrow())),
+            Request::Read => {
+                if let Some(memory) = &mut self.memory {
+                    memory.borrow_mut().read();
+                }
+            }
         }
     }
 
@@ -83,16 +84,11 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
 
     /// What the node has to hear. Ask only if it takes it.
     pub fn poll_report(&mut self) -> Option<Report> {
-        let memory = self.memory.as_ref().map(|memory| -> &Memory { memory.borrow() });
+        let memory: Option<&mut Memory> = self.memory.as_mut().map(BorrowMut::borrow_mut);
         if !self.told {
             self.told = true;
-            return Some(Report::State(self.state, memory.map_or(0, |memory| Reader::new(memory).words())));
+            return Some(Report::State(self.state, memory.map_or(0, |memory| memory.record_words())));
         }
-        let (memory, reader) = (memory?, self.reader.as_mut()?);
-        let block = reader.next(memory);
-        if block.is_none_or(|block| block.last) {
-            self.reader = None;
-        }
-        block.map(Report::Block)
+        memory?.next().map(Report::Block)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::inputs::{self, Before, Note};
 use super::plan::Plan;
+use super::read::Reader;
 use super::setup::Setup;
 use crate::motor::{self, Drive};
 use core::borrow::{Borrow, BorrowMut};
@@ -16,6 +17,8 @@ pub struct Memory<W: ?Sized = [u16]> {
     /// State of the drive before the first inputs of each half.
     pub(super) checkpoints: [Option<Drive>; 2],
     pub(super) record: Record,
+    /// Who reads it, while it is downloaded.
+    pub(super) reader: Option<Reader>,
     pub(super) plan: Plan,
     pub(super) progress: Progress,
     pub(super) words: W,
@@ -132,6 +135,7 @@ impl<const N: usize> Memory<[u16; N]> {
         Self {
             checkpoints: [const { None }; 2],
             record: Record::Nothing,
+            reader: None,
             plan: Plan::new(),
             progress: Progress::new(0),
             words: [0; N],
@@ -160,7 +164,7 @@ impl<const N: usize> BorrowMut<Memory> for Memory<[u16; N]> {
 impl Memory {
     /// Forgets its record and begins another, if there is room for it.
     pub(super) fn begin(&mut self, setup: &Setup) -> bool {
-        self.record = Record::Nothing;
+        (self.record, self.reader) = (Record::Nothing, None);
         let Some(plan) = Plan::of(setup, self) else { return false };
         self.progress = Progress::new(if plan.inputs { 1 } else { plan.before });
         self.plan = plan;

@@ -44,8 +44,28 @@ pub(super) struct Reader {
     at: (usize, usize),
 }
 
+impl Memory {
+    /// Words of the record.
+    pub(super) fn record_words(&self) -> u16 {
+        Reader::new(self).words
+    }
+
+    /// Reads the record from its first word.
+    pub(super) fn read(&mut self) {
+        self.reader = Some(Reader::new(self));
+    }
+
+    /// The next three words, while it is read.
+    pub(super) fn next(&mut self) -> Option<Block> {
+        let mut reader = self.reader.take()?;
+        let block = reader.next(self)?;
+        self.reader = (!block.last).then_some(reader);
+        Some(block)
+    }
+}
+
 impl Reader {
-    pub(super) fn new(memory: &Memory) -> Self {
+    fn new(memory: &Memory) -> Self {
         let mut states = [0; 2];
         let words = match memory.record {
             Record::Nothing => 0,
@@ -62,13 +82,7 @@ impl Reader {
         Self { address: 0, words, states, piece: Vec::new(), at: (0, 0) }
     }
 
-    /// Words of the record.
-    pub(super) const fn words(&self) -> u16 {
-        self.words
-    }
-
-    /// The next three words.
-    pub(super) fn next(&mut self, memory: &Memory) -> Option<Block> {
+    fn next(&mut self, memory: &Memory) -> Option<Block> {
         let from = self.address;
         if from >= self.words {
             return None;

@@ -14,7 +14,7 @@ const HEAD: usize = 4;
 const PAIR: usize = 6;
 
 /// Parameters of newer firmware that are passed over when an older one is put back.
-const NEWER: usize = 16;
+const NEWER: usize = 8;
 
 /// Room for any set of this dictionary.
 pub(super) const BODY_MAX: usize = HEAD + PAIR * (Dictionary::STORED_COUNT + NEWER);
