@@ -446,7 +446,7 @@
 #define NARX_PARAMETER_SCOPE_WORDS 301
 
 // 64-bit words of a drive on any processor.
-#define NARX_DRIVE_WORDS 1024
+#define NARX_DRIVE_WORDS 800
 
 // Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 #define NARX_DRIVE_SIZE (NARX_DRIVE_WORDS * 8)
@@ -473,7 +473,7 @@
 #define NARX_LINE_DSI2 8
 
 // 64-bit words of a scope's memory on any processor.
-#define NARX_SCOPE_WORDS 1376
+#define NARX_SCOPE_WORDS 1432
 
 // What every call answers: 0 or more when it did its work, negative when it did nothing.
 enum narx_status_t

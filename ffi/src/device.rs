@@ -18,7 +18,7 @@ use narx_core::motor::{Board, PwmCommand, Samples};
 use narx_core::node::{Identity, Node};
 
 /// 64-bit words of a drive on any processor.
-pub const NARX_DRIVE_WORDS: usize = 1024;
+pub const NARX_DRIVE_WORDS: usize = 800;
 
 /// Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 pub const NARX_DRIVE_SIZE: usize = NARX_DRIVE_WORDS * 8;

@@ -7,7 +7,7 @@ use core::mem::{align_of, size_of};
 use narx_core::scope::{Memory, WORDS};
 
 /// 64-bit words of a scope's memory on any processor.
-pub const NARX_SCOPE_WORDS: usize = 1376;
+pub const NARX_SCOPE_WORDS: usize = 1432;
 
 /// Memory of a virtual scope with room for as many samples as parameter 23 can ask for of one signal (4096), or for 68 ms of inputs at
 /// 10 kHz. Its content is the library's own; it must stay where it is for as long as the drive lives.

@@ -47,11 +47,13 @@ pub enum Image {
     Count,
     /// Counts the instructions of the simulated motor.
     Plant,
+    /// Measures how much stack the calls of a shell take.
+    Stack,
 }
 
 impl Image {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Drive, Self::Replay, Self::Count, Self::Plant];
+    pub const ALL: [Self; 5] = [Self::Drive, Self::Replay, Self::Count, Self::Plant, Self::Stack];
 
     /// Its name, which is that of its file.
     pub const fn name(self) -> &'static str {
@@ -60,6 +62,7 @@ impl Image {
             Self::Replay => "replay",
             Self::Count => "count",
             Self::Plant => "plant",
+            Self::Stack => "stack",
         }
     }
 

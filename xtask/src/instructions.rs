@@ -15,8 +15,10 @@ const HEAD: &str = "\
 # Instructions on a Cortex-M4F (thumbv7em-none-eabihf, opt-level 3), counted by the emulator: exact, and the same on every run. Wait states of a
 # flash and stalls of the pipeline are not in it. Made anew by `cargo xtask generate`, compared by `cargo xtask test firmware`.
 #
-# Memory on this processor, bytes: of the drive without its coefficients, and of these; of the node; of everything that a shell links to
-# control and communicate (drive, node and queues: device), to store and log (storage), and of a whole scope; of a master.
+# Memory on this processor, bytes: of the drive without its coefficients (state), and of these; of the control tick's half, of the queues, of the
+# background's half and the node in it; of these three together (device); of storing and logging (storage); of all that (whole). Of a scope, and
+# of the samples in it; of a master; of the task that serves the flash. stack_NAME: the most that one call took, of what the vectors ask of a
+# drive, and of a device with motor, flash and scope that a master asks for everything (firmware/src/bin/stack.rs).
 #
 # vector.NAME    every `Drive::step` of a conformance vector
 # state.NAME     every `Drive::step` of all vectors that ends in a state (Table 6 of the specification)
@@ -115,10 +117,13 @@ impl Counted {
             labels: running.labels,
             compiler: format!("gcc {compiler}"),
         };
+        let vectors = vectors::recordings(root)?;
+        let texts =
+            |files: &[PathBuf]| files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>();
         let files: Vec<PathBuf> =
-            vectors::recordings(root)?.into_iter().chain(["--running".into()]).chain(running.paths).collect();
-        let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-        counted.read(&image(root, Image::Count, &files)?)?;
+            vectors.iter().cloned().chain(["--running".into()]).chain(running.paths).collect();
+        counted.read(&image(root, Image::Count, &texts(&files))?)?;
+        counted.read(&image(root, Image::Stack, &texts(&vectors))?)?;
         counted.read(&floor::run(root, running.millihertz)?)?;
         counted.read(&image(root, Image::Plant, &[])?)?;
         Ok(counted)

@@ -55,6 +55,8 @@ pub(super) struct Log {
     kept: Vec<i64, VALUES>,
     samples: u32,
     sampled: u64,
+    /// No slot was chosen when that was last looked at, nor has one been since.
+    empty: bool,
     /// Tick of the next record; none while nothing is logged.
     due: Option<u64>,
     /// A record that waits for the flash.
@@ -104,7 +106,7 @@ impl Log {
     /// Chosen slots or the period have changed: sampling begins anew.
     pub(super) fn restart(&mut self) {
         self.kept.clear();
-        (self.samples, self.due) = (0, None);
+        (self.samples, self.due, self.empty) = (0, None, false);
     }
 
     /// What the log asks of the flash next: records first, because they have a time.
@@ -234,7 +236,7 @@ impl Node {
     pub(super) fn run_log(&mut self, now: u64) {
         let memory = self.log.memory;
         let logs = self.flash.is_ready() && !memory.is_full() && memory.erasing.is_none() && !self.log.erase;
-        if !LOGS || memory.records == 0 || !logs || self.slots().next().is_none() {
+        if !LOGS || memory.records == 0 || !logs || !self.has_slots() {
             self.log.due = None;
             return;
         }
@@ -260,6 +262,12 @@ impl Node {
         }
         self.log.kept.clear();
         self.log.samples = 0;
+    }
+
+    /// Something is chosen. Looking through all slots takes longer than all else that most polls do.
+    fn has_slots(&mut self) -> bool {
+        self.log.empty = self.log.empty || self.slots().next().is_none();
+        !self.log.empty
     }
 
     /// Read-only parameters of the log.

@@ -163,6 +163,7 @@ impl Node {
                 self.put(row.number, raw);
             }
         }
+        self.log.restart();
         self.after_change();
         self.calibrate_inputs();
     }

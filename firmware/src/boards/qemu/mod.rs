@@ -14,7 +14,7 @@ mod owned;
 pub mod pace;
 mod register;
 pub mod semihosting;
-mod stack;
+pub mod stack;
 pub mod uart;
 pub mod watchdog;
 pub mod world;
