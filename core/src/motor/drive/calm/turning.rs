@@ -47,8 +47,13 @@ impl Drive {
 
     /// A tick in which the rotor of a motor that just runs shows that it has turned on, and nothing else asks for a look: the step that it begins with.
     #[inline]
-    pub(in crate::motor::drive) fn turns(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
-        if self.calm.machine.0 <= self.calm.slept() || !self.stays_within_bounds(samples, current) {
+    pub(in crate::motor::drive) fn turns(
+        &mut self,
+        samples: &Samples,
+        current: Amps,
+        in_lane: bool,
+    ) -> Option<Step> {
+        if self.calm.machine.0 <= self.calm.slept() || !self.goes_unnoticed(samples, current, in_lane) {
             return None;
         }
         if self.listens { self.crosses(samples, current) } else { self.passes_edge(samples, current) }
