@@ -134,11 +134,13 @@ impl Drive {
         match *event {
             Event::Command(command) if self.machine.goes_on_with(command.request) => {
                 self.tell();
-                return self.machine.handle_command(command);
+                self.machine.handle_command(command);
+                return self.rest_anew();
             }
             Event::SetPoint(speed) if self.machine.state().is_driving() => {
                 self.tell();
-                return self.machine.handle_set_point(speed);
+                self.machine.handle_set_point(speed);
+                return self.rest_anew();
             }
             Event::Slow(slow) if self.protection.stays_quiet_at(&self.coefficients.protection, &slow) => {
                 self.slow = slow;

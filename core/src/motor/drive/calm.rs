@@ -108,8 +108,9 @@ impl Calm {
     }
 
     /// In this tick, too, time alone changes no state.
-    pub(super) const fn is_told_to_rest(&self) -> bool {
-        self.others > self.all.granted.wrapping_sub(self.all.left)
+    #[inline]
+    const fn rests(&self) -> bool {
+        self.all.left > 0 || self.others > self.slept()
     }
 }
 
@@ -117,8 +118,7 @@ impl Drive {
     /// Nothing that this tick measures asks for a look, and but for a commutation nothing is due. Then the floating terminal's sample has been taken.
     #[inline]
     pub(super) fn is_calm(&mut self, samples: &Samples, current: Amps, in_lane: bool) -> bool {
-        let rests = self.calm.all.left > 0 || self.calm.is_told_to_rest();
-        if !rests || !self.goes_unnoticed(samples, current, in_lane) {
+        if !self.calm.rests() || !self.goes_unnoticed(samples, current, in_lane) {
             return false;
         }
         if !self.listens {
@@ -353,6 +353,13 @@ impl Drive {
         let halls = if self.listens { self.calm.halls.take() } else { slept };
         if halls > 0 {
             self.rotor.sleep(halls);
+        }
+    }
+
+    /// The master has been heard: it may be silent as long as before.
+    pub(super) fn rest_anew(&mut self) {
+        if self.calm.machine.0 > 0 {
+            self.calm.machine = Known(self.machine.calm(&self.coefficients.machine));
         }
     }
 

@@ -85,7 +85,7 @@ impl Drive {
         let ticks = self.calm.slept().wrapping_add(1);
         let c = &self.coefficients;
         if !self.sensorless.crosses(&c.sensorless, samples, &self.applied, ticks) {
-            return None;
+            return self.nears(samples, current);
         }
         self.heed_speed_now();
         let speed = self.sensorless_forward();
@@ -99,6 +99,28 @@ impl Drive {
         let (step, left) = self.follow(rotor.angle(), rotor.speed());
         let own = self.estimator_calm();
         (self.calm.hall, self.calm.speed, self.calm.fade) = (samples.hall, speed, 0);
+        self.sleep_on(current, ticks, left, own);
+        Some(step)
+    }
+
+    /// A crossing is overdue, or begins to show. What comes of it the next tick tells; this one may be as calm as the one before.
+    #[inline(never)]
+    fn nears(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
+        let ticks = self.calm.slept().wrapping_add(1);
+        let sight = self.sensorless.nears(&self.coefficients.sensorless, samples, &self.applied, ticks)?;
+        if !self.halls_sleep(samples) {
+            self.attend_halls(samples);
+        }
+        if self.calm.rests() {
+            return Some(self.go_on(current));
+        }
+        // It is overdue: it bounds the speed, which nobody minds, and the commutation may be taken without it.
+        self.sensorless.wait(&self.coefficients.sensorless, &sight, ticks);
+        self.heed_speed();
+        let rotor = self.sensorless.rotor();
+        let (step, left) = self.follow(rotor.angle(), rotor.speed());
+        let own = self.estimator_calm();
+        (self.calm.hall, self.calm.speed) = (samples.hall, self.sensorless_forward());
         self.sleep_on(current, ticks, left, own);
         Some(step)
     }
