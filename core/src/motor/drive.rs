@@ -192,11 +192,9 @@ impl Drive {
             Demand::Speed { measured, .. } => Some(measured),
             Demand::Off | Demand::Voltage { .. } => None,
         };
-        self.do_due(place, speed, samples, current);
+        self.share_out(place, speed, samples, current);
         let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
-        if speeds && self.is_in_lane(current) && self.glides(pattern.step) {
-            self.applied.commutations = pattern.commutations;
-        } else if speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
+        if speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
             self.applied.commutations = pattern.commutations;
         } else {
             self.finish(pattern, current);
@@ -284,11 +282,12 @@ impl Drive {
         self.do_task(place, speed, samples, current);
     }
 
-    /// A board with fewer ticks does more in its last.
+    /// The same on any board: one with fewer ticks does more in its last.
     #[inline(never)]
     fn share_out(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
-        let last = place + 1 >= u32::from(self.coefficients.control.ticks_per_ms);
-        for task in place..=if last { place::LAST } else { place } {
+        let is_last = place + 1 >= u32::from(self.coefficients.control.ticks_per_ms);
+        let end = if is_last { place::LAST } else { place };
+        for task in place..=end.min(place::LAST) {
             self.do_task(task, speed, samples, current);
         }
     }

@@ -1,7 +1,7 @@
 //! The short ways of a tick in which a motor that just runs turns on: a commutation, a hall edge, a crossing. What the other stations have not seen
 //! of the calm before they are not told then either, where that makes no difference.
 
-use super::Sleep;
+use super::{SAVES_TIME, Sleep};
 use crate::motor::commutation::Step;
 use crate::motor::drive::Drive;
 use crate::motor::pwm::Commutations;
@@ -85,7 +85,7 @@ impl Drive {
         let ticks = self.calm.slept().wrapping_add(1);
         let c = &self.coefficients;
         if !self.sensorless.crosses(&c.sensorless, samples, &self.applied, ticks) {
-            return self.nears(samples, current);
+            return if SAVES_TIME { self.nears(samples, current) } else { None };
         }
         self.heed_speed_now();
         let speed = self.sensorless_forward();
