@@ -192,7 +192,7 @@ impl Drive {
             Demand::Speed { measured, .. } => Some(measured),
             Demand::Off | Demand::Voltage { .. } => None,
         };
-        self.share_out(place, speed, samples, current);
+        self.do_due(place, speed, samples, current);
         let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
         if speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
             self.applied.commutations = pattern.commutations;
@@ -271,7 +271,8 @@ impl Drive {
     }
 
     /// What is done once a millisecond, spread over its ticks. `speed` is that of a closed loop.
-    #[inline]
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    #[cfg_attr(not(target_arch = "wasm32"), inline)]
     fn do_due(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
         if place > place::LAST {
             return;
@@ -282,12 +283,12 @@ impl Drive {
         self.do_task(place, speed, samples, current);
     }
 
-    /// The same on any board: one with fewer ticks does more in its last.
+    /// A board with fewer ticks does more in its last.
     #[inline(never)]
     fn share_out(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
         let is_last = place + 1 >= u32::from(self.coefficients.control.ticks_per_ms);
         let end = if is_last { place::LAST } else { place };
-        for task in place..=end.min(place::LAST) {
+        for task in place..=end {
             self.do_task(task, speed, samples, current);
         }
     }
