@@ -138,8 +138,11 @@ fn a_lane_is_left_in_time() {
             assert_eq!(closed.run(4_000), Outcome::Running, "{set_point} rpm");
         }
         // Ratings that bind, and no longer do.
-        for amperes in [300, 7_000] {
-            closed.configure(&[(number::HV_CURRENT_MAX, amperes)]);
+        for milliamperes in [300, 3_000] {
+            closed.configure(&[
+                (number::HV_CURRENT_SOFT_START, milliamperes),
+                (number::HV_CURRENT_MAX, milliamperes),
+            ]);
             closed.plant.set_load(LoadConfig { constant: 0.04, ..LoadConfig::default() });
             closed.run(1_500);
             closed.plant.set_load(LoadConfig::default());
