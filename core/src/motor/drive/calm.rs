@@ -278,7 +278,7 @@ impl Drive {
         let commutations = self.applied.commutations;
         let rectification = Rectification::Synchronous;
         self.applied = PwmCommand { duty, rectification, sample_at, sample_mode, step, commutations };
-        if !self.calm.lane.0.duty.contains(duty.to_bits().into()) {
+        if SAVES_TIME && !self.calm.lane.0.duty.contains(duty.to_bits().into()) {
             self.leave_lane();
         }
         true
@@ -321,7 +321,7 @@ impl Drive {
     /// The speed loop has had its turn.
     #[inline]
     pub(super) fn keep_lane(&mut self) {
-        if !self.control.keeps(&self.calm.lane.0) {
+        if SAVES_TIME && !self.control.keeps(&self.calm.lane.0) {
             self.leave_lane();
         }
     }
@@ -329,7 +329,9 @@ impl Drive {
     /// Something else than the bus voltage may have changed for the loops.
     #[inline]
     pub(super) fn leave_lane(&mut self) {
-        (self.calm.lane.0.voltage, self.calm.lane.0.duty) = (Band::EMPTY, Band::EMPTY);
+        if SAVES_TIME {
+            (self.calm.lane.0.voltage, self.calm.lane.0.duty) = (Band::EMPTY, Band::EMPTY);
+        }
     }
 
     /// What the stations have not seen of a calm is told to them, and it is over.
