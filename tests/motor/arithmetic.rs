@@ -229,7 +229,7 @@ proptest! {
         for (step, jump) in walk {
             volts = jump.unwrap_or((volts * (1.0 + step)).clamp(4.0, 79.0));
             let samples = Samples { bus_voltage: (volts * 65_536.0 / 80.0) as u16, ..Samples::default() };
-            measurement.step(&scales, &samples, false);
+            measurement.step(&scales, &samples);
             for voltage in &voltages {
                 assert_duty(&measurement, measurement.bus_voltage().max(4 << 16), *voltage)?;
             }
@@ -241,7 +241,7 @@ proptest! {
 fn duty_without_a_bus_is_finite() {
     let mut measurement = Measurement::default();
     for code in [0, u16::MAX, 0, 1, u16::MAX] {
-        measurement.step(&fine_scales(), &Samples { bus_voltage: code, ..Samples::default() }, false);
+        measurement.step(&fine_scales(), &Samples { bus_voltage: code, ..Samples::default() });
         assert_eq!(measurement.duty(0).to_bits(), 0);
         assert_eq!(measurement.duty(-1).to_bits(), 0);
         assert_eq!(measurement.duty(i32::MAX).to_bits(), 32_768);

@@ -2,6 +2,7 @@
 //! everything in every tick answers the same.
 
 use crate::bench::{Closed, MOTOR, Outcome};
+use narx_core::dictionary::number;
 use narx_core::motor::{Cause, FaultWord, Request, State};
 use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, PlantConfig};
 
@@ -117,5 +118,43 @@ fn too_fast_an_edge_is_judged_in_its_tick() {
         let code = Cause::Overspeed as u16;
         let outcome = closed.run(20_000);
         assert!(matches!(outcome, Outcome::Fault { code: found, .. } if found == code), "{outcome:?}");
+    }
+}
+
+/// A settled loop keeps to a lane. What leads out of it is seen in the same tick: another bus voltage, pulses too short to be sampled in, a current
+/// that the ratings do not leave, a bus that is not to be fed, a duty that runs against its slew.
+#[test]
+fn a_lane_is_left_in_time() {
+    for sensors in [true, false] {
+        let mut closed = running(sensors);
+        for supply in [28.0, 21.0, 24.0] {
+            closed.plant.inject(Injection::Supply(supply));
+            assert_eq!(closed.run(1_500), Outcome::Running, "{supply} V");
+        }
+        // To pulses that are too short to be sampled in, and back.
+        for set_point in [600.0, 3_000.0] {
+            closed.set_point = set_point;
+            closed.ask(Request::Drive);
+            assert_eq!(closed.run(4_000), Outcome::Running, "{set_point} rpm");
+        }
+        // Ratings that bind, and no longer do.
+        for milliamperes in [300, 3_000] {
+            closed.configure(&[
+                (number::HV_CURRENT_SOFT_START, milliamperes),
+                (number::HV_CURRENT_MAX, milliamperes),
+            ]);
+            closed.plant.set_load(LoadConfig { constant: 0.04, ..LoadConfig::default() });
+            closed.run(1_500);
+            closed.plant.set_load(LoadConfig::default());
+            closed.run(1_500);
+        }
+        // Nearly every change of the duty is more than this slew allows.
+        closed.configure(&[(number::DUTY_SLEW, 50)]);
+        closed.run(3_000);
+        closed.configure(&[]);
+        closed.set_point = 800.0;
+        closed.ask(Request::Drive);
+        closed.run(4_000);
+        assert_eq!(closed.status.faults, FaultWord::empty(), "{:?}", closed.status);
     }
 }

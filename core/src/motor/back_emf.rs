@@ -318,7 +318,7 @@ impl BackEmf {
         let off_time = samples.sample_mode == SampleMode::OffTime;
         let (noise, threshold) = (self.noise, self.threshold(samples, watch));
         let beyond = self.beyond();
-        let sample = self.mean(signal(c, samples, watch));
+        let sample = self.mean(signal(c, samples, watch.sector));
         let mean = sample.value;
         if mean < threshold - noise {
             if self.passage == Passage::Unseen {
@@ -361,7 +361,7 @@ impl BackEmf {
         age: i32,
         watch: Watch,
     ) -> bool {
-        let overdue = self.interval > 0 && i64::from(age) > i64::from(self.interval / 8 * 3);
+        let overdue = self.interval > 0 && age > (self.interval / 8 * 3) as i32;
         let held = !overdue && is_held(c, samples, bus_voltage, watch);
         if held {
             (self.count, self.sum) = (0, 0);

@@ -23,6 +23,20 @@ impl Band {
         (value.wrapping_sub(self.low) as u32) < self.count
     }
 
+    /// The values of both, this and `low..=high`.
+    pub fn within(self, low: i32, high: i32) -> Self {
+        if self.is_empty() {
+            return self;
+        }
+        let last = self.low.wrapping_add(self.count.wrapping_sub(1) as i32);
+        Self::new(self.low.max(low), last.min(high))
+    }
+
+    /// The lowest value, if there is one.
+    pub const fn low(self) -> i32 {
+        self.low
+    }
+
     /// No value does.
     #[inline]
     pub const fn is_empty(self) -> bool {

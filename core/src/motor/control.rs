@@ -14,6 +14,7 @@ use coast::{CATCH, Coasting, feeds};
 use serde::{Deserialize, Serialize};
 
 pub use coefficients::{ControlCoefficients, ModeCoefficients};
+pub use cruise::Lane;
 
 /// What the state asks of the bridge.
 #[derive(Clone, Copy, Debug)]
@@ -132,7 +133,7 @@ impl Control {
         self.speed_voltage = voltage;
     }
 
-    /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand.
+    /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand. True if they changed.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn rate(
         &mut self,
@@ -140,10 +141,10 @@ impl Control {
         measurement: &Measurement,
         temperature: Celsius,
         turns: bool,
-    ) {
+    ) -> bool {
         let (voltage, current) = (measurement.bus_voltage(), measurement.bus_current());
         self.phase_current = per_duty(current, self.output.duty.to_bits());
-        self.limit.update(&c.limits, (voltage, current), self.phase_current, temperature, turns);
+        self.limit.update(&c.limits, (voltage, current), self.phase_current, temperature, turns)
     }
 
     /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical

@@ -134,11 +134,13 @@ impl Drive {
         match *event {
             Event::Command(command) if self.machine.goes_on_with(command.request) => {
                 self.tell();
-                return self.machine.handle_command(command);
+                self.machine.handle_command(command);
+                return self.rest_anew();
             }
             Event::SetPoint(speed) if self.machine.state().is_driving() => {
                 self.tell();
-                return self.machine.handle_set_point(speed);
+                self.machine.handle_set_point(speed);
+                return self.rest_anew();
             }
             Event::Slow(slow) if self.protection.stays_quiet_at(&self.coefficients.protection, &slow) => {
                 self.slow = slow;
@@ -148,6 +150,7 @@ impl Drive {
             _ => {}
         }
         self.wake();
+        self.leave_lane();
         self.protection.wake();
         match event {
             Event::Command(command) => self.machine.handle_command(*command),
@@ -168,15 +171,15 @@ impl Drive {
     /// One control tick.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         let place = self.control.tick(&self.coefficients.control);
-        let idle = self.machine.state() == State::Initialization;
-        let current = self.measurement.step(&self.coefficients.measurement, samples, idle);
-        let step = if self.is_calm(samples, current) {
+        let current = self.measurement.step(&self.coefficients.measurement, samples);
+        let in_lane = self.is_in_lane(current);
+        let step = if self.is_calm(samples, current, in_lane) {
             Some(self.go_on(current))
         } else {
-            self.turns(samples, current)
+            self.turns(samples, current, in_lane)
         };
         match step {
-            Some(step) => self.keep_on(step, place, samples, current),
+            Some(step) => self.keep_on(step, place, samples, current, in_lane),
             None => self.look(place, samples, current),
         }
         self.applied
@@ -185,9 +188,11 @@ impl Drive {
     /// From what is wanted to what is applied, with what is due in this `place` of the millisecond before it.
     #[inline(never)]
     fn conclude(&mut self, place: u32, pattern: &Pattern, samples: &Samples, current: Amps) {
-        if place <= place::LAST {
-            self.rest_of_millisecond(place, pattern.demand, samples, current);
-        }
+        let speed = match pattern.demand {
+            Demand::Speed { measured, .. } => Some(measured),
+            Demand::Off | Demand::Voltage { .. } => None,
+        };
+        self.do_due(place, speed, samples, current);
         let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
         if speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
             self.applied.commutations = pattern.commutations;
@@ -200,6 +205,7 @@ impl Drive {
     #[inline(never)]
     fn finish(&mut self, pattern: &Pattern, current: Amps) {
         self.sensorless.beware();
+        self.leave_lane();
         let measured = &self.measurement.measured(current);
         let (c, mode) = (&self.coefficients.control, self.coefficients.mode(self.listens));
         let output = self.control.step(c, mode, pattern.demand, measured, &self.measurement);
@@ -210,6 +216,9 @@ impl Drive {
     #[inline(never)]
     fn look(&mut self, place: u32, samples: &Samples, current: Amps) {
         self.sensorless.beware();
+        if self.machine.state() == State::Initialization {
+            self.measurement.find_zero(current);
+        }
         let pattern = self.survey(samples, &self.measurement.measured(current));
         self.conclude(place, &pattern, samples, current);
     }
@@ -261,54 +270,76 @@ impl Drive {
         }
     }
 
-    /// What is done once a millisecond, spread over its ticks.
-    #[inline(never)]
-    fn rest_of_millisecond(&mut self, place: u32, demand: Demand, samples: &Samples, current: Amps) {
-        // A board with fewer ticks does more in its last.
-        if place + 1 >= u32::from(self.coefficients.control.ticks_per_ms) {
-            for task in place..place::LAST {
-                self.do_task(task, demand, samples, current);
-            }
-            return self.do_task(place::LAST, demand, samples, current);
+    /// What is done once a millisecond, spread over its ticks. `speed` is that of a closed loop.
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    #[cfg_attr(not(target_arch = "wasm32"), inline)]
+    fn do_due(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
+        if place > place::LAST {
+            return;
         }
-        self.do_task(place, demand, samples, current);
+        if u32::from(self.coefficients.control.ticks_per_ms) <= place::LAST {
+            return self.share_out(place, speed, samples, current);
+        }
+        self.do_task(place, speed, samples, current);
+    }
+
+    /// A board with fewer ticks does more in its last.
+    #[inline(never)]
+    fn share_out(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
+        let is_last = place + 1 >= u32::from(self.coefficients.control.ticks_per_ms);
+        let end = if is_last { place::LAST } else { place };
+        for task in place..=end {
+            self.do_task(task, speed, samples, current);
+        }
     }
 
     #[inline]
-    fn do_task(&mut self, task: u32, demand: Demand, samples: &Samples, current: Amps) {
+    fn do_task(&mut self, task: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
         match task {
-            place::RATINGS => self.rate(demand),
-            place::SPEED_LOOP => self.run_speed_loop(demand, current),
-            place::RAILS => self.check_rails(),
-            _ => self.make_due(samples),
+            place::RATINGS => self.rate(speed != Some(0)),
+            place::SPEED_LOOP => {
+                if let Some(speed) = speed {
+                    self.run_speed_loop(speed, current);
+                }
+            }
+            place::RAILS => {
+                if self.listens {
+                    self.check_rails();
+                }
+            }
+            _ => {
+                self.make_due(samples);
+                self.renew_lane();
+            }
         }
     }
 
+    /// `turns`: the rotor is not known to stand.
     #[inline(never)]
-    fn rate(&mut self, demand: Demand) {
-        let turns = !matches!(demand, Demand::Speed { measured: 0, .. });
+    fn rate(&mut self, turns: bool) {
         let temperature = self.slow.temperature;
-        self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns);
+        if self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns) {
+            self.leave_lane();
+        }
     }
 
     #[inline(never)]
-    fn run_speed_loop(&mut self, demand: Demand, current: Amps) {
+    fn run_speed_loop(&mut self, speed: i32, current: Amps) {
         let c = &self.coefficients;
-        if let Demand::Speed { measured: speed, .. } = demand {
-            let mode = c.mode(self.listens);
-            let brought_up = self.machine.state() != State::OpenLoop || self.sensorless.is_caught();
-            let wanted = if brought_up { self.machine.command().speed.to_bits() } else { c.open_loop.speed };
-            let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
-            let target = if self.machine.reversing() { 0 } else { wanted };
-            let bus = (self.measurement.bus_voltage(), current.to_bits());
-            self.control.turn(&c.control, mode, target, speed, bus);
-        }
+        let mode = c.mode(self.listens);
+        let brought_up = self.machine.state() != State::OpenLoop || self.sensorless.is_caught();
+        let wanted = if brought_up { self.machine.command().speed.to_bits() } else { c.open_loop.speed };
+        let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
+        let target = if self.machine.reversing() { 0 } else { wanted };
+        let bus = (self.measurement.bus_voltage(), current.to_bits());
+        self.control.turn(&c.control, mode, target, speed, bus);
+        self.keep_lane();
     }
 
     #[inline(never)]
     fn check_rails(&mut self) {
         let c = &self.coefficients;
-        if self.listens && self.machine.state().is_driving() {
+        if self.machine.state().is_driving() {
             let speed = self.sensorless_forward();
             let driven = self.applied.step != Step::Coast;
             let applied = self.control.applied(&c.control, self.measurement.bus_voltage());

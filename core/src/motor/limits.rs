@@ -91,7 +91,7 @@ impl CurrentLimit {
     }
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
-    /// Bus voltage and filtered bus current, raw I16F16; `phase_current` is the estimated mean phase current, raw I16F16 A.
+    /// Bus voltage and filtered bus current, raw I16F16; `phase_current` is the estimated mean phase current, raw I16F16 A. True if a bound changed.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn update(
         &mut self,
@@ -100,7 +100,8 @@ impl CurrentLimit {
         phase_current: i32,
         temperature: Celsius,
         turns: bool,
-    ) {
+    ) -> bool {
+        let before = (self.bound, self.phase);
         let target = if turns { c.maximum } else { c.soft_start.min(c.maximum) };
         let table = self.ramp.step(target, c.rate);
         let power = self.rate_power(c, voltage, current);
@@ -114,6 +115,7 @@ impl CurrentLimit {
             self.phase = ((self.phase as i64 * left) >> 16) as i32;
             self.limiter = Limiter::Temperature;
         }
+        before != (self.bound, self.phase)
     }
 
     /// The power rating is one of heat, not of an instant, and the current swings with every commutation. So an

@@ -102,14 +102,9 @@ impl ZeroCurrent {
     /// No credible offset is larger: 0.25 A.
     const MAX: i32 = 1 << 14;
 
-    #[inline]
-    fn step(&mut self, current: i32, idle: bool) -> i32 {
-        let zero = self.zero;
-        if idle {
-            self.mean += i64::from(current) - (self.mean >> 10);
-            self.zero = ((self.mean >> 10) as i32).clamp(-Self::MAX, Self::MAX);
-        }
-        current - zero
+    fn find(&mut self, current: i32) {
+        self.mean += i64::from(current) - (self.mean >> 10);
+        self.zero = ((self.mean >> 10) as i32).clamp(-Self::MAX, Self::MAX);
     }
 }
 
@@ -117,13 +112,18 @@ impl ZeroCurrent {
 const FILTER_MAX: i32 = 1 << 24;
 
 impl Measurement {
-    /// Converts one tick's codes; the answer is the mean bus current. `idle`: no current can flow, so what its channel reads is its zero.
+    /// Converts one tick's codes; the answer is the mean bus current.
     #[inline]
-    pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples, idle: bool) -> Amps {
+    pub fn step(&mut self, scales: &MeasurementScales, samples: &Samples) -> Amps {
         self.bus_voltage = scales.bus_voltage.convert(samples.bus_voltage);
-        let bus_current = self.zero.step(scales.bus_current.convert(samples.bus_current), idle);
+        let bus_current = scales.bus_current.convert(samples.bus_current) - self.zero.zero;
         self.filtered += bus_current.clamp(-FILTER_MAX, FILTER_MAX - 1) - (self.filtered >> 6);
         Amps::from_bits(bus_current)
+    }
+
+    /// No current could flow in the last step, which answered `bus_current`: what its channel read is its zero, from the next on.
+    pub fn find_zero(&mut self, bus_current: Amps) {
+        self.zero.find(bus_current.to_bits() + self.zero.zero);
     }
 
     /// All of the last step, which answered `bus_current`.
@@ -163,6 +163,12 @@ impl Measurement {
             return Duty::ONE;
         }
         Duty::from_bits(ratio(voltage, bus) as u16)
+    }
+
+    /// The same, on a bus above [`BUS_MIN`], of a positive voltage below the bus, in 1/32 768.
+    #[inline]
+    pub const fn duty_within(&self, voltage: i32) -> u32 {
+        ratio(voltage as u32, self.bus_voltage as u32)
     }
 
     /// The same, on a bus above [`BUS_MIN`], of a `voltage` that is positive and below the bus; else `None`. In 1/32 768.

@@ -9,9 +9,10 @@
 //!     +-- at rest --> Align (two locks) --> Kick ------+
 //! ```
 
-use super::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint};
+use super::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint, Sight};
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
+use super::interval::TICK;
 use super::listening::Listening;
 use super::pwm::PwmCommand;
 use super::rails::{Rail, RailCoefficients, Rails};
@@ -214,6 +215,27 @@ impl Sensorless {
         self.age = self.age.saturating_add(ticks).wrapping_sub(1);
         self.idle = 0;
         true
+    }
+
+    /// The ordinary tick of a running motor in which its crossing is near, or begins to show, `ticks` after the last that was told: what it saw. Else
+    /// nothing is done.
+    #[inline]
+    pub fn nears(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+        ticks: u32,
+    ) -> Option<Sight> {
+        let silent = self.rotor.since().saturating_add(ticks.saturating_mul(TICK));
+        if silent >= c.timeout { None } else { self.back_emf.nears(&c.back_emf, samples, applied) }
+    }
+
+    /// The crossing of which no more is in `sight` is overdue: what [`observe`](Self::observe) and [`step`](Self::step) do, `ticks` after the last that was
+    /// told.
+    pub fn wait(&mut self, c: &SensorlessCoefficients, sight: &Sight, ticks: u32) {
+        self.sleep(ticks);
+        self.rotor.observe(sight, c.emf_of_turns, false);
     }
 
     /// What a step that begins now may expect.

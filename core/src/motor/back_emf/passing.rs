@@ -2,7 +2,7 @@
 //! would find, or leaves it to that.
 
 use super::window::signal;
-use super::{BackEmf, BackEmfCoefficients, Crossing, OperatingPoint, Passage, blanking};
+use super::{BackEmf, BackEmfCoefficients, Crossing, Level, OperatingPoint, Passage, Sight, blanking};
 use crate::motor::band::Band;
 use crate::motor::interval::TICK;
 use crate::motor::pwm::PwmCommand;
@@ -22,7 +22,7 @@ impl BackEmf {
         if self.stale.is_empty() {
             return None;
         }
-        let signal = signal(c, samples, watch);
+        let signal = signal(c, samples, watch.sector);
         if !self.stale.contains(signal) {
             return Some(false);
         }
@@ -51,7 +51,7 @@ impl BackEmf {
         let hidden = age.saturating_add(applied.sample_at.into()) < self.blank
             || (self.passage == Passage::Unseen && self.demagnetises(c, samples, bus_voltage, age, watch));
         if !hidden {
-            let (signal, threshold) = (signal(c, samples, watch), self.threshold(samples, watch));
+            let (signal, threshold) = (signal(c, samples, watch.sector), self.threshold(samples, watch));
             let passes = if self.shift == 0 {
                 self.mean_passes(signal, threshold, applied.sample_at)
             } else {
@@ -126,7 +126,7 @@ impl BackEmf {
             }
         }
         let threshold = self.threshold(samples, watch);
-        let mean = self.mean(signal(c, samples, watch));
+        let mean = self.mean(signal(c, samples, watch.sector));
         if mean.value <= threshold + self.beyond() {
             return None;
         }
@@ -137,6 +137,38 @@ impl BackEmf {
         };
         let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
         Some(Crossing { sector: watch.sector, age: ago.saturating_add(delay), threshold, ago, mean })
+    }
+
+    /// Where one comparison was expected to do: the signal has not passed its threshold, or not yet gone far enough to be believed. What
+    /// [`step`](Self::step) would find, and it is noted; else nothing is done.
+    #[inline]
+    pub fn nears(
+        &mut self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+    ) -> Option<Sight> {
+        let watch = self.watch?;
+        if self.stale.is_empty()
+            || samples.sample_mode != SampleMode::OnTime
+            || self.passage != Passage::Healthy
+        {
+            return None;
+        }
+        // In the on-time the threshold is 0.
+        let mean = self.mean(signal(c, samples, watch.sector));
+        if mean.value > self.beyond() {
+            return None;
+        }
+        self.age = self.age.saturating_add(TICK as i32);
+        if mean.value >= 0 {
+            self.crossed = self.crossed_at(mean.value, 0, applied.sample_at);
+            self.passage = Passage::Crossing;
+            self.beware();
+        }
+        self.keep(mean, applied.sample_at);
+        let level = if mean.value < -self.noise { Level::Before } else { Level::Hidden };
+        Some(Sight { sector: Some(watch.sector), level, ..Sight::default() })
     }
 
     /// That was one.

@@ -1,6 +1,7 @@
 //! The signal of a sample, and its mean over the last samples of a step.
 
-use super::{BackEmf, BackEmfCoefficients, WINDOW, Watch};
+use super::{BackEmf, BackEmfCoefficients, WINDOW};
+use crate::motor::commutation::STEPS;
 use crate::motor::interval::TICK;
 use crate::motor::samples::Samples;
 
@@ -60,12 +61,29 @@ impl BackEmf {
     }
 }
 
+/// What each terminal adds to the [`signal`] by sector, in a table that three bits cannot miss.
+const WEIGHTS: [[i32; 3]; 8] = weights();
+
+const fn weights() -> [[i32; 3]; 8] {
+    let mut weights = [[0; 3]; 8];
+    let mut sector = 0;
+    while sector < STEPS.len() {
+        // Torque the other way takes the step opposite, in which the same phase floats.
+        if let Some(floating) = STEPS[sector].floating() {
+            let sign = if sector & 1 == 1 { 1 } else { -1 };
+            weights[sector] = [-sign; 3];
+            weights[sector][floating as usize] = 2 * sign;
+        }
+        sector += 1;
+    }
+    weights
+}
+
 /// What one sample says, signed as it rises: `2 v_f - v_g - v_h`, three times the back-EMF of a sinusoidal motor, twice that of a trapezoidal
 /// one, raw I16F16 V.
 #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-pub(super) fn signal(c: &BackEmfCoefficients, samples: &Samples, watch: Watch) -> i32 {
+pub(super) fn signal(c: &BackEmfCoefficients, samples: &Samples, sector: u8) -> i32 {
     let [v_a, v_b, v_c] = samples.phase_voltage.map(i32::from);
-    let floating = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);
-    let codes = 3 * i32::from(floating) - v_a - v_b - v_c;
-    c.terminal.convert_difference(if watch.rises() { codes } else { -codes })
+    let [w_a, w_b, w_c] = WEIGHTS[usize::from(sector & 7)];
+    c.terminal.convert_difference(w_a * v_a + w_b * v_b + w_c * v_c)
 }

@@ -6,18 +6,21 @@
 
 mod turning;
 
+use super::Drive;
 use super::pattern::Pattern;
-use super::{Drive, place};
 use crate::motor::band::Band;
 use crate::motor::commutation::Step;
-use crate::motor::control::Demand;
+use crate::motor::control::{Demand, Lane};
 use crate::motor::hall::HallEvents;
 use crate::motor::measurement::BUS_MIN;
 use crate::motor::pwm::{Commutations, PwmCommand, Rectification};
-use crate::motor::samples::{Lines, Samples};
+use crate::motor::samples::{Lines, SampleMode, Samples};
 use crate::motor::state::State;
 use crate::units::Amps;
 use serde::{Deserialize, Serialize};
+
+/// A page has time but no room: there the shortest ways are left out. The answers are the same.
+const SAVES_TIME: bool = cfg!(not(target_arch = "wasm32"));
 
 /// What goes on by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,36 +38,35 @@ pub(super) struct Calm {
     fade: u8,
     /// For so many ticks from the last that the stations were told of, no row of the state machine's table can hold by time alone; at least.
     #[serde(skip)]
-    machine: Known,
+    machine: Known<u32>,
     /// This tick's edge or crossing has been taken before it turned out to be for all stations.
     #[serde(skip)]
     taken: bool,
     /// They follow from the coefficients: a recording is without them.
     #[serde(skip)]
     bounds: Bounds,
+    /// What the loops stay within until their next turn.
+    #[serde(skip)]
+    lane: Known<Lane>,
 }
 
-/// Ticks that are known to be calm. It follows from the rest of the drive and saves looking: drives that differ in nothing else answer alike, so
+/// What is known of the calm. It follows from the rest of the drive and saves looking: drives that differ in nothing else answer alike, so
 /// it takes no part in a comparison, and one that comes out of a recording knows nothing yet.
 #[derive(Clone, Copy, Debug, Default)]
-struct Known(u32);
+struct Known<T>(T);
 
-impl PartialEq for Known {
+impl<T> PartialEq for Known<T> {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl Eq for Known {}
+impl<T> Eq for Known<T> {}
 
 /// What a calm tick stays within, made when coefficients or mode change, or a drive comes out of a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Bounds {
-    /// Bus voltage and current, raw I16F16.
-    voltage: Band,
-    current: Band,
-    /// Raw U1F15.
-    duty: Band,
+    lane: Lane,
     /// Digital inputs that end it.
     lines: Lines,
 }
@@ -109,17 +111,17 @@ impl Calm {
     }
 
     /// In this tick, too, time alone changes no state.
-    pub(super) const fn is_told_to_rest(&self) -> bool {
-        self.others > self.all.granted.wrapping_sub(self.all.left)
+    #[inline]
+    const fn rests(&self) -> bool {
+        self.all.left > 0 || self.others > self.slept()
     }
 }
 
 impl Drive {
     /// Nothing that this tick measures asks for a look, and but for a commutation nothing is due. Then the floating terminal's sample has been taken.
     #[inline]
-    pub(super) fn is_calm(&mut self, samples: &Samples, current: Amps) -> bool {
-        let rests = self.calm.all.left > 0 || self.calm.is_told_to_rest();
-        if !rests || !self.stays_within_bounds(samples, current) {
+    pub(super) fn is_calm(&mut self, samples: &Samples, current: Amps, in_lane: bool) -> bool {
+        if !self.calm.rests() || !self.goes_unnoticed(samples, current, in_lane) {
             return false;
         }
         if !self.listens {
@@ -138,7 +140,24 @@ impl Drive {
     /// The bus voltage is no fault and no limit.
     #[inline]
     pub(super) fn has_plain_voltage(&self) -> bool {
-        self.calm.bounds.voltage.contains(self.measurement.bus_voltage())
+        self.calm.bounds.lane.voltage.contains(self.measurement.bus_voltage())
+    }
+
+    /// Voltage and current lie where a settled loop has nothing to do with them.
+    #[inline]
+    pub(super) fn is_in_lane(&self, current: Amps) -> bool {
+        let Lane { voltage, current: currents, .. } = self.calm.lane.0;
+        SAVES_TIME && voltage.contains(self.measurement.bus_voltage()) && currents.contains(current.to_bits())
+    }
+
+    /// [`stays_within_bounds`](Self::stays_within_bounds), of which a lane is part.
+    #[inline]
+    fn goes_unnoticed(&self, samples: &Samples, current: Amps, in_lane: bool) -> bool {
+        if in_lane {
+            !samples.lines.intersects(self.calm.bounds.lines)
+        } else {
+            self.stays_within_bounds(samples, current)
+        }
     }
 
     /// Voltage, current and digital inputs are no fault.
@@ -146,7 +165,7 @@ impl Drive {
     fn stays_within_bounds(&self, samples: &Samples, current: Amps) -> bool {
         let bounds = &self.calm.bounds;
         self.has_plain_voltage()
-            && bounds.current.contains(current.to_bits())
+            && bounds.lane.current.contains(current.to_bits())
             && !samples.lines.intersects(bounds.lines)
     }
 
@@ -170,9 +189,18 @@ impl Drive {
 
     /// The loops of a tick that begins with `step` and has its commutations.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(super) fn keep_on(&mut self, step: Step, place: u32, samples: &Samples, current: Amps) {
-        if place <= place::LAST {
-            self.rest_of_millisecond(place, self.calm.demand(), samples, current);
+    pub(super) fn keep_on(
+        &mut self,
+        step: Step,
+        place: u32,
+        samples: &Samples,
+        current: Amps,
+        in_lane: bool,
+    ) {
+        self.do_due(place, Some(self.calm.speed), samples, current);
+        // Who left the lane meanwhile has none whose duties it could keep to.
+        if in_lane && self.glides(step) {
+            return;
         }
         if self.calm.fade > 0 || !self.cruises(step, current) {
             let commutations = self.applied.commutations;
@@ -183,12 +211,13 @@ impl Drive {
     /// What a calm stays within.
     pub(super) fn settle_calm(&mut self) {
         let c = &self.coefficients;
-        self.calm.bounds = Bounds {
+        let lane = Lane {
             voltage: c.protection.bus_voltage(BUS_MIN + 1, c.control.bus_guard),
             current: c.protection.bus_current(),
             duty: c.control.duties(c.mode(self.listens).duty_max),
-            lines: c.protection.lines(),
         };
+        self.calm.bounds = Bounds { lane, lines: c.protection.lines() };
+        self.leave_lane();
     }
 
     /// The hall sensors. In a drive that has no use for them they sleep apart from the other stations.
@@ -241,7 +270,7 @@ impl Drive {
     /// The tick of a settled loop with a plain voltage, in full, but for its commutations: true if nothing came near a limit.
     #[inline]
     pub(super) fn cruises(&mut self, step: Step, current: Amps) -> bool {
-        let (c, duties) = (&self.coefficients.control, self.calm.bounds.duty);
+        let (c, duties) = (&self.coefficients.control, self.calm.bounds.lane.duty);
         let Some(duty) = self.control.cruise(c, duties, current, &self.measurement) else {
             return false;
         };
@@ -249,7 +278,60 @@ impl Drive {
         let commutations = self.applied.commutations;
         let rectification = Rectification::Synchronous;
         self.applied = PwmCommand { duty, rectification, sample_at, sample_mode, step, commutations };
+        if SAVES_TIME && !self.calm.lane.0.duty.contains(duty.to_bits().into()) {
+            self.leave_lane();
+        }
         true
+    }
+
+    /// Once a millisecond: a lane, where there is none.
+    #[inline]
+    pub(super) fn renew_lane(&mut self) {
+        if SAVES_TIME && self.calm.lane.0.voltage.is_empty() {
+            self.lay_lane();
+        }
+    }
+
+    /// Duties that are sampled like the last one, and all else that a settled loop stays within.
+    #[inline(never)]
+    fn lay_lane(&mut self) {
+        let (begins, lasts) = self.on_time;
+        let (least, most) = match self.applied.sample_mode {
+            SampleMode::OnTime => (lasts.into(), i32::MAX),
+            SampleMode::OffTime => (i32::MIN, i32::from(begins) - 1),
+        };
+        let within = self.calm.bounds.lane;
+        let within = Lane { duty: within.duty.within(least, most), ..within };
+        let voltage = self.measurement.bus_voltage();
+        self.calm.lane.0 = self.control.lane(&self.coefficients.control, &within, voltage);
+    }
+
+    /// The same within the lane: what the last tick applied goes on, but for its commutations and this duty.
+    #[inline]
+    pub(super) fn glides(&mut self, step: Step) -> bool {
+        let (c, lane) = (&self.coefficients.control, &self.calm.lane.0);
+        let Some(duty) = self.control.glide(c, lane, &self.measurement) else { return false };
+        (self.applied.duty, self.applied.step) = (duty, step);
+        if self.applied.sample_mode == SampleMode::OffTime {
+            self.applied.sample_at = self.after_pulse(duty.to_bits());
+        }
+        true
+    }
+
+    /// The speed loop has had its turn.
+    #[inline]
+    pub(super) fn keep_lane(&mut self) {
+        if SAVES_TIME && !self.control.keeps(&self.calm.lane.0) {
+            self.leave_lane();
+        }
+    }
+
+    /// Something else than the bus voltage may have changed for the loops.
+    #[inline]
+    pub(super) fn leave_lane(&mut self) {
+        if SAVES_TIME {
+            (self.calm.lane.0.voltage, self.calm.lane.0.duty) = (Band::EMPTY, Band::EMPTY);
+        }
     }
 
     /// What the stations have not seen of a calm is told to them, and it is over.
@@ -276,6 +358,13 @@ impl Drive {
         let halls = if self.listens { self.calm.halls.take() } else { slept };
         if halls > 0 {
             self.rotor.sleep(halls);
+        }
+    }
+
+    /// The master has been heard: it may be silent as long as before.
+    pub(super) fn rest_anew(&mut self) {
+        if self.calm.machine.0 > 0 {
+            self.calm.machine = Known(self.machine.calm(&self.coefficients.machine));
         }
     }
 

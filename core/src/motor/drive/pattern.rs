@@ -168,9 +168,14 @@ impl Drive {
         if duty >= begins || (duty >= lasts && self.applied.sample_mode == SampleMode::OnTime) {
             (0, SampleMode::OnTime)
         } else {
-            // The pulse ends at D/2 of the period: duty (1/32 768) is that many 1/65 536.
-            (duty.saturating_add(self.coefficients.sample_settle), SampleMode::OffTime)
+            (self.after_pulse(duty), SampleMode::OffTime)
         }
+    }
+
+    /// Where the off-time is sampled: the pulse ends at D/2 of the period, and duty (1/32 768) is that many 1/65 536.
+    #[inline]
+    pub(super) const fn after_pulse(&self, duty: u16) -> u16 {
+        duty.saturating_add(self.coefficients.sample_settle)
     }
 }
 

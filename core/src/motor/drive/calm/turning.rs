@@ -1,7 +1,7 @@
 //! The short ways of a tick in which a motor that just runs turns on: a commutation, a hall edge, a crossing. What the other stations have not seen
 //! of the calm before they are not told then either, where that makes no difference.
 
-use super::Sleep;
+use super::{SAVES_TIME, Sleep};
 use crate::motor::commutation::Step;
 use crate::motor::drive::Drive;
 use crate::motor::pwm::Commutations;
@@ -47,8 +47,13 @@ impl Drive {
 
     /// A tick in which the rotor of a motor that just runs shows that it has turned on, and nothing else asks for a look: the step that it begins with.
     #[inline]
-    pub(in crate::motor::drive) fn turns(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
-        if self.calm.machine.0 <= self.calm.slept() || !self.stays_within_bounds(samples, current) {
+    pub(in crate::motor::drive) fn turns(
+        &mut self,
+        samples: &Samples,
+        current: Amps,
+        in_lane: bool,
+    ) -> Option<Step> {
+        if self.calm.machine.0 <= self.calm.slept() || !self.goes_unnoticed(samples, current, in_lane) {
             return None;
         }
         if self.listens { self.crosses(samples, current) } else { self.passes_edge(samples, current) }
@@ -80,7 +85,7 @@ impl Drive {
         let ticks = self.calm.slept().wrapping_add(1);
         let c = &self.coefficients;
         if !self.sensorless.crosses(&c.sensorless, samples, &self.applied, ticks) {
-            return None;
+            return if SAVES_TIME { self.nears(samples, current) } else { None };
         }
         self.heed_speed_now();
         let speed = self.sensorless_forward();
@@ -94,6 +99,28 @@ impl Drive {
         let (step, left) = self.follow(rotor.angle(), rotor.speed());
         let own = self.estimator_calm();
         (self.calm.hall, self.calm.speed, self.calm.fade) = (samples.hall, speed, 0);
+        self.sleep_on(current, ticks, left, own);
+        Some(step)
+    }
+
+    /// A crossing is overdue, or begins to show. What comes of it the next tick tells; this one may be as calm as the one before.
+    #[inline(never)]
+    fn nears(&mut self, samples: &Samples, current: Amps) -> Option<Step> {
+        let ticks = self.calm.slept().wrapping_add(1);
+        let sight = self.sensorless.nears(&self.coefficients.sensorless, samples, &self.applied, ticks)?;
+        if !self.halls_sleep(samples) {
+            self.attend_halls(samples);
+        }
+        if self.calm.rests() {
+            return Some(self.go_on(current));
+        }
+        // It is overdue: it bounds the speed, which nobody minds, and the commutation may be taken without it.
+        self.sensorless.wait(&self.coefficients.sensorless, &sight, ticks);
+        self.heed_speed();
+        let rotor = self.sensorless.rotor();
+        let (step, left) = self.follow(rotor.angle(), rotor.speed());
+        let own = self.estimator_calm();
+        (self.calm.hall, self.calm.speed) = (samples.hall, self.sensorless_forward());
         self.sleep_on(current, ticks, left, own);
         Some(step)
     }
