@@ -345,6 +345,11 @@ impl Bench {
         self.bus.send(self.host, frame, self.now_ns())
     }
 
+    /// Frames of the host that still wait for the bus.
+    pub fn host_queued(&self) -> usize {
+        self.bus.queued(self.host)
+    }
+
     /// The next frame that arrived at the host.
     pub fn receive(&mut self) -> Option<Received> {
         self.bus.receive(self.host)

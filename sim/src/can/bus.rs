@@ -117,9 +117,11 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         if self.nodes.len() == NODES {
             return None;
         }
-        let index = NodeIndex(self.nodes.len());
-        // Room was just seen.
-        let _ = self.nodes.push(Node::new(self.bitrate));
+        let (index, node) = (NodeIndex(self.nodes.len()), Node::new(self.bitrate));
+        #[cfg(feature = "tx-drivers")]
+        self.nodes.push(node);
+        #[cfg(not(feature = "tx-drivers"))]
+        self.nodes.push(node).ok()?;
         Some(index)
     }
 
