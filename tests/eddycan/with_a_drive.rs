@@ -129,6 +129,16 @@ fn worst_answer(session: &mut Session, requests: u32, mut meanwhile: impl FnMut(
     worst as f64 * 1e-6
 }
 
+/// Longest time from one STATUS_WORD to the next, ms; the drive sends one every 50 ms.
+fn longest_silence(session: &mut Session) -> f64 {
+    let heard = overheard(session, 2.0);
+    let words =
+        heard.iter().filter(|(_, frame)| matches!(FromDrive::decode(frame), Ok((_, FromDrive::Status(_)))));
+    let times: Vec<u64> = words.map(|(at, _)| *at).collect();
+    assert!(times.len() > 30, "{}", times.len());
+    times.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap() as f64 * 1e-6
+}
+
 /// Every PDO1 wins against the drive's 29 bits, but they come one by one and leave half of the bus. A SYNC of all nodes is another matter: its answers fill
 /// the bus at once.
 #[test]
@@ -136,16 +146,33 @@ fn the_drive_keeps_answering() {
     let alone = worst_answer(&mut session(), 40, |_| ());
     let mut shared = half_loaded(127);
     let half = worst_answer(&mut shared, 40, |_| ());
+    let silence = longest_silence(&mut shared);
     let burst = worst_answer(&mut shared, 10, |session| send(session, ToNode::Sync));
     println!(
         "worst answer: {alone:.2} ms alone, {half:.2} ms beside 127 nodes, {burst:.2} ms after their SYNC"
     );
+    println!("status words: at most {silence:.2} ms apart beside 127 nodes");
+    assert!(silence <= 55.0, "{silence} ms");
     assert!(alone < 2.0, "{alone} ms");
     assert!(half <= 5.0, "{half} ms");
     assert!(burst <= 50.0, "{burst} ms");
     assert_eq!(shared.bench().status().state, State::Standby);
     assert_eq!(shared.bench().status().faults.bits(), 0);
     assert_eq!(shared.bench().overruns(), 0);
+}
+
+/// As many as there are node-ids. One more is refused, and so is a sensor that cannot be; neither takes a place.
+#[test]
+fn a_bus_has_room_for_127() {
+    let mut session = session();
+    let mut wrong = driver(1, &[]);
+    wrong.sensors[0].range = 20.0;
+    let refused = session.bench_mut().add_tx_driver(&wrong).unwrap_err();
+    assert_eq!(refused.to_string(), "measuring range 20 mm: must be from 0.01 to 15.9 mm");
+    add(&mut session, 127, &[]);
+    let refused = session.bench_mut().add_tx_driver(&driver(1, &[])).unwrap_err();
+    assert_eq!(refused.to_string(), "the bus has no place left for another node");
+    assert_eq!(session.bench().tx_drivers().len(), 127);
 }
 
 /// All of them sample at one instant and send one after the other, in the order of their node-ids.
