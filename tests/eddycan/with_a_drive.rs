@@ -119,7 +119,7 @@ fn worst_answer(session: &mut Session, requests: u32, mut meanwhile: impl FnMut(
         let sent = session.bench().now_ns();
         session.bench_mut().send(message.encode(Addresses::FACTORY)).unwrap();
         let answered =
-            overheard(session, 0.1).into_iter().find(|(_, frame)| match FromDrive::decode(frame) {
+            overheard(session, 0.06).into_iter().find(|(_, frame)| match FromDrive::decode(frame) {
                 Ok((_, FromDrive::Parameter { number: 99, .. })) => read,
                 Ok((_, FromDrive::MotorCommand { speed })) => !read && speed > 0,
                 _ => false,
