@@ -142,3 +142,32 @@ fn a_target_that_is_moved() {
         assert_eq!(mastered.master.reading().unwrap().0.positions[0].raw(), raw, "{rest} mm");
     }
 }
+
+/// Positions at 380 us are of steps of 25 us, and the shaft is where it is then: it turns on between two ticks of 100 us. With 10 mm/s a step is 0.25 um.
+#[test]
+fn drivers_sample_between_the_ticks() {
+    let quiet = EddyCurrentConfig { noise: 0.0, ..EddyCurrentConfig::new(15.0, Target::nut(1.0, 1.0)) };
+    let values = [(Entry::CanConfig, 1), (Entry::NrOfNodes, 1), (Entry::UpdateTime, 65_535)];
+    let mut wired = Wired::new(Bitrate::K500);
+    wired.add(&TxDriverConfig { sensors: [quiet; 2], ..driver(3, &values) });
+    wired.run(10);
+    wired.rate = 10.0;
+    wired.run(10);
+    let positions: Vec<f64> = wired
+        .run(100)
+        .iter()
+        .map(|received| {
+            let position = i32::from_le_bytes(received.frame.payload().try_into().unwrap());
+            f64::from(position) / 134_217_728.0
+        })
+        .collect();
+    assert!((262..=264).contains(&positions.len()), "{}", positions.len());
+    let steps: Vec<f64> = positions.windows(2).map(|pair| (pair[1] - pair[0]) / 0.25e-3).collect();
+    assert!(
+        steps.iter().all(|steps| (steps - 15.0).abs() < 1e-3 || (steps - 16.0).abs() < 1e-3),
+        "{steps:?}"
+    );
+    // 380 us are 15.2 of them.
+    let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+    assert!((mean - 15.2).abs() < 0.01, "{mean}");
+}
