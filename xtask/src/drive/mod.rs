@@ -15,11 +15,11 @@ mod pty;
 mod tcp;
 #[cfg(test)]
 mod tests;
+mod tx_drivers;
 
 use crate::setup::{self, Refused, Setup, number};
 use client::Connection;
 use hub::Hub;
-use narx_core::bus::eddycan::NodeId;
 use narx_sim::tx_driver::TxDriverConfig;
 use pace::{Pace, Speed};
 use std::io::{self, Write as _};
@@ -38,8 +38,9 @@ pub struct Arguments {
     /// What stands on the bench
     #[command(flatten)]
     pub bench: setup::Arguments,
-    /// TX-Drivers on the drive's bus, by their node-ids (1 to 127), with commas between; each looks at the shaft's surface, with factory values otherwise
-    #[arg(long, value_name = "N[,N...]")]
+    /// TX-Drivers on the drive's bus, by their node-ids (1 to 127), with commas between, :dual behind those with two channels; each looks at the shaft's
+    /// surface and has an encoder on the shaft, with factory values otherwise
+    #[arg(long, value_name = "N[:dual][,...]")]
     pub tx_drivers: Option<String>,
     /// Simulated over real time: a number, or max
     #[arg(long, allow_hyphen_values = true, default_value = "1")]
@@ -91,7 +92,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
 /// A drive that can be.
 struct Request {
     setup: Setup,
-    tx_drivers: Vec<NodeId>,
+    tx_drivers: Vec<TxDriverConfig>,
     speed: Speed,
     /// Simulated time at which it ends, ns.
     end: u64,
@@ -108,23 +109,9 @@ impl Request {
             Some(text) => (number("--seconds", text, 0.001, 1e6, "s")? * 1e9) as u64,
             None => u64::MAX,
         };
-        let tx_drivers = arguments.tx_drivers.as_deref().map_or_else(|| Ok(Vec::new()), node_ids)?;
+        let tx_drivers = arguments.tx_drivers.as_deref().map_or_else(|| Ok(Vec::new()), tx_drivers::parse)?;
         Ok(Self { setup, tx_drivers, speed, end })
     }
-}
-
-/// Different node-ids with commas between.
-fn node_ids(list: &str) -> Result<Vec<NodeId>, Refused> {
-    let mut nodes = Vec::new();
-    for text in list.split(',') {
-        let node = text.trim().parse().ok().and_then(NodeId::new).filter(|node| !nodes.contains(node));
-        nodes.push(node.ok_or_else(|| {
-            Refused(format!(
-                "--tx-drivers {list}: must be different node-ids from 1 to 127, with commas between"
-            ))
-        })?);
-    }
-    Ok(nodes)
 }
 
 /// Opens the doors, says where they are, and runs.
@@ -144,9 +131,9 @@ fn serve(arguments: &Arguments, request: Request) -> Result<(), String> {
         setup.load
     ));
     commissioning.notes.iter().for_each(|note| say(&format!("  note: {note}")));
-    for node in tx_drivers {
-        bench.add_tx_driver(&TxDriverConfig::new(node)).map_err(|error| error.to_string())?;
-        say(&format!("  TX-Driver: node-id {}, 2 mm, eddyCAN at 500 kbit/s", node.raw()));
+    for driver in &tx_drivers {
+        bench.add_tx_driver(driver).map_err(|error| error.to_string())?;
+        say(&format!("  {}", tx_drivers::title(driver)));
     }
 
     let (door, connections) = mpsc::channel();
