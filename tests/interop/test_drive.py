@@ -399,6 +399,10 @@ def test_it_ends_by_itself_and_may_run_faster():
         (["--speed", "fast"], "--speed fast: must be"),
         (["--seconds", "-1"], "--seconds -1: must be"),
         (["--motor", "mn7005"], "--motor mn7005: unknown motor"),
+        (["--tx-drivers", "0"], "--tx-drivers 0: must be different node-ids"),
+        (["--tx-drivers", "128"], "--tx-drivers 128: must be"),
+        (["--tx-drivers", "2,2:dual"], "--tx-drivers 2,2:dual: must be"),
+        (["--tx-drivers", "2:triple"], "--tx-drivers 2:triple: must be"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(arguments, reason):

@@ -11,6 +11,7 @@ from tx_driver import (
     IS_PRE_OPERATIONAL,
     IS_STOPPED,
     NMT,
+    PDO1,
     PDO2,
     PRE_OPERATIONAL,
     REQUEST,
@@ -191,3 +192,20 @@ def test_states_that_only_canopen_has(master, name):
     node.nmt.state = name
     assert state(master, 2) == PRE_OPERATIONAL
     assert master.heard(ERROR + 2, since) == [b"\x00\x82"]
+
+
+def test_a_neighbour_at_another_bitrate_makes_a_node_error_passive(master):
+    master = master("2,3")
+    node, neighbour = master.node(2), master.node(3)
+    node.sdo["Update Time"].raw = 1
+    neighbour.sdo["Bitrate Index"].raw = 2
+    master.command(START, 2)
+    since = master.now
+    # At 250 kbit/s it takes every frame for an error, and says so until it is error passive itself.
+    neighbour.nmt.send_command(RESET)
+    # Table 13: 8120h, as soon as frames pass again.
+    assert master.wait(ERROR + 2, since) == [b"\x20\x81"]
+    master.let_pass(1.0)
+    assert master.heard(ERROR + 2, since) == [b"\x20\x81"]
+    assert len(master.heard(PDO1 + 2, master.now - 100)) > 50, "and it goes on"
+    assert master.heard(HEARTBEAT + 3, since) == []

@@ -17,6 +17,7 @@ from tx_driver import (
     RANGE_EXCEEDED,
     READ_ONLY,
     REQUEST,
+    RESET,
     START,
     STOP,
     WRITE_ONLY,
@@ -276,7 +277,7 @@ def test_a_restart_keeps_what_was_written(bus):
         variable(node, index, subindex).raw = written[index, subindex]
     # A refused value is not kept either.
     assert code_of(node.sdo.download, 0x2002, 0, b"\x80") == RANGE_EXCEEDED
-    later(node.nmt.send_command, 0x81)
+    later(node.nmt.send_command, RESET)
     node.nmt.wait_for_bootup(30)
     assert node.nmt.state == "PRE-OPERATIONAL"
     assert {key: variable(node, *key).raw for key in written} == written
@@ -304,8 +305,9 @@ def test_a_bitrate_acts_after_a_restart(bus):
     node.sdo["Bitrate Index"].raw = 2
     assert node.sdo["Bitrate Index"].raw == 2
     since = master.now
-    node.nmt.send_command(0x81)
-    master.settle()
+    node.nmt.send_command(RESET)
+    # At first it destroys the frames of all others.
+    master.let_pass(1.0)
     master.send(REQUEST + NODE, sdo(READ, 0x2001))
     master.settle()
     # At 250 kbit/s it neither understands nor is understood, and the drive goes on.

@@ -27,13 +27,16 @@ class Motor:
     def __init__(self, drive):
         self.bus = drive.bus()
         self.request = self.bus.send_periodic(message("REQUEST_WORD", 0), 0.04)
-        self.bus.send_periodic(message("MOTOR_CMD_SET", RPM << 48), 0.04)
+        self.set_point = self.bus.send_periodic(message("MOTOR_CMD_SET", RPM << 48), 0.04)
 
     def turn(self):
         # Low byte of the high word: Drive.
         self.request.modify_data(message("REQUEST_WORD", 1 << 32))
 
     def end(self):
+        for task in (self.request, self.set_point):
+            task.stop()
+            task.thread.join()
         self.bus.shutdown()
 
 
