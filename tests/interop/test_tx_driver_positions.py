@@ -52,12 +52,12 @@ def decoded(pdo):
 
 
 def read(master, node, number, ask):
-    """A PDO that is asked for: its bytes, and what python-canopen reads in them."""
-    since = master.now
+    """The first PDO that comes when it is asked for: its bytes, and what python-canopen reads in them."""
+    pdo, seen, since = node.tpdo[number], [], master.now
+    pdo.add_callback(lambda pdo: seen.append(decoded(pdo)))
     later(ask)
-    assert node.tpdo[number].wait_for_reception(PATIENCE) is not None
-    (data,) = master.wait(node.tpdo[number].cob_id, since)
-    return data, decoded(node.tpdo[number])
+    assert pdo.wait_for_reception(PATIENCE) is not None
+    return master.wait(pdo.cob_id, since)[0], seen[0]
 
 
 def test_all_three_pdos_carry_the_positions_of_the_layout(operational):
