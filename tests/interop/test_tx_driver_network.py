@@ -81,6 +81,14 @@ def test_a_command_goes_to_one_node_or_to_all(master):
     assert set(nodes) <= set(master.network.scanner.nodes)
 
 
+def test_canopen_finds_the_nodes_of_a_bus(master):
+    master = master("2,3:dual,127")
+    # It asks everybody for an entry that these nodes do not have; their aborts tell where they are.
+    master.network.scanner.search()
+    master.settle()
+    assert master.network.scanner.nodes == [2, 3, 127]
+
+
 def test_what_is_no_command_changes_nothing(master):
     master = master("2")
     since = master.now
@@ -88,6 +96,8 @@ def test_what_is_no_command_changes_nothing(master):
         master.send(NMT, data)
     for length in range(9):
         master.send_remote(NMT, length)
+    # CANopen's node guarding.
+    master.send_remote(HEARTBEAT + 2, 1)
     assert state(master, 2) == PRE_OPERATIONAL
     assert master.heard(HEARTBEAT + 2, since) == [] and master.heard(ERROR + 2, since) == []
 

@@ -194,6 +194,8 @@ def test_indices_that_do_not_exist(bus):
     for index in (0x0000, 0x1000, 0x1017, 0x1800, 0x1FFF, 0x200B, 0x20FF, 0x2101, 0x2200, 0xFFFF):
         assert code_of(node.sdo.upload, index, 0) == NO_INDEX
         assert code_of(node.sdo.download, index, 0, b"\0") == NO_INDEX
+    # So PDOs are described by the file alone.
+    assert code_of(node.tpdo.read) == NO_INDEX
 
 
 def test_what_can_only_be_read_or_only_be_written(bus):

@@ -2,9 +2,10 @@
 
 use super::client::{Connection, FRAMES, FromClient, LINES, PIECES};
 use super::hub::Hub;
-use super::node_ids;
 use super::pace::{Pace, Speed};
-use narx_core::bus::eddycan::NodeId;
+use super::tx_drivers;
+use crate::setup::Refused;
+use narx_core::bus::eddycan::{Channels, NodeId};
 use narx_core::bus::narmotion::{Addresses, ToDrive};
 use narx_core::bus::{Frame, Id};
 use narx_sim::can::slcan::{self, NO, decode_frame, encode_frame};
@@ -274,11 +275,20 @@ fn tx_drivers_answer_beside_the_drive() {
 
 #[test]
 fn node_ids_are_different_and_from_1_to_127() {
-    let numbers = |list| node_ids(list).map(|nodes| nodes.iter().map(|node| node.raw()).collect::<Vec<u8>>());
-    assert_eq!(numbers("2"), Ok(vec![2]));
-    assert_eq!(numbers("127, 1,64"), Ok(vec![127, 1, 64]));
-    for list in ["", "0", "128", "2,2", "2,", "two", "-1"] {
-        let refused = numbers(list).unwrap_err().to_string();
+    let read = |list| {
+        let drivers = tx_drivers::parse(list)?;
+        let numbers = drivers.iter().map(|driver| (driver.configuration.node().raw(), driver.channels));
+        Ok::<Vec<(u8, Channels)>, Refused>(numbers.collect())
+    };
+    assert_eq!(read("2"), Ok(vec![(2, Channels::Single)]));
+    assert_eq!(
+        read("127, 1:dual,64"),
+        Ok(vec![(127, Channels::Single), (1, Channels::Dual), (64, Channels::Single)])
+    );
+    for list in
+        ["", "0", "128", "2,2", "2,2:dual", "2,", "two", "-1", "2:", "2:single", ":dual", "2:dual:dual"]
+    {
+        let refused = read(list).unwrap_err().to_string();
         assert!(
             refused.starts_with(&format!("--tx-drivers {list}: must be different node-ids")),
             "{refused}"
