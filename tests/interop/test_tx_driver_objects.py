@@ -230,6 +230,18 @@ def test_transfers_of_canopen_that_eddycan_does_not_have(bus, no_stray_requests)
     assert node.sdo["Update Time"].raw == 0
 
 
+def test_requests_without_a_pause_are_all_answered_in_order(bus):
+    master, node = bus
+    since = master.now
+    values = range(1, 101)
+    for value in values:
+        master.send(REQUEST + NODE, sdo(WRITE, 0x2002, 0, bytes([value])))
+        master.send(REQUEST + NODE, sdo(READ, 0x2002))
+    expected = [answer for value in values for answer in (sdo(WRITTEN, 0x2002), sdo(VALUE[1], 0x2002, 0, bytes([value])))]
+    assert master.wait(ANSWER + NODE, since, len(expected)) == expected
+    assert node.sdo["Nr Of Nodes"].raw == 100
+
+
 def test_what_is_no_request_has_no_answer(bus):
     master, node = bus
     since = master.now
