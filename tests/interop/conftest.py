@@ -1,13 +1,15 @@
 """What several tests begin with."""
 
 import pytest
-from tx_driver import Master
-from virtual_drive import Drive
 
 
 @pytest.fixture
 def master():
     """`master("2,3:dual")` powers up a virtual drive with these TX-Drivers, ten times as fast as the clock if the machine can, and connects to its bus."""
+    # Here, because tests that need no drive need none of this either.
+    from tx_driver import Master
+    from virtual_drive import Drive
+
     drives, masters = [], []
 
     def power_up(tx_drivers, speed="10"):
