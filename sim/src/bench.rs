@@ -7,7 +7,12 @@
 //!           flash <--Request--  --Report--> Node
 //! ```
 //!
+//! TX-Drivers may stand on the same bus and watch the same shaft ([`Bench::add_tx_driver`]).
+//!
 //! One call of [`Bench::step`] is one control tick. Same configuration, same frames, same bits.
+
+#[cfg(feature = "tx-drivers")]
+mod tx_drivers;
 
 use crate::can::{Attachment, Bus, BusStatistics, NodeIndex, NotQueued, Received};
 use crate::chip::Chip;
@@ -16,6 +21,8 @@ use crate::flash::{Flash, Sparse};
 use crate::plant::{Observation, Plant, PlantConfig};
 use crate::recording::RecordingBuffer;
 use crate::trace::{Signal, Trace};
+#[cfg(feature = "tx-drivers")]
+use crate::tx_driver::TxDrivers;
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -44,8 +51,8 @@ pub const IDENTITY: Identity = Identity {
 /// The board reads its slow inputs this often, ms.
 const INPUTS_MS: u64 = 10;
 
-/// Drive, host, a listener and another node.
-const PLACES: usize = 4;
+/// Drive, host, a listener and another node; where there are TX-Drivers, as many as have node-ids.
+const PLACES: usize = if cfg!(feature = "tx-drivers") { 4 + 127 } else { 4 };
 /// Frames that wait at each place on the bus.
 const QUEUE: usize = 64;
 /// Frames that the drive's controller holds. What waits there can be overtaken by nothing.
@@ -93,6 +100,8 @@ pub struct Bench {
     record: bool,
     recorder: Option<Recorder<RecordingBuffer>>,
     label: String,
+    #[cfg(feature = "tx-drivers")]
+    tx_drivers: TxDrivers,
 }
 
 /// Signals of a bench's trace: the fixed columns of `run.csv` first.
@@ -140,7 +149,7 @@ impl Bench {
     fn with_chip(config: &BenchConfig, chip: Chip) -> Self {
         let board = config.plant.board;
         let mut bus = Bus::new(BITRATE);
-        let [device, host, monitor, other] = bus.attach_all();
+        let [device, host, monitor, other] = bus.attach_first();
         bus.set_attachment(monitor, Attachment::ListenOnly);
         bus.set_attachment(other, Attachment::Detached);
         let node = Node::with_parameters(IDENTITY, board, config.parameters.clone());
@@ -167,6 +176,8 @@ impl Bench {
             record: true,
             recorder: None,
             label: config.label.chars().take(60).collect(),
+            #[cfg(feature = "tx-drivers")]
+            tx_drivers: TxDrivers::new(config.plant.seed),
         };
         bench.boot();
         bench
@@ -258,6 +269,8 @@ impl Bench {
     fn background(&mut self) {
         let now = self.plant.tick();
         let now_ns = self.now_ns();
+        #[cfg(feature = "tx-drivers")]
+        self.run_tx_drivers(now_ns);
         self.bus.advance(now_ns);
         let state = self.bus.state(self.device);
         if state.is_off() {
@@ -330,6 +343,11 @@ impl Bench {
     /// The host's queue of 64 is full.
     pub fn send(&mut self, frame: Frame) -> Result<(), NotQueued> {
         self.bus.send(self.host, frame, self.now_ns())
+    }
+
+    /// Frames of the host that still wait for the bus.
+    pub fn host_queued(&self) -> usize {
+        self.bus.queued(self.host)
     }
 
     /// The next frame that arrived at the host.

@@ -22,8 +22,12 @@ pub mod random;
 pub mod random_plant;
 #[cfg(feature = "alloc")]
 pub mod recording;
+#[cfg(feature = "tx-drivers")]
+pub mod sensor;
 #[cfg(feature = "alloc")]
 pub mod session;
 mod shown;
 #[cfg(feature = "alloc")]
 pub mod trace;
+#[cfg(feature = "tx-drivers")]
+pub mod tx_driver;

@@ -1,6 +1,7 @@
 //! The eddyCAN protocol and the TX-Driver, through their public interfaces.
 
 mod bench;
+mod bitrates;
 mod bus;
 mod comparators;
 mod document;
@@ -12,8 +13,12 @@ mod heartbeat;
 mod master;
 mod network;
 mod objects;
+mod over_the_bus;
 mod pdo;
 mod random;
 mod restart;
 mod sdo;
+mod sensors;
 mod wire;
+mod wired;
+mod with_a_drive;

@@ -83,6 +83,33 @@ fn the_number_of_nodes_stretches_the_period_only() {
     assert!((1..=127).all(|nodes| period(nodes) == 380 * u64::from(nodes)));
 }
 
+/// Ten nodes that are started by one command send one after the other, as far apart as half of the bus allows; so do they wherever their node-ids begin.
+/// Without the half load they all begin at once.
+#[test]
+fn nodes_that_share_half_of_the_bus_take_turns() {
+    for first in [1, 8, 118_u32] {
+        let mut begins: Vec<u64> = (first..first + 10)
+            .map(|id| {
+                let values = [(Entry::NodeId, id), (Entry::NrOfNodes, 10), (Entry::UpdateTime, 65_535)];
+                let mut bench = Bench::in_state(NmtState::Operational, Channels::Single, &values);
+                let start = bench.now;
+                let found = instants(&bench.pdos(3800 * 3));
+                assert_eq!(found.len(), 3, "{id}");
+                assert_eq!(found[1] - found[0], 3800, "{id}");
+                found[0] - start
+            })
+            .collect();
+        begins.sort();
+        assert!(begins.iter().copied().eq((0..10).map(|turn| turn * 380)), "{first}: {begins:?}");
+    }
+    for id in [1, 7, 127] {
+        let values = [(Entry::NodeId, id), (Entry::NrOfNodes, 10), (Entry::UpdateTime, 10)];
+        let mut bench = Bench::in_state(NmtState::Operational, Channels::Single, &values);
+        let start = bench.now;
+        assert_eq!(instants(&bench.pdos(10_000)), [start], "{id}");
+    }
+}
+
 #[test]
 fn a_late_poll_sends_one_and_keeps_the_beat() {
     let mut bench = Bench::in_state(NmtState::Operational, Channels::Single, &[(Entry::UpdateTime, 10)]);

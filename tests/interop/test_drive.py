@@ -1,7 +1,4 @@
-"""`cargo xtask drive`, commanded by unmodified python-can clients over TCP and a pseudo-terminal, read with cantools.
-
-NARX_XTASK names the program.
-"""
+"""`cargo xtask drive`, commanded by unmodified python-can clients over TCP and a pseudo-terminal, read with cantools."""
 
 import os
 import signal
@@ -10,53 +7,16 @@ import struct
 import subprocess
 import time
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 import can
-import cantools
 import pytest
+from virtual_drive import BROADCAST_SECONDS, DATABASE, ROOT, XTASK, Drive
 
-XTASK = os.environ["NARX_XTASK"]
-ROOT = Path(__file__).parents[2]
 SNAPSHOT = ROOT / "tests/protocol/snapshots/protocol__description__text_of_the_description.snap"
-DATABASE = cantools.database.load_file(ROOT / "docs" / "narx.dbc", strict=True)
 
-BROADCAST_SECONDS = 0.05
-"""Between two status words (parameter 111)."""
 STATE, SCOPE_STATE, SPEED_RATE = 261, 260, 99
 STANDBY, HALL_CLOSED_LOOP = 1, 5
 SCOPE_ARMED, SCOPE_DONE = 1, 3
-
-
-class Drive:
-    """The program, and where its doors are."""
-
-    def __init__(self, *arguments):
-        command = [XTASK, "drive", "--mode", "hall", "--tcp", "127.0.0.1:0", *arguments]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
-        self.channels = {}
-        for line in self.process.stdout:
-            door, _, call = line.partition("  ")
-            if door in ("tcp", "pty"):
-                self.channels[door] = call.split('channel="')[1].split('"')[0]
-            if len(self.channels) == 1 + ("--pty" in arguments):
-                return
-        raise AssertionError(f"it ended with {self.process.wait()}")
-
-    @property
-    def address(self):
-        host, _, port = self.channels["tcp"].removeprefix("socket://").partition(":")
-        return host, int(port)
-
-    def bus(self, door="tcp", **options):
-        return can.Bus(interface="slcan", channel=self.channels[door], bitrate=500_000, sleep_after_open=0.0, **options)
-
-    def end(self):
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT)
-        code = self.process.wait(timeout=10)
-        self.process.stdout.close()
-        return code
 
 
 @pytest.fixture
@@ -439,6 +399,10 @@ def test_it_ends_by_itself_and_may_run_faster():
         (["--speed", "fast"], "--speed fast: must be"),
         (["--seconds", "-1"], "--seconds -1: must be"),
         (["--motor", "mn7005"], "--motor mn7005: unknown motor"),
+        (["--tx-drivers", "0"], "--tx-drivers 0: must be different node-ids"),
+        (["--tx-drivers", "128"], "--tx-drivers 128: must be"),
+        (["--tx-drivers", "2,2:dual"], "--tx-drivers 2,2:dual: must be"),
+        (["--tx-drivers", "2:triple"], "--tx-drivers 2:triple: must be"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(arguments, reason):

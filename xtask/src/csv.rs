@@ -1,14 +1,16 @@
-//! A trace as comma-separated values: the signals' names, then one row per control tick.
+//! Traces as comma-separated values: the signals' names, then one row per control tick.
 
 use narx_sim::trace::{Column, Trace};
 use std::io::{self, Write};
 
-/// Writes `trace`. Every number reads back to the very value it was.
-pub fn write(trace: &Trace, mut out: impl Write) -> io::Result<()> {
-    let names: Vec<&str> = trace.signals().iter().map(|signal| signal.name).collect();
+/// Writes traces of the same ticks side by side, as many rows as the shortest has. Every number reads back to the very value it was.
+pub fn write(traces: &[&Trace], mut out: impl Write) -> io::Result<()> {
+    let signals = traces.iter().flat_map(|trace| trace.signals());
+    let names: Vec<&str> = signals.map(|signal| signal.name).collect();
     writeln!(out, "{}", names.join(","))?;
-    for row in 0..trace.len() {
-        for (place, column) in trace.columns().iter().enumerate() {
+    let columns: Vec<&Column> = traces.iter().flat_map(|trace| trace.columns()).collect();
+    for row in 0..traces.iter().map(|trace| trace.len()).min().unwrap_or(0) {
+        for (place, column) in columns.iter().enumerate() {
             if place > 0 {
                 write!(out, ",")?;
             }
@@ -36,7 +38,7 @@ mod tests {
             trace.push(row).unwrap();
         }
         let mut bytes = Vec::new();
-        write(&trace, &mut bytes).unwrap();
+        write(&[&trace], &mut bytes).unwrap();
         let text = String::from_utf8(bytes).unwrap();
         let mut lines = text.lines();
         assert_eq!(lines.next(), Some("time,bus_current"));
@@ -46,5 +48,15 @@ mod tests {
             assert_eq!(current.parse::<f32>().unwrap(), row[1] as f32);
         }
         assert_eq!(lines.next(), None);
+    }
+
+    #[test]
+    fn traces_stand_side_by_side() {
+        let [mut first, mut second] = ["one", "two"].map(|name| Trace::new(&[Signal::single(name, "")]));
+        (0..3).for_each(|row| first.push(&[f64::from(row)]).unwrap());
+        (5..7).for_each(|row| second.push(&[f64::from(row)]).unwrap());
+        let mut bytes = Vec::new();
+        write(&[&first, &second], &mut bytes).unwrap();
+        assert_eq!(String::from_utf8(bytes).unwrap(), "one,two\n0,5\n1,6\n");
     }
 }

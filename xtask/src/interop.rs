@@ -1,5 +1,5 @@
 //! What other people's tools make of our files: python-can reads the logs and commands the virtual drive, cantools reads the
-//! database, xmlschema the description, python-canopen the EDS of the TX-Driver.
+//! database, xmlschema the description, python-canopen the EDS of the TX-Driver, with which it commands TX-Drivers on the virtual drive's bus.
 
 use crate::steps::{self, Outcome};
 use crate::{candump, dbc, decoded, install};

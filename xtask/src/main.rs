@@ -13,7 +13,8 @@ use xtask::eds;
 use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
-use xtask::steps::{Step, run, run_all};
+use xtask::interop;
+use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
 use xtask::web;
@@ -81,6 +82,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Test what other people's tools make of our files and of the virtual drive: a part of `test rust`
+    Interop,
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
         /// Write nothing; fail if a recording differs from what its scenario gives
@@ -107,6 +110,7 @@ fn main() -> ExitCode {
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
+        Job::Interop => finish(interop::run(root)),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),
     }

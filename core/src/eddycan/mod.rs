@@ -196,7 +196,8 @@ impl TxDriver {
         // A period begins with what can be sent in it.
         let ready =
             self.state == NmtState::Operational && self.sensing.reading(&self.configuration).is_some();
-        if ready && self.timer.is_due(now, self.period()) {
+        let period = self.period();
+        if ready && self.timer.is_due(now, period, pdo::offset(&self.configuration, self.node, period)) {
             self.trigger(PdoKind::Timer);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::configuration::{Configuration, UpdateTime};
 use super::objects::Entry;
-use crate::bus::eddycan::{Bitrate, Layout};
+use crate::bus::eddycan::{Bitrate, Layout, NodeId};
 
 /// The timer of PDO1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,10 +12,11 @@ pub(super) struct Timer {
 }
 
 impl Timer {
-    /// Whether one is due. Of several that were missed one is made, and the next comes when it would have come anyway.
-    pub(super) fn is_due(&mut self, now: u64, period: Option<u64>) -> bool {
+    /// Whether one is due; the first one `offset` after the first call. Of several that were missed one is made, and the next comes when it
+    /// would have come anyway.
+    pub(super) fn is_due(&mut self, now: u64, period: Option<u64>, offset: u64) -> bool {
         let Some(period) = period.filter(|period| *period > 0) else { return false };
-        let due = self.due.unwrap_or(now);
+        let due = *self.due.get_or_insert(now.saturating_add(offset));
         let late = now.checked_sub(due);
         if let Some(late) = late {
             self.due = Some(due.saturating_add((late / period + 1).saturating_mul(period)));
@@ -39,5 +40,17 @@ pub(super) fn period(configuration: &Configuration, layout: Layout, bitrate: Bit
             let frame = bitrate.longest_frame_us(layout.length());
             Some(2 * u64::from(configuration.get(Entry::NrOfNodes)) * u64::from(frame))
         }
+    }
+}
+
+/// How long after Operational was entered PDO1 begins, microseconds. Nodes that share half of the bus take turns by their node-ids: started by one command
+/// they would all send at once, and a bus of 127 would be busy for as long as a drive's frames then have to wait.
+pub(super) fn offset(configuration: &Configuration, node: NodeId, period: Option<u64>) -> u64 {
+    match (configuration.update_time(), period) {
+        (UpdateTime::HalfLoad, Some(period)) => {
+            let nodes = u64::from(configuration.get(Entry::NrOfNodes)).max(1);
+            u64::from(node.raw() - 1) % nodes * (period / nodes)
+        }
+        _ => 0,
     }
 }

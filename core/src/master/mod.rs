@@ -32,6 +32,7 @@ mod parameters;
 mod report;
 mod requests;
 mod stream;
+mod waiting;
 
 pub use described::{DescribedParameter, DescriptionError, DescriptionReader, Reason};
 pub use download::{Chunk, Download, Progress};

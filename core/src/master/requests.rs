@@ -1,12 +1,9 @@
 //! What the caller asks of the drive, message by message, and what comes of it.
 
 use super::error::{NotTaken, Refusal, RequestError};
+use super::waiting::Waiting;
 use crate::bus::narmotion::{DigitalOutputs, FromDrive, ParameterStatus, ToDrive};
 use crate::dictionary::{Dictionary, number};
-use heapless::Deque;
-
-/// Requests that may wait, be under way, or be answered and not taken.
-const CAPACITY: usize = 8;
 
 /// Something that is asked of the drive once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,11 +113,7 @@ pub(super) enum Todo {
 
 /// Requests from the call to the taken answer.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Requests {
-    waiting: Deque<Request, CAPACITY>,
-    current: Option<Current>,
-    answers: Deque<Answer, CAPACITY>,
-}
+pub(super) struct Requests(Waiting<Request, Current, Answer>);
 
 /// A request under way.
 #[derive(Clone, Copy, Debug)]
@@ -134,44 +127,37 @@ struct Current {
 
 impl Requests {
     pub(super) fn push(&mut self, request: Request) -> Result<(), NotTaken> {
-        // So there is always room for the answer.
-        let taken = self.waiting.len() + usize::from(self.current.is_some()) + self.answers.len();
-        if taken >= CAPACITY {
-            return Err(NotTaken::Full);
-        }
-        self.waiting.push_back(request).map_err(|_| NotTaken::Full)
+        self.0.push(request)
     }
 
     pub(super) fn pop(&mut self) -> Option<Answer> {
-        self.answers.pop_front()
+        self.0.pop()
     }
 
     /// Whether there is something to send.
     pub(super) fn is_waiting(&self) -> bool {
-        self.current.is_some() || !self.waiting.is_empty()
+        self.0.current.is_some() || !self.0.is_empty()
     }
 
     /// The next message; what was asked before has its answer.
     pub(super) fn next(&mut self) -> Option<Todo> {
-        if self.current.is_none() {
-            let request = self.waiting.pop_front()?;
-            self.current = Some(Current { request, step: 0, refused: 0 });
+        if self.0.current.is_none() {
+            let request = self.0.next()?;
+            self.0.current = Some(Current { request, step: 0, refused: 0 });
         }
-        self.current.as_mut().map(Current::next)
+        self.0.current.as_mut().map(Current::next)
     }
 
     /// The message under way was answered, or not. True if many parameters have changed.
     pub(super) fn finish(&mut self, answer: Option<&FromDrive>) -> bool {
-        let Some(current) = &mut self.current else { return false };
+        let Some(current) = &mut self.0.current else { return false };
         let result = match answer {
             Some(answer) => current.finish(answer),
             None => Some(Err(RequestError::NoAnswer)),
         };
         let Some(result) = result else { return false };
         let request = current.request;
-        self.current = None;
-        // `push` has seen to the room.
-        let _ = self.answers.push_back(Answer { request, result });
+        self.0.finish(Answer { request, result });
         result.is_ok() && request.changes_parameters()
     }
 }

@@ -2,8 +2,9 @@
 
 use super::bits::{INTERMISSION, WireBits, arbitration_field, frame_bits};
 use super::node::{Attachment, Node, NodeIndex, Pending, RECOVERY, Received};
+#[cfg(feature = "tx-drivers")]
+use alloc::vec::Vec;
 use core::fmt;
-use heapless::Vec;
 use narx_core::bus::{BusState, ErrorState, Frame};
 
 /// An error flag with the flags that answer it (at most 6 + 6 bits) and the error delimiter (8).
@@ -20,12 +21,16 @@ const STEP: u32 = 11;
 #[derive(Debug)]
 pub struct Bus<const NODES: usize, const QUEUE: usize> {
     bitrate: u32,
-    nodes: Vec<Node<QUEUE>, NODES>,
+    /// More than a hundred of them stand on the heap; a board without one has few.
+    #[cfg(feature = "tx-drivers")]
+    nodes: Vec<Node<QUEUE>>,
+    #[cfg(not(feature = "tx-drivers"))]
+    nodes: heapless::Vec<Node<QUEUE>, NODES>,
     /// Everything before this instant is settled, ns.
     now: u64,
     /// When the next frame may start, ns.
     free_at: u64,
-    ongoing: Option<Transmission<NODES>>,
+    ongoing: Option<Transmission>,
     injected: Option<Injected>,
     statistics: BusStatistics,
 }
@@ -68,12 +73,10 @@ impl fmt::Display for NotQueued {
 
 impl core::error::Error for NotQueued {}
 
-/// What is on the wire now.
+/// What is on the wire now. Who sends it is marked in the nodes.
 #[derive(Clone, Copy, Debug)]
-struct Transmission<const NODES: usize> {
+struct Transmission {
     frame: Frame,
-    /// Who sends it: one node, unless several chose the same identifier.
-    senders: [bool; NODES],
     start: u64,
     /// End of the last bit of the frame or error frame, before the intermission, ns.
     end: u64,
@@ -100,7 +103,7 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
     pub fn new(bitrate: u32) -> Self {
         Self {
             bitrate: bitrate.max(1),
-            nodes: Vec::new(),
+            nodes: Default::default(),
             now: 0,
             free_at: 0,
             ongoing: None,
@@ -111,14 +114,20 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
 
     /// Adds a node that runs at the bus's own bitrate; `None` when there is no place left.
     pub fn attach(&mut self) -> Option<NodeIndex> {
-        let index = NodeIndex(self.nodes.len());
-        self.nodes.push(Node::new(self.bitrate)).ok()?;
+        if self.nodes.len() == NODES {
+            return None;
+        }
+        let (index, node) = (NodeIndex(self.nodes.len()), Node::new(self.bitrate));
+        #[cfg(feature = "tx-drivers")]
+        self.nodes.push(node);
+        #[cfg(not(feature = "tx-drivers"))]
+        self.nodes.push(node).ok()?;
         Some(index)
     }
 
-    /// Fills every place that is left with nodes at the bus's own bitrate, and names all of them in order.
-    pub fn attach_all(&mut self) -> [NodeIndex; NODES] {
-        while self.attach().is_some() {}
+    /// Adds the first nodes of a bus, at its own bitrate. Those beyond its places are none of it.
+    pub fn attach_first<const N: usize>(&mut self) -> [NodeIndex; N] {
+        while self.nodes.len() < N && self.attach().is_some() {}
         core::array::from_fn(NodeIndex)
     }
 
@@ -206,9 +215,9 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
 
     /// Takes back what a node has not sent, but for a frame that is on the wire.
     pub fn discard(&mut self, node: NodeIndex) {
-        let under_way = self.ongoing.is_some_and(|ongoing| ongoing.senders.get(node.0) == Some(&true));
+        let ongoing = self.ongoing.is_some();
         if let Some(node) = self.nodes.get_mut(node.0) {
-            while node.outgoing.len() > usize::from(under_way) {
+            while node.outgoing.len() > usize::from(ongoing && node.sends) {
                 node.outgoing.pop_back();
             }
         }
@@ -239,7 +248,7 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
     }
 
     /// Arbitration at `start` among all whose frame is ready by then, and what becomes of the winner.
-    fn begin(&mut self, start: u64) -> Option<Transmission<NODES>> {
+    fn begin(&mut self, start: u64) -> Option<Transmission> {
         for node in &mut self.nodes {
             node.recover(start);
         }
@@ -254,29 +263,28 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         }
 
         // Nodes with one identifier all win; unless their frames are equal, the first difference ends them.
-        let mut senders = [false; NODES];
         let mut rival = None;
-        for (sends, node) in senders.iter_mut().zip(&self.nodes) {
+        for node in &mut self.nodes {
             let own = ready(node).filter(|own| arbitration_field(own) == arbitration_field(&frame));
-            *sends = own.is_some();
+            node.sends = own.is_some();
             // The winner itself is among them, and most often alone.
             let other = own.filter(|own| *own != frame);
             rival = rival.or(other.and_then(|own| first_difference(&frame, &own)));
         }
 
-        let disturbed = [rival, self.foreign_bitrate(&senders), self.take_injected()];
+        let disturbed = [rival, self.foreign_bitrate(), self.take_injected()];
         let length = frame_bits(&frame) - INTERMISSION;
         let (bits, outcome) = match disturbed.into_iter().flatten().min() {
             Some(bit) => (bit.min(length - 1) + 1 + ERROR_FRAME, Outcome::Destroyed),
             // The error flag takes the place of acknowledge delimiter and end of frame, 8 bits.
-            None if !self.acknowledged(&senders) => (length - 8 + ERROR_FRAME, Outcome::Unacknowledged),
+            None if !self.acknowledged() => (length - 8 + ERROR_FRAME, Outcome::Unacknowledged),
             None => (length, Outcome::Arrives),
         };
-        Some(Transmission { frame, senders, start, end: start + self.duration(bits), outcome })
+        Some(Transmission { frame, start, end: start + self.duration(bits), outcome })
     }
 
     /// Books the end of a transmission.
-    fn settle(&mut self, ended: &Transmission<NODES>) {
+    fn settle(&mut self, ended: &Transmission) {
         self.free_at = ended.end + self.duration(INTERMISSION);
         self.statistics.busy_ns += self.free_at - ended.start;
         let arrived = ended.outcome == Outcome::Arrives;
@@ -289,10 +297,10 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         for node in &mut self.nodes {
             node.watch_end(|steps| free_at + u64::from(steps) * step);
         }
-        let sender = NodeIndex(ended.senders.iter().position(|sends| *sends).unwrap_or(NODES));
+        let sender = NodeIndex(self.nodes.iter().position(|node| node.sends).unwrap_or(NODES));
         let received = Received { frame: ended.frame, time_ns: ended.end, sender };
-        for (sends, node) in ended.senders.iter().zip(&mut self.nodes) {
-            match (sends, ended.outcome) {
+        for node in &mut self.nodes {
+            match (node.sends, ended.outcome) {
                 (true, Outcome::Arrives) => node.count_sent(),
                 (true, outcome) => node.count_transmit_error(outcome == Outcome::Unacknowledged, recovered),
                 (false, _) if !node.is_listener() => {}
@@ -301,7 +309,7 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
                 (false, Outcome::Arrives) => node.receive(received),
                 (false, Outcome::Unacknowledged) => {}
             }
-            if *sends && node.error_state() == ErrorState::Passive {
+            if node.sends && node.error_state() == ErrorState::Passive {
                 node.held_until = suspended;
             }
         }
@@ -309,10 +317,10 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
 
     /// Bit at which a node at a wrong bitrate destroys the frame: a sender at once, a listener with the active
     /// error flag that it sends for six equal bits.
-    fn foreign_bitrate(&self, senders: &[bool; NODES]) -> Option<u32> {
-        let foreign = senders.iter().zip(&self.nodes).filter(|(_, node)| node.bitrate != self.bitrate);
+    fn foreign_bitrate(&self) -> Option<u32> {
+        let foreign = self.nodes.iter().filter(|node| node.bitrate != self.bitrate);
         foreign
-            .filter_map(|(sends, node)| match sends {
+            .filter_map(|node| match node.sends {
                 true => Some(0),
                 false => (node.is_sender() && node.error_state() == ErrorState::Active).then_some(6),
             })
@@ -325,9 +333,9 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         Some(injected.bit)
     }
 
-    fn acknowledged(&self, senders: &[bool; NODES]) -> bool {
-        let mut others = senders.iter().zip(&self.nodes).filter(|(sends, _)| !**sends);
-        others.any(|(_, node)| node.is_sender() && node.bitrate == self.bitrate)
+    fn acknowledged(&self) -> bool {
+        let mut others = self.nodes.iter().filter(|node| !node.sends);
+        others.any(|node| node.is_sender() && node.bitrate == self.bitrate)
     }
 }
 

@@ -46,6 +46,8 @@ pub(super) const RECOVERY: u32 = 128;
 pub(super) struct Node<const QUEUE: usize> {
     pub(super) bitrate: u32,
     pub(super) attachment: Attachment,
+    /// Sends the frame under way: one node, unless several chose the same identifier.
+    pub(super) sends: bool,
     pub(super) outgoing: Deque<Pending, QUEUE>,
     pub(super) incoming: Deque<Received, QUEUE>,
     /// Received frames that found no room, saturating.
@@ -63,6 +65,7 @@ impl<const QUEUE: usize> Node<QUEUE> {
         Self {
             bitrate,
             attachment: Attachment::Normal,
+            sends: false,
             outgoing: Deque::new(),
             incoming: Deque::new(),
             overruns: 0,

@@ -30,10 +30,10 @@ pub(super) fn replay(seed: u64, out: &Path) -> io::Result<bool> {
     let trace = trial.bench.trace();
     let subtitle = start.to_string();
     let caption = Caption { title: &label, subtitle: &subtitle };
-    fs::write(out.join("run.svg"), plot::svg(&trace, &caption).map_err(io::Error::other)?)?;
+    fs::write(out.join("run.svg"), plot::svg(&trace, None, &caption).map_err(io::Error::other)?)?;
     fs::write(out.join("run.narxrec"), trial.bench.recording())?;
     let mut file = BufWriter::new(File::create(out.join("run.csv"))?);
-    csv::write(&trace, &mut file)?;
+    csv::write(&[&trace], &mut file)?;
     file.flush()?;
     println!("written to {}: run.svg run.csv run.narxrec", out.display());
     Ok(start.started())

@@ -1,5 +1,6 @@
 //! The main job: a real data-sheet motor on the virtual drive, commanded over CAN from power-up to its speed.
 
+mod displacement;
 mod figures;
 mod request;
 
@@ -8,11 +9,14 @@ pub use request::Arguments;
 use crate::commutations::Commutations;
 use crate::plot::{self, Caption};
 use crate::{candump, csv};
+use displacement::Displacement;
 use figures::Figures;
 use narx_core::motor::{Drive, State};
 use narx_core::recording::{Recording, replay};
-use narx_sim::session::{Session, SessionConfig, SessionError};
+use narx_sim::session::{Session, SessionConfig};
+use narx_sim::trace::Trace;
 use request::Request;
+use std::error::Error;
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
@@ -65,6 +69,9 @@ fn demonstrate(request: &Request) -> io::Result<bool> {
     let mark = run.steady_from.take();
     let figures = Figures::new(request, run.session.bench(), mark, run.closed, &run.commutations);
     println!("\n{figures}");
+    if let Some(displacement) = &run.displacement {
+        println!("{}", displacement.figures(request.steady_start(), request.seconds));
+    }
     write_files(request, &run)?;
     let identical = replays(&run.session.bench().recording());
     println!("\nwritten to {}: run.svg run.csv run.log run.narxrec", request.out.display());
@@ -84,11 +91,16 @@ struct Run<'a> {
     /// When closed loop began, s.
     closed: Option<f64>,
     commutations: Commutations,
+    displacement: Option<Displacement>,
 }
 
 impl<'a> Run<'a> {
-    fn new(request: &'a Request) -> Result<Self, SessionError> {
-        let session = Session::new(&request.session)?;
+    fn new(request: &'a Request) -> Result<Self, Box<dyn Error + Send + Sync>> {
+        let mut session = Session::new(&request.session)?;
+        let displacement = match request.tx_drivers {
+            0 => None,
+            count => Some(Displacement::new(session.bench_mut(), count)?),
+        };
         Ok(Self {
             request,
             session,
@@ -98,6 +110,7 @@ impl<'a> Run<'a> {
             steady_from: None,
             closed: None,
             commutations: Commutations::default(),
+            displacement,
         })
     }
 
@@ -105,9 +118,18 @@ impl<'a> Run<'a> {
         if self.session.bench().time() >= START && self.session.master().setpoint() == 0 {
             self.session.master().start(self.request.rpm);
         }
+        if let Some(displacement) = &mut self.displacement {
+            displacement.send(self.session.bench_mut());
+        }
         self.session.step();
         while let Some(heard) = self.session.bench_mut().overhear() {
             let _ = writeln!(self.log, "{}", candump::line(heard.time_ns, "can0", &heard.frame));
+            if let Some(displacement) = &mut self.displacement {
+                displacement.hear(&heard.frame, heard.time_ns, self.session.bench());
+            }
+        }
+        if let Some(displacement) = &mut self.displacement {
+            displacement.keep();
         }
         if self.steady_from.is_none() && self.session.bench().time() >= self.request.steady_start() {
             self.steady_from = Some(figures::Mark::new(self.session.bench()));
@@ -147,16 +169,18 @@ fn write_files(request: &Request, run: &Run<'_>) -> io::Result<()> {
     let file = |name: &str| request.out.join(name);
     let trace = run.session.bench().trace();
     let caption = Caption { title: &request.title(), subtitle: &request.subtitle() };
-    let picture = plot::svg(&trace, &caption).map_err(io::Error::other)?;
+    let displacements = run.displacement.as_ref().map(Displacement::trace);
+    let picture = plot::svg(&trace, displacements, &caption).map_err(io::Error::other)?;
     fs::write(file("run.svg"), picture)?;
     fs::write(file("run.log"), &run.log)?;
     fs::write(file("run.narxrec"), run.session.bench().recording())?;
-    write_csv(&file("run.csv"), &trace)
+    let traces: Vec<&Trace> = [&trace].into_iter().chain(displacements).collect();
+    write_csv(&file("run.csv"), &traces)
 }
 
-fn write_csv(path: &Path, trace: &narx_sim::trace::Trace) -> io::Result<()> {
+fn write_csv(path: &Path, traces: &[&Trace]) -> io::Result<()> {
     let mut out = BufWriter::new(File::create(path)?);
-    csv::write(trace, &mut out)?;
+    csv::write(traces, &mut out)?;
     out.flush()
 }
 

@@ -15,6 +15,9 @@ pub struct Arguments {
     /// Mechanical speed, rpm; negative is Reverse [default: the middle of the motor's range]
     #[arg(long, allow_hyphen_values = true)]
     pub rpm: Option<String>,
+    /// How many TX-Drivers measure the shaft on the drive's bus, 1 to 127, with the node-ids 1 to N; `drive` takes a list of node-ids instead
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub tx_drivers: Option<String>,
     /// Simulated time from power-up, s
     #[arg(long, allow_hyphen_values = true, default_value = "3")]
     pub seconds: String,
@@ -38,6 +41,8 @@ pub(super) struct Request {
     pub(super) mode: Mode,
     pub(super) rpm: i32,
     pub(super) seconds: f64,
+    /// Node-ids 1 to so many.
+    pub(super) tx_drivers: u8,
     pub(super) out: PathBuf,
     pub(super) commissioning: Commissioning,
     pub(super) session: SessionConfig,
@@ -50,6 +55,7 @@ impl Request {
     pub(super) fn new(arguments: &Arguments) -> Result<Self, Refused> {
         let setup = arguments.bench.check()?;
         let seconds = number("--seconds", &arguments.seconds, SECONDS.0, SECONDS.1, "s")?;
+        let tx_drivers = arguments.tx_drivers.as_deref().map_or(Ok(0), tx_drivers)?;
         let (mode, mut session) = (setup.mode, setup.session.clone());
         let rpm = speed(arguments.rpm.as_deref(), mode, &setup.range)?;
         if mode == Mode::OpenLoop {
@@ -59,7 +65,7 @@ impl Request {
         let commissioning =
             commissioning.map_err(|error| Refused(format!("--motor {}: {error}", setup.preset.name)))?;
         let out = arguments.out.clone();
-        let mut request = Self { setup, mode, rpm, seconds, out, commissioning, session };
+        let mut request = Self { setup, mode, rpm, seconds, tx_drivers, out, commissioning, session };
         request.session.label = request.headline();
         Ok(request)
     }
@@ -81,6 +87,13 @@ impl Request {
     pub(super) fn headline(&self) -> String {
         format!("{}: {}", self.title(), self.subtitle())
     }
+}
+
+fn tx_drivers(text: &str) -> Result<u8, Refused> {
+    let count = text.parse().ok().filter(|count| (1..=127).contains(count));
+    count.ok_or_else(|| {
+        Refused(format!("--tx-drivers {text}: must be a whole number from 1 to 127, how many there are"))
+    })
 }
 
 /// Open loop turns a field: as slow as one likes, and no faster than twice the slowest closed-loop speed.
@@ -108,7 +121,7 @@ mod tests {
     /// Every refusal names the argument, its value and the range, in one line.
     #[test]
     fn refusals() {
-        let cases: [(&[&str], &str); 11] = [
+        let cases: [(&[&str], &str); 14] = [
             (&["--motor", "mn7005"], "--motor mn7005: unknown motor; one of ec45"),
             (&["--supply", "12"], "--supply 12: must be a number from 18 to 60 V"),
             (&["--supply", "nan"], "--supply nan: must be"),
@@ -117,6 +130,9 @@ mod tests {
             (&["--seconds", "inf"], "--seconds inf: must be"),
             (&["--load", "-1"], "--load -1: must be a number from 0 to"),
             (&["--load", "9"], "--load 9: must be"),
+            (&["--tx-drivers", "0"], "--tx-drivers 0: must be a whole number from 1 to 127, how many"),
+            (&["--tx-drivers", "128"], "--tx-drivers 128: must be"),
+            (&["--tx-drivers", "2,5"], "--tx-drivers 2,5: must be"),
             (&["--rpm", "0"], "--rpm 0: must be a whole number from 250 to"),
             (&["--rpm", "-99999"], "--rpm -99999: must be"),
             (&["--rpm", "fast"], "--rpm fast: must be"),

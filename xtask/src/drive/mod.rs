@@ -15,10 +15,12 @@ mod pty;
 mod tcp;
 #[cfg(test)]
 mod tests;
+mod tx_drivers;
 
 use crate::setup::{self, Refused, Setup, number};
 use client::Connection;
 use hub::Hub;
+use narx_sim::tx_driver::TxDriverConfig;
 use pace::{Pace, Speed};
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
@@ -36,6 +38,10 @@ pub struct Arguments {
     /// What stands on the bench
     #[command(flatten)]
     pub bench: setup::Arguments,
+    /// TX-Drivers on the drive's bus, by their node-ids (1 to 127), with commas between, :dual behind those with two channels; each looks at the shaft's
+    /// surface and has an encoder on the shaft, with factory values otherwise
+    #[arg(long, value_name = "N[:dual][,...]")]
+    pub tx_drivers: Option<String>,
     /// Simulated over real time: a number, or max
     #[arg(long, allow_hyphen_values = true, default_value = "1")]
     pub speed: String,
@@ -86,6 +92,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
 /// A drive that can be.
 struct Request {
     setup: Setup,
+    tx_drivers: Vec<TxDriverConfig>,
     speed: Speed,
     /// Simulated time at which it ends, ns.
     end: u64,
@@ -102,7 +109,8 @@ impl Request {
             Some(text) => (number("--seconds", text, 0.001, 1e6, "s")? * 1e9) as u64,
             None => u64::MAX,
         };
-        Ok(Self { setup, speed, end })
+        let tx_drivers = arguments.tx_drivers.as_deref().map_or_else(|| Ok(Vec::new()), tx_drivers::parse)?;
+        Ok(Self { setup, tx_drivers, speed, end })
     }
 }
 
@@ -112,9 +120,9 @@ fn serve(arguments: &Arguments, request: Request) -> Result<(), String> {
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(|error| error.to_string())?;
     }
-    let Request { mut setup, speed, end } = request;
+    let Request { mut setup, tx_drivers, speed, end } = request;
     setup.session.trace = false;
-    let (bench, commissioning) = setup.session.power_up().map_err(|error| error.to_string())?;
+    let (mut bench, commissioning) = setup.session.power_up().map_err(|error| error.to_string())?;
     say(&format!(
         "{}: {}, {} V supply, {} N m load",
         setup.title(),
@@ -123,6 +131,10 @@ fn serve(arguments: &Arguments, request: Request) -> Result<(), String> {
         setup.load
     ));
     commissioning.notes.iter().for_each(|note| say(&format!("  note: {note}")));
+    for driver in &tx_drivers {
+        bench.add_tx_driver(driver).map_err(|error| error.to_string())?;
+        say(&format!("  {}", tx_drivers::title(driver)));
+    }
 
     let (door, connections) = mpsc::channel();
     let address =

@@ -3,6 +3,9 @@
 use super::client::{Connection, FRAMES, FromClient, LINES, PIECES};
 use super::hub::Hub;
 use super::pace::{Pace, Speed};
+use super::tx_drivers;
+use crate::setup::Refused;
+use narx_core::bus::eddycan::{Channels, NodeId};
 use narx_core::bus::narmotion::{Addresses, ToDrive};
 use narx_core::bus::{Frame, Id};
 use narx_sim::can::slcan::{self, NO, decode_frame, encode_frame};
@@ -10,13 +13,23 @@ use narx_sim::commissioning::Mode;
 use narx_sim::presets::preset;
 use narx_sim::random::Random;
 use narx_sim::session::SessionConfig;
+use narx_sim::tx_driver::TxDriverConfig;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
 fn hub() -> Hub {
+    hub_with(&[])
+}
+
+/// With TX-Drivers of these node-ids beside the drive.
+fn hub_with(nodes: &[u8]) -> Hub {
     let preset = preset("ec45-flat-50w-18v").unwrap();
     let config = SessionConfig { trace: false, ..SessionConfig::new(preset.motor, 18.0, Mode::Hall) };
-    let mut hub = Hub::new(config.power_up().unwrap().0.without_recording());
+    let mut bench = config.power_up().unwrap().0.without_recording();
+    for node in nodes.iter().copied().filter_map(NodeId::new) {
+        bench.add_tx_driver(&TxDriverConfig::new(node)).unwrap();
+    }
+    let mut hub = Hub::new(bench);
     // Beyond power-up, when the drive broadcasts.
     run(&mut hub, 6000);
     hub
@@ -237,6 +250,50 @@ fn at_another_bit_rate_one_neither_hears_nor_is_heard() {
     assert_eq!(one.replies(), ["\r"; 3]);
     let heard = two.heard();
     assert!(!heard.is_empty() && !heard.iter().any(|frame| *frame == read(99) || is_answer(frame)));
+}
+
+/// Each answers for itself, with 11 bits beside the drive's 29.
+#[test]
+fn tx_drivers_answer_beside_the_drive() {
+    let mut hub = hub_with(&[2, 5]);
+    let client = Far::open(&mut hub);
+    // Node 2 reads its node-id, node 5 is started and asked for its position by a remote frame; nobody is node 3.
+    client.say(b"t60284000200000000000\rt60384000200000000000\rt00020105\rr3854\r");
+    client.send([read(99)]);
+    run(&mut hub, 100);
+    let heard = client.heard();
+    // A position is more urgent than an answer.
+    let answers: Vec<&Frame> = heard.iter().filter(|frame| !frame.id().is_extended()).collect();
+    let ids: Vec<u32> = answers.iter().map(|frame| frame.id().raw()).collect();
+    assert_eq!(ids, [0x385, 0x582]);
+    assert_eq!(answers[1].payload(), [0x4F, 0, 0x20, 0, 2, 0, 0, 0]);
+    // 1 mm and 25 um at most of run-out.
+    let position = i32::from_le_bytes(answers[0].payload().try_into().unwrap());
+    assert!((f64::from(position) / 134_217_728.0 - 1.0).abs() < 0.03, "{position}");
+    assert!(heard.iter().any(is_answer));
+}
+
+#[test]
+fn node_ids_are_different_and_from_1_to_127() {
+    let read = |list| {
+        let drivers = tx_drivers::parse(list)?;
+        let numbers = drivers.iter().map(|driver| (driver.configuration.node().raw(), driver.channels));
+        Ok::<Vec<(u8, Channels)>, Refused>(numbers.collect())
+    };
+    assert_eq!(read("2"), Ok(vec![(2, Channels::Single)]));
+    assert_eq!(
+        read("127, 1:dual,64"),
+        Ok(vec![(127, Channels::Single), (1, Channels::Dual), (64, Channels::Single)])
+    );
+    for list in
+        ["", "0", "128", "2,2", "2,2:dual", "2,", "two", "-1", "2:", "2:single", ":dual", "2:dual:dual"]
+    {
+        let refused = read(list).unwrap_err().to_string();
+        assert!(
+            refused.starts_with(&format!("--tx-drivers {list}: must be different node-ids")),
+            "{refused}"
+        );
+    }
 }
 
 const MS: u64 = 1_000_000;

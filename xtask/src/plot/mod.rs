@@ -6,7 +6,7 @@ mod panel;
 mod states;
 
 use decimate::{extents, line, means};
-use narx_sim::trace::Trace;
+use narx_sim::trace::{Column, Trace};
 use panel::{Area, Axis, Curve, Panel, Shape, px};
 use plotters::prelude::*;
 use std::fmt;
@@ -64,12 +64,14 @@ impl fmt::Display for PlotError {
 
 impl std::error::Error for PlotError {}
 
-/// Draws a trace that has at least the signals that `run.csv` promises.
-pub fn svg(trace: &Trace, caption: &Caption<'_>) -> Result<String, PlotError> {
+/// Draws a trace that has at least the signals that `run.csv` promises, and in a panel of their own the displacements (mm) of the same rows.
+pub fn svg(trace: &Trace, displacements: Option<&Trace>, caption: &Caption<'_>) -> Result<String, PlotError> {
     let run = Run::new(trace)?;
-    let panels = [run.speed(), run.currents(), run.duty()?];
+    let mut panels = vec![run.speed(), run.currents(), run.duty()?];
+    panels.extend(displacements.map(|trace| run.displacements(trace)));
     let zoom = run.last_revolutions();
-    let height = TITLE_HEIGHT + STATES_HEIGHT + 2 * PANEL_HEIGHT + 2 * LAST_PANEL_HEIGHT;
+    let above = panels.len() as u32 - 1;
+    let height = TITLE_HEIGHT + STATES_HEIGHT + above * PANEL_HEIGHT + 2 * LAST_PANEL_HEIGHT;
     let mut text = String::new();
     {
         let root = SVGBackend::with_string(&mut text, (px(WIDTH), px(height))).into_drawing_area();
@@ -194,6 +196,25 @@ impl<'a> Run<'a> {
         let mut panel = Panel::new("Duty and bus voltage, V", self.time_range(), Axis::fixed(0.0, 1.0), duty);
         panel.secondary = Some((Axis::fixed(0.0, top), supply));
         Ok(panel)
+    }
+
+    /// Of the first TX-Drivers, from where each of them began.
+    fn displacements(&self, trace: &Trace) -> Panel {
+        const DRAWN: [(&str, RGBColor); 4] = [
+            ("TX-Driver 1", colour::BLUE),
+            ("TX-Driver 2", colour::VERMILION),
+            ("TX-Driver 3", colour::GREEN),
+            ("TX-Driver 4", colour::PURPLE),
+        ];
+        let curve = |(column, (legend, colour)): (&Column, (&'static str, RGBColor))| {
+            let first = column.iter().find(|position| !position.is_nan()).unwrap_or(0.0);
+            let moved = column.iter().map(|position| 1e3 * (position - first));
+            let points: Vec<(f64, f64)> = self.time.iter().copied().zip(moved).collect();
+            Curve { legend, colour, width: 1.2, shape: Shape::Line(line(&points, STRETCHES)) }
+        };
+        let curves: Vec<Curve> = trace.columns().iter().zip(DRAWN).map(curve).collect();
+        let axis = Axis::around(&curves);
+        Panel::new("Displacement, um from the first position", self.time_range(), axis, curves)
     }
 
     /// The phase currents in detail, at the end of the last stretch of rotation under control.

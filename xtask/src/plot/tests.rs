@@ -64,7 +64,7 @@ fn made_up(rows: u32) -> Trace {
 #[test]
 fn thirty_thousand_rows_make_a_light_picture() {
     let caption = Caption { title: "Made-up motor", subtitle: "hall sensors, 48 V supply, 0.02 N m load" };
-    let picture = svg(&made_up(30_000), &caption).unwrap();
+    let picture = svg(&made_up(30_000), None, &caption).unwrap();
     if let Ok(path) = std::env::var("NARX_PLOT") {
         std::fs::write(path, &picture).unwrap();
     }
@@ -81,9 +81,27 @@ fn thirty_thousand_rows_make_a_light_picture() {
 #[test]
 fn what_cannot_be_drawn_is_named() {
     let caption = Caption { title: "", subtitle: "" };
-    assert_eq!(svg(&made_up(1), &caption), Err(PlotError::TooShort));
+    assert_eq!(svg(&made_up(1), None, &caption), Err(PlotError::TooShort));
     let trace = Trace::new(&SIGNALS[..4]);
-    assert_eq!(svg(&trace, &caption), Err(PlotError::Missing("bus_current")));
+    assert_eq!(svg(&trace, None, &caption), Err(PlotError::Missing("bus_current")));
     // Two rows without any motion.
-    assert!(svg(&made_up(2), &caption).is_ok());
+    assert!(svg(&made_up(2), None, &caption).is_ok());
+}
+
+/// Displacements have a panel of their own, from where each of them began: before that they are not a number.
+#[test]
+fn displacements_have_a_panel() {
+    let caption = Caption { title: "", subtitle: "" };
+    let mut trace = Trace::new(&["displacement_1", "displacement_2"].map(|name| Signal::single(name, "mm")));
+    for k in 0..3000 {
+        let angle = f64::from(k) / 50.0;
+        let begun = if k < 1000 { f64::NAN } else { 0.0 };
+        trace.push(&[begun + 1.0 + 0.02 * angle.cos(), begun + 0.5 + 0.01 * angle.sin()]).unwrap();
+    }
+    let picture = svg(&made_up(3000), Some(&trace), &caption).unwrap();
+    for text in ["Displacement, um from the first position", "TX-Driver 1", "TX-Driver 2"] {
+        assert!(picture.contains(text), "{text}");
+    }
+    assert!(!picture.contains("TX-Driver 3") && !picture.contains("NaN"));
+    assert!(!svg(&made_up(3000), None, &caption).unwrap().contains("Displacement"));
 }

@@ -3,11 +3,8 @@
 use crate::bus::eddycan::{AbortCode, SdoAction, SdoAnswer, SdoOutcome, SdoRequest};
 use crate::eddycan::Entry;
 use crate::master::NotTaken;
+use crate::master::waiting::Waiting;
 use core::fmt;
-use heapless::Deque;
-
-/// Requests that may wait, be under way, or be answered and not taken.
-const CAPACITY: usize = 8;
 
 /// Shortest time-out, microseconds: two of the longest frames and an idle bus at 100 kbit/s.
 const SHORTEST: u64 = 3000;
@@ -46,11 +43,7 @@ pub enum RequestError {
 
 /// Requests from the call to the taken answer.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Requests {
-    waiting: Deque<Request, CAPACITY>,
-    current: Option<UnderWay>,
-    answers: Deque<Answer, CAPACITY>,
-}
+pub(super) struct Requests(Waiting<Request, UnderWay, Answer>);
 
 #[derive(Clone, Copy, Debug)]
 struct UnderWay {
@@ -92,21 +85,16 @@ impl Request {
 
 impl Requests {
     pub(super) fn push(&mut self, request: Request) -> Result<(), NotTaken> {
-        // So there is always room for the answer.
-        let taken = self.waiting.len() + usize::from(self.current.is_some()) + self.answers.len();
-        if taken >= CAPACITY {
-            return Err(NotTaken::Full);
-        }
-        self.waiting.push_back(request).map_err(|_| NotTaken::Full)
+        self.0.push(request)
     }
 
     pub(super) fn pop(&mut self) -> Option<Answer> {
-        self.answers.pop_front()
+        self.0.pop()
     }
 
     /// What to send now: the next request, or again the one that got no answer.
     pub(super) fn poll(&mut self, now: u64, timeout: u64, attempts: u8) -> Option<SdoRequest> {
-        if let Some(under_way) = &mut self.current {
+        if let Some(under_way) = &mut self.0.current {
             if now < under_way.sent.saturating_add(timeout.max(SHORTEST)) {
                 return None;
             }
@@ -115,26 +103,26 @@ impl Requests {
                 return Some(under_way.request.encode());
             }
             let request = under_way.request;
-            self.finish(request, Err(RequestError::NoAnswer));
+            self.0.finish(Answer { request, result: Err(RequestError::NoAnswer) });
         }
-        let request = self.waiting.pop_front()?;
+        let request = self.0.next()?;
         let left = request.attempts(attempts).saturating_sub(1);
-        self.current = Some(UnderWay { request, sent: now, left });
+        self.0.current = Some(UnderWay { request, sent: now, left });
         Some(request.encode())
     }
 
     /// When time brings something.
     pub(super) fn deadline(&self, now: u64, timeout: u64) -> u64 {
-        match self.current {
+        match self.0.current {
             Some(under_way) => under_way.sent.saturating_add(timeout.max(SHORTEST)).max(now),
-            None if self.waiting.is_empty() => u64::MAX,
+            None if self.0.is_empty() => u64::MAX,
             None => now,
         }
     }
 
     /// Takes an answer of the node: the entry and its value, if that is what was asked for and it was done.
     pub(super) fn take(&mut self, answer: SdoAnswer) -> Option<(Entry, u32)> {
-        let request = self.current?.request;
+        let request = self.0.current?.request;
         if !request.is_addressed_by(answer) {
             return None;
         }
@@ -150,14 +138,8 @@ impl Requests {
                 return None;
             }
         };
-        self.finish(request, result);
+        self.0.finish(Answer { request, result });
         result.ok().map(|value| (request.entry(), value))
-    }
-
-    fn finish(&mut self, request: Request, result: Result<u32, RequestError>) {
-        self.current = None;
-        // `push` has seen to the room.
-        let _ = self.answers.push_back(Answer { request, result });
     }
 }
 

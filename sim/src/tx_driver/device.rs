@@ -1,0 +1,109 @@
+//! One TX-Driver with everything around it: what a board's firmware would do, and the board.
+
+use super::config::{AddError, TxDriverConfig};
+use super::{FIRMWARE, SAMPLE_RATE};
+use crate::can::{Bus, NodeIndex};
+use crate::random::Random;
+use crate::sensor::{EddyCurrent, Encoder, Shaft};
+use narx_core::eddycan::{Configuration, Sample, TxDriver, Variant};
+
+/// Frames in its controller. So what it sends is never older than one frame, and a position that waits in the device is replaced by the next.
+const MAILBOXES: usize = 1;
+
+/// A TX-Driver on a bus.
+#[derive(Debug)]
+pub struct Device {
+    driver: TxDriver,
+    variant: Variant,
+    /// What a restart finds. Writing it takes no time here.
+    stored: Configuration,
+    sensors: [EddyCurrent; 2],
+    encoder: Option<Encoder>,
+    noise: Random,
+    place: NodeIndex,
+}
+
+impl Device {
+    /// Powers up.
+    pub(super) fn new<const NODES: usize, const QUEUE: usize>(
+        config: &TxDriverConfig,
+        bus: &mut Bus<NODES, QUEUE>,
+        noise: Random,
+    ) -> Result<Self, AddError> {
+        let [first, second] = config.sensors.map(EddyCurrent::new);
+        let sensors = [first?, second?];
+        let ranges = sensors.map(|sensor| sensor.measuring_range());
+        let place = bus.attach().ok_or(AddError::NoPlace)?;
+        let stored = config.configuration;
+        let variant =
+            Variant { channels: config.channels, ranges, sample_rate: SAMPLE_RATE, firmware: FIRMWARE };
+        let driver = TxDriver::new(variant, stored);
+        bus.set_bitrate(place, driver.bitrate().bits_per_second());
+        Ok(Self { driver, variant, stored, sensors, encoder: config.encoder, noise, place })
+    }
+
+    /// The device itself.
+    pub const fn driver(&self) -> &TxDriver {
+        &self.driver
+    }
+
+    /// Its place on the bus.
+    pub const fn place(&self) -> NodeIndex {
+        self.place
+    }
+
+    /// Its sensors: what they truly see.
+    pub const fn sensors(&self) -> &[EddyCurrent; 2] {
+        &self.sensors
+    }
+
+    /// Puts other sensors, or the same ones before other targets, in the place of its sensors. The device goes on with the ranges that it was powered up
+    /// with.
+    pub const fn set_sensors(&mut self, sensors: [EddyCurrent; 2]) {
+        self.sensors = sensors;
+    }
+
+    /// One pass of its loop.
+    pub(super) fn step<const NODES: usize, const QUEUE: usize>(
+        &mut self,
+        bus: &mut Bus<NODES, QUEUE>,
+        now_ns: u64,
+        shaft: &Shaft,
+    ) {
+        let state = bus.state(self.place);
+        if state.is_off() {
+            bus.discard(self.place);
+        }
+        self.driver.handle_bus_state(state);
+        let sample = self.sample(shaft);
+        self.driver.handle_sample(sample);
+        while let Some(received) = bus.receive(self.place) {
+            self.driver.handle_frame(&received.frame, received.time_ns / 1000);
+        }
+        self.driver.poll(now_ns / 1000);
+        if let Some(configuration) = self.driver.poll_store() {
+            self.stored = configuration;
+            self.driver.handle_store(true);
+        }
+        if self.driver.take_reset() {
+            self.driver = TxDriver::new(self.variant, self.stored);
+            bus.discard(self.place);
+            bus.set_bitrate(self.place, self.driver.bitrate().bits_per_second());
+        }
+        while bus.queued(self.place) < MAILBOXES
+            && let Some(frame) = self.driver.poll_frame()
+        {
+            // Room was just seen.
+            let _ = bus.send(self.place, frame, now_ns);
+        }
+    }
+
+    fn sample(&mut self, shaft: &Shaft) -> Sample {
+        let [noise1, noise2] = self.noise.gaussians();
+        let [first, second] = self.sensors;
+        Sample {
+            positions: [first.sample(shaft, noise1), second.sample(shaft, noise2)],
+            counter: self.encoder.map_or(0, |encoder| encoder.counter(shaft)),
+        }
+    }
+}

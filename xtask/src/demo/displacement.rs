@@ -1,0 +1,275 @@
+//! The TX-Drivers of a demonstration: configured, started and read over the bus by their masters, as an engineer's program would.
+
+use narx_core::bus::Frame;
+use narx_core::bus::eddycan::{Channels, Layout, NmtCommand, NodeId};
+use narx_core::eddycan::Entry;
+use narx_core::master::eddycan::{Config, Request, TxMaster};
+use narx_sim::bench::Bench;
+use narx_sim::sensor::{EddyCurrentConfig, Target};
+use narx_sim::trace::{Signal, Trace};
+use narx_sim::tx_driver::{AddError, TxDriverConfig};
+use std::f64::consts::TAU;
+use std::fmt;
+
+const LAYOUT: Layout = Layout { channels: Channels::Single, encoder: false };
+/// Measuring range, mm.
+const RANGE: f64 = 2.0;
+/// Index of the edge frequency of 1 kHz (Table 9).
+const FILTER_1_KHZ: u32 = 3;
+/// Update time of half of the bus (section 3.3.2).
+const HALF_LOAD: u32 = 65_535;
+/// Frames in the host's queue at most: what the drive's master sends shall not wait behind more.
+const IN_CONTROLLER: usize = 2;
+/// Drivers whose figures are told one by one.
+const TOLD: usize = 8;
+
+/// All of them.
+pub(super) struct Displacement {
+    stations: Vec<Station>,
+    /// One row per tick: the last position of each, not a number before its first one.
+    trace: Trace,
+}
+
+struct Station {
+    node: NodeId,
+    master: TxMaster,
+    progress: Progress,
+    samples: Vec<Sample>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Progress {
+    /// Its boot-up message has not come.
+    Unheard,
+    /// Writes are under way.
+    Configuring(usize),
+    Started,
+}
+
+/// A position that came over the bus.
+#[derive(Clone, Copy)]
+struct Sample {
+    time_ns: u64,
+    /// Where the shaft was, revolutions.
+    turns: f64,
+    millimetres: f64,
+}
+
+impl Displacement {
+    /// Powers up `count` drivers with the node-ids 1 to `count`: in turn one that looks at the shaft's surface, each a quarter further around, and one that
+    /// looks at the disc on its end.
+    pub(super) fn new(bench: &mut Bench, count: u8) -> Result<Self, AddError> {
+        let nodes = (1..=count).filter_map(NodeId::new);
+        let mut stations = Vec::new();
+        for (place, node) in nodes.enumerate() {
+            let target = match place % 2 {
+                0 => Target::surface(RANGE / 2.0, 90.0 * (place / 2) as f64),
+                _ => Target::face(RANGE / 2.0),
+            };
+            let mut config = TxDriverConfig::new(node);
+            config.sensors = [EddyCurrentConfig::new(RANGE, target); 2];
+            bench.add_tx_driver(&config)?;
+            let master = TxMaster::new(Config::new(node, LAYOUT));
+            stations.push(Station { node, master, progress: Progress::Unheard, samples: Vec::new() });
+        }
+        let signals: Vec<Signal> = (1..=count)
+            // As long as the program runs.
+            .map(|node| Signal::single(format!("displacement_{node}").leak(), "mm"))
+            .collect();
+        Ok(Self { stations, trace: Trace::new(&signals) })
+    }
+
+    /// Before a tick: what the masters send.
+    pub(super) fn send(&mut self, bench: &mut Bench) {
+        let count = self.stations.len() as u32;
+        for station in &mut self.stations {
+            station.advance(count);
+            while bench.host_queued() < IN_CONTROLLER
+                && let Some(frame) = station.master.poll_frame(bench.now_ns() / 1000)
+            {
+                // Room was just seen.
+                let _ = bench.send(frame);
+            }
+        }
+    }
+
+    /// A frame that has passed on the bus.
+    pub(super) fn hear(&mut self, frame: &Frame, time_ns: u64, bench: &Bench) {
+        for station in &mut self.stations {
+            station.hear(frame, time_ns, bench);
+        }
+    }
+
+    /// After a tick.
+    pub(super) fn keep(&mut self) {
+        let last = |station: &Station| station.samples.last().map_or(f64::NAN, |sample| sample.millimetres);
+        let row: Vec<f64> = self.stations.iter().map(last).collect();
+        // As many values as signals.
+        let _ = self.trace.push(&row);
+    }
+
+    pub(super) const fn trace(&self) -> &Trace {
+        &self.trace
+    }
+
+    /// From `from` to `to`, s.
+    pub(super) fn figures(&self, from: f64, to: f64) -> Figures {
+        let range = (from * 1e9) as u64..(to * 1e9) as u64;
+        let figure = |station: &Station| {
+            let inside = |sample: &&Sample| range.contains(&sample.time_ns);
+            let samples: Vec<Sample> = station.samples.iter().filter(inside).copied().collect();
+            Figure::new(station, &samples, to - from)
+        };
+        Figures(self.stations.iter().map(figure).collect())
+    }
+}
+
+impl Station {
+    /// Configures the node when it is there, and starts it when everything is written.
+    fn advance(&mut self, count: u32) {
+        match self.progress {
+            Progress::Unheard if self.master.report().boots > 0 => {
+                let writes = [
+                    (Entry::Filter1, FILTER_1_KHZ),
+                    (Entry::NrOfNodes, count),
+                    (Entry::UpdateTime, HALF_LOAD),
+                ];
+                for (entry, value) in writes {
+                    // Three of eight.
+                    let _ = self.master.request(Request::Write(entry, value));
+                }
+                self.progress = Progress::Configuring(writes.len());
+            }
+            Progress::Configuring(left) => {
+                // A node that refuses is not started, and has no figures.
+                let done = self.master.poll_answer().is_some_and(|answer| answer.result.is_ok());
+                let left = left - usize::from(done);
+                self.progress = Progress::Configuring(left);
+                if left == 0 && self.master.command(NmtCommand::Start).is_ok() {
+                    self.progress = Progress::Started;
+                }
+            }
+            Progress::Unheard | Progress::Started => {}
+        }
+    }
+
+    fn hear(&mut self, frame: &Frame, time_ns: u64, bench: &Bench) {
+        let id = frame.id();
+        if id.is_extended() || id.raw() & 0x7F != u32::from(self.node.raw()) {
+            return;
+        }
+        let before = self.master.reading().map(|(_, _, time)| time);
+        self.master.handle_frame(frame, time_ns / 1000);
+        if let Some((reading, _, time)) = self.master.reading()
+            && before != Some(time)
+        {
+            let [position, _] = reading.positions;
+            let millimetres = position.picometres() as f64 * 1e-9;
+            self.samples.push(Sample { time_ns, turns: bench.shaft().turns, millimetres });
+        }
+    }
+}
+
+/// What a test engineer reads off the displacements.
+pub(super) struct Figures(Vec<Figure>);
+
+struct Figure {
+    node: u8,
+    /// Positions a second.
+    rate: f64,
+    /// Highest less lowest, um.
+    peak_to_peak: f64,
+    /// Amplitude of what a revolution repeats once, um; none without a whole revolution.
+    once: Option<f64>,
+}
+
+impl Figure {
+    fn new(station: &Station, samples: &[Sample], seconds: f64) -> Self {
+        let (low, high) = samples.iter().fold((f64::MAX, f64::MIN), |(low, high), sample| {
+            (low.min(sample.millimetres), high.max(sample.millimetres))
+        });
+        Self {
+            node: station.node.raw(),
+            rate: samples.len() as f64 / seconds,
+            peak_to_peak: 1e3 * (high - low).max(0.0),
+            once: once_per_revolution(samples).map(|amplitude| 1e3 * amplitude),
+        }
+    }
+}
+
+/// Amplitude of the harmonic of order 1, mm: least squares of a + b cos(angle) + c sin(angle), whatever angles the positions came at.
+fn once_per_revolution(samples: &[Sample]) -> Option<f64> {
+    let turned = samples.last()?.turns - samples.first()?.turns;
+    if turned.abs() < 1.0 {
+        return None;
+    }
+    let column = |of: fn(&Sample) -> f64| -> Vec<f64> {
+        let values: Vec<f64> = samples.iter().map(of).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.into_iter().map(|value| value - mean).collect()
+    };
+    let cosine = column(|sample| (TAU * sample.turns).cos());
+    let sine = column(|sample| (TAU * sample.turns).sin());
+    let place = column(|sample| sample.millimetres);
+    let product = |one: &[f64], other: &[f64]| -> f64 { one.iter().zip(other).map(|(a, b)| a * b).sum() };
+    let (cc, cs, ss) = (product(&cosine, &cosine), product(&cosine, &sine), product(&sine, &sine));
+    let (cx, sx) = (product(&cosine, &place), product(&sine, &place));
+    let determinant = cc * ss - cs * cs;
+    (determinant > 0.0).then(|| ((cx * ss - sx * cs) / determinant).hypot((sx * cc - cx * cs) / determinant))
+}
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let nodes = self.0.len();
+        let slowest = self.0.iter().map(|figure| figure.rate).fold(f64::MAX, f64::min);
+        write!(
+            f,
+            "TX-Drivers     {nodes:8}        half of the bus: {slowest:.0} positions a second of each"
+        )?;
+        for figure in self.0.iter().take(TOLD) {
+            let Figure { node, peak_to_peak, .. } = figure;
+            write!(
+                f,
+                "\ndisplacement_{node:<3}{peak_to_peak:7.1} um     peak to peak over the last quarter"
+            )?;
+            if let Some(once) = figure.once {
+                write!(f, ", {once:.1} um once per revolution")?;
+            }
+        }
+        if nodes > TOLD {
+            write!(f, "\n               {:8}        more in run.csv", nodes - TOLD)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn walk(count: u32, turns_each: f64, second: f64) -> Vec<Sample> {
+        let at = |k| {
+            let turns = f64::from(k) * turns_each;
+            let angle = TAU * turns;
+            let millimetres = 1.0 + 0.02 * (angle + 0.4).cos() + second * (2.0 * angle).cos();
+            Sample { time_ns: 0, turns, millimetres }
+        };
+        (0..count).map(at).collect()
+    }
+
+    /// A known amplitude beside a mean: in either direction, with few positions at odd angles, and beside a second harmonic over many revolutions.
+    #[test]
+    fn the_amplitude_of_one_harmonic() {
+        for (count, turns_each, second, tolerance) in [
+            (5370, 1e-3, 0.0, 1e-9),
+            (5370, -1e-3, 0.0, 1e-9),
+            (9, 1.37, 0.0, 1e-9),
+            (83_000, 1e-3, 0.005, 1e-6),
+        ] {
+            let found = once_per_revolution(&walk(count, turns_each, second)).unwrap();
+            assert!((found - 0.02).abs() < tolerance, "{count}: {found}");
+        }
+        assert_eq!(once_per_revolution(&walk(900, 1e-3, 0.0)), None);
+        assert_eq!(once_per_revolution(&[]), None);
+    }
+}
