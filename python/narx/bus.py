@@ -16,6 +16,10 @@ from narx.errors import NarxError
 
 QUEUE = 100_000
 """Frames that wait for a client that does not read."""
+TICK = 1e-4
+"""Control tick, s: nothing shorter passes."""
+STEP = 0.1
+"""Simulated time between two looks at Ctrl-C, s."""
 
 
 class World:
@@ -36,6 +40,7 @@ class World:
         self.queues: dict[int, deque[can.Message]] = {}
         self.own: set[int] = set()
         self.arrived = threading.Condition()
+        self._over = threading.Event()
         self._thread: threading.Thread | None = None
         if realtime:
             self._thread = threading.Thread(target=self._run, name=f"narx {channel}", daemon=True)
@@ -58,9 +63,11 @@ class World:
         """One client less; the last one ends the world."""
         with self._guard:
             self.queues.pop(client, None)
-            if not self.queues:
-                self._all.pop(self.channel, None)
-        if not self.queues and self._thread is not None:
+            if self.queues:
+                return
+            self._all.pop(self.channel, None)
+        self._over.set()
+        if self._thread is not None:
             self._thread.join()
 
     def advance(self, until: float, until_frame: bool = False) -> None:
@@ -84,14 +91,12 @@ class World:
     def _run(self) -> None:
         """Keeps simulated time in step with the clock. A stall of more than a second is not caught up with."""
         origin = time.monotonic() - self.bus.time
-        while self.queues or not self._all.get(self.channel):
+        while not self._over.is_set():
             target = time.monotonic() - origin
             if target > self.bus.time + 1.0:
                 origin += target - self.bus.time - 1.0
                 target = self.bus.time + 1.0
             self.advance(min(target, self.bus.time + 0.02))
-            if self._all.get(self.channel) is self and not self.queues:
-                return
             if self.bus.time >= target:
                 time.sleep(0.001)
 
@@ -145,18 +150,33 @@ class NarxBus(can.BusABC):
         if not taken:
             raise can.CanOperationError("the queue of frames to send is full")
 
+    def recv(self, timeout: float | None = None) -> can.Message | None:
+        """The next frame, or `None` after `timeout` s of the bus's time."""
+        if self.realtime:
+            return super().recv(timeout)
+        # The base class measures time-outs by the clock.
+        queue = self._queue()
+        end = float("inf") if timeout is None else self.time + timeout
+        while True:
+            while not queue and end - self.time > TICK / 2:
+                self._world.advance(min(end, self.time + STEP), until_frame=True)
+            if not queue:
+                return None
+            message = queue.popleft()
+            if self._matches_filters(message):
+                return message
+
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        queue = self._queue()
+        with self._world.arrived:
+            self._world.arrived.wait_for(lambda: bool(queue), timeout)
+        return (queue.popleft() if queue else None), False
+
+    def _queue(self) -> deque[can.Message]:
         queue = self._world.queues.get(self._client)
         if queue is None:
             raise can.CanOperationError("the bus was shut down")
-        if not self.realtime:
-            end = self._world.bus.time + (10.0 if timeout is None else timeout)
-            while not queue and self._world.bus.time < end:
-                self._world.advance(end, until_frame=True)
-        else:
-            with self._world.arrived:
-                self._world.arrived.wait_for(lambda: bool(queue), timeout)
-        return (queue.popleft() if queue else None), False
+        return queue
 
     def shutdown(self) -> None:
         """Leaves the bus."""

@@ -32,6 +32,8 @@ def download(
         end = link.master.poll_download()
         if end is not None:
             length.append(end)
+            if progress is not None and told != end:
+                progress(end, end)
         return bool(length)
 
     link.master.download(what, first, count)

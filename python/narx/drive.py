@@ -114,6 +114,7 @@ class Drive:
         read_parameters: bool = True,
     ) -> None:
         self._own_bus: can.BusABC | None = None
+        self._closed = False
         if isinstance(bus, Link):
             self._link: Link = bus
         else:
@@ -263,7 +264,10 @@ class Drive:
         return self._link.wait(done, timeout)
 
     def close(self) -> None:
-        """Stops the motor and lets go of the bus."""
+        """Stops the motor and lets go of the bus; the second time nothing happens."""
+        if self._closed:
+            return
+        self._closed = True
         try:
             if not self._master.silent:
                 self._link.stop()

@@ -226,8 +226,9 @@ class Starter:
         if self._rpm is None or state is None:
             return
         if state in (_core.State.INITIALIZATION, _core.State.STANDBY):
-            if self._asked is None or state is _core.State.INITIALIZATION:
+            if self._asked is None:
                 self._master.stop()
+            if self._asked is None or state is _core.State.INITIALIZATION:
                 self._asked = now
             if now < self._asked + 2 * self._master.setpoint_period:
                 return

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Literal
 
 import numpy as np
 
 from narx import _core
 from narx.download import download
-from narx.errors import NoAnswerError, ParameterError, RefusedError
+from narx.errors import NoAnswerError, ParameterError
 from narx.link import Link, ask
 from narx.names import suggestion
 from narx.parameters import Parameters
 from narx.trace import Trace
 
-Keep = Literal["live", "min", "max", "mean"]
 KEEP: dict[str, int] = {"live": 0, "min": 1, "max": 2, "mean": 3}
 
 SLOT_FIRST, SLOT_LAST, NOTHING = 29, 65, 0xFFFF
@@ -66,17 +64,17 @@ class Log:
         return str(status.get("Logging state", "unknown"))
 
     @property
-    def slots(self) -> dict[str, Keep]:
+    def slots(self) -> dict[str, str]:
         """What is logged: name -> live value, or smallest, largest or mean since the record before."""
         kinds = {number: kind for kind, number in KEEP.items()}
         values = [int(self._parameters[number]) for number in range(SLOT_FIRST, SLOT_LAST + 1)]
         return {
-            NAMES.get(value & 0xFFFF, f"parameter {value & 0xFFFF}"): kinds[value >> 16 & 3]  # type: ignore[misc]
+            NAMES.get(value & 0xFFFF, f"parameter {value & 0xFFFF}"): kinds[value >> 16 & 3]
             for value in values
             if value & 0xFFFF != NOTHING
         }
 
-    def configure(self, values: Iterable[str] | Mapping[str, Keep], period: float) -> None:
+    def configure(self, values: Iterable[str] | Mapping[str, str], period: float) -> None:
         """Chooses what is logged, and every how many seconds.
 
         values: up to 37 names of parameters or measurements; a mapping says which value of each is kept: "live", "min", "max" or
@@ -161,5 +159,3 @@ def kind_of(kind: str) -> int:
         raise ParameterError(f'kept value "{kind}": must be one of {", ".join(KEEP)}')
     return KEEP[kind]
 
-
-__all__ = ["Keep", "Log", "RefusedError"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 from narx import _core
 from narx.errors import ParameterError
@@ -33,10 +33,6 @@ class Message:
         return self.values[field]
 
 
-@overload
-def decode(message: can.Message, /) -> Message | None: ...
-@overload
-def decode(message: int, data: bytes, /) -> Message | None: ...
 def decode(message: can.Message | int, data: bytes | None = None, /) -> Message | None:
     """The message in a frame of python-can, or in a 29-bit identifier and its data; `None` if the protocol has no such message."""
     if isinstance(message, int):

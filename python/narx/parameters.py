@@ -55,7 +55,7 @@ class Parameters(MutableMapping[str | int, float]):
 
     def __getitem__(self, key: str | int) -> float:
         number = _core.parameter_number(key)
-        raw = ask(self._link, lambda: self._link.master.request("read", number))
+        raw = self._ask("read", number)
         return _core.from_raw(number, raw)
 
     def __setitem__(self, key: str | int, value: float) -> None:
@@ -66,7 +66,7 @@ class Parameters(MutableMapping[str | int, float]):
             if isinstance(error, NarxError):
                 raise
             raise ParameterError(f"parameter {key} {value!r}: must be a number") from None
-        ask(self._link, lambda: self._link.master.request("write", number, raw))
+        self._ask("write", number, raw)
 
     def __delitem__(self, key: str | int) -> None:
         raise ParameterError(f"parameter {key}: a drive's parameters cannot be deleted")
@@ -105,13 +105,10 @@ class Parameters(MutableMapping[str | int, float]):
         for number in wanted:
             if self.rows[number].access == READ_ONLY:
                 raise ParameterError(f'parameter {number} "{self.rows[number].name}": read-only')
-        changed = []
-        for number, value in raw.items():
-            if number == DEVICE_NUMBER or ask(self._link, lambda n=number: self._link.master.request("read", n)) == value:
-                continue
-            ask(self._link, lambda n=number, v=value: self._link.master.request("write", n, v))
-            changed.append(self.rows[number].name)
-        return changed
+        different = [number for number in raw if number != DEVICE_NUMBER and self._ask("read", number) != raw[number]]
+        for number in different:
+            self._ask("write", number, raw[number])
+        return [self.rows[number].name for number in different]
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes `to_dict` as a JSON file."""
@@ -138,23 +135,22 @@ class Parameters(MutableMapping[str | int, float]):
 
     def store(self) -> None:
         """Stores every parameter but the device number and the calibration in the drive's memory."""
-        self._request("store")
+        self._ask("store")
 
     def store_once(self) -> None:
         """Stores the device number and the calibration (category 02)."""
-        self._request("store once")
+        self._ask("store once")
 
     def reset_calibration(self) -> None:
         """Sets the calibration (category 02) to its factory values."""
-        self._request("reset calibration")
+        self._ask("reset calibration")
 
     def restore_factory(self) -> None:
         """Sets and stores factory values for everything but what is the board's own."""
-        serial = ask(self._link, lambda: self._link.master.request("read", DEVICE_NUMBER))
-        ask(self._link, lambda: self._link.master.request("restore factory", serial))
+        self._ask("restore factory", self._ask("read", DEVICE_NUMBER))
 
-    def _request(self, what: str) -> None:
-        ask(self._link, lambda: self._link.master.request(what))
+    def _ask(self, what: str, number: int = 0, raw: int = 0) -> int:
+        return ask(self._link, lambda: self._link.master.request(what, number, raw))
 
 
 def settable() -> Iterator[Row]:

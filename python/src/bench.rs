@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyMapping};
 
 /// A virtual drive with its motor on a simulated bench, and a master on its bus: what `narx.Bench` is made of.
-#[pyclass(module = "narx._core", frozen, subclass)]
+#[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Bench(Shared);
 
 /// What a run leaves: columns by name, units by name, and the recording.
