@@ -55,3 +55,39 @@ class Bench:
         self._bench.advance(seconds)
         columns, units, recording = self._bench.take_run()
         return Trace(columns, units, recording)
+
+    def inject(
+        self, fault: str, value: float | None = None, phase: Literal["A", "B", "C"] | None = None, high: bool = False
+    ) -> None:
+        """Breaks something, until `clear`: what has a physical cause, not the fault bit that comes of it.
+
+        "ambient" (value in degrees Celsius), "supply" (V), "leak" (a resistor across the bus, ohm), "driver", "open-phase", "hall-swapped"
+        (phase), "hall-stuck" (phase, high), "hall-glitches" (value per second), "hall-supply-lost", "blocked-rotor", "pressure" (V behind the
+        amplifier), "break" (the hardware's break input), "dsi1", "dsi2".
+        """
+        self._bench.set_fault(fault.replace("_", "-"), True, value, phase, high)
+
+    def clear(self, fault: str | None = None, phase: Literal["A", "B", "C"] | None = None) -> None:
+        """Mends one fault of `inject`, or everything."""
+        if fault is None:
+            self._bench.clear_faults()
+        else:
+            self._bench.set_fault(fault.replace("_", "-"), False, None, phase, False)
+
+    def set_load(self, load: Load) -> None:
+        """Another load on the shaft from now on."""
+        self._bench.set_load(load)
+
+    def set_input(self, name: str, value: float) -> None:
+        """Puts a value on a slow input of the board: one of `inputs`, in the unit of what it measures."""
+        self._bench.set_input(name, value)
+
+    @property
+    def inputs(self) -> list[str]:
+        """Names of the board's slow inputs: "asi" (V), "accel_x" (g), "pressure" (mV), "rail14_v" (V), ..."""
+        return self._bench.inputs()
+
+    @property
+    def faults(self) -> list[str]:
+        """Names of what `inject` can break."""
+        return self._bench.faults()

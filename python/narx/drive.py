@@ -263,13 +263,13 @@ class Drive:
         """Lets time pass until `done`, at most `timeout` s: whether it was done."""
         return self._link.wait(done, timeout)
 
-    def close(self) -> None:
-        """Stops the motor and lets go of the bus; the second time nothing happens."""
+    def close(self, stop: bool = True) -> None:
+        """Stops the motor, unless `stop` is false, and lets go of the bus; the second time nothing happens."""
         if self._closed:
             return
         self._closed = True
         try:
-            if not self._master.silent:
+            if stop and not self._master.silent:
                 self._link.stop()
                 # Two requests are on the bus then.
                 self._link.wait(lambda: False, 2 * self._master.setpoint_period)
@@ -367,7 +367,7 @@ def connect(
     timeout: float = 2.0,
     **options: Any,
 ) -> Drive:
-    """Opens a bus of python-can and waits until the drive is heard.
+    """Opens a bus of python-can and waits until the drive is heard and has done its self-tests.
 
     interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan" with a serial port or
     "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists what is there. Raises NoAnswerError when nothing is
@@ -383,13 +383,20 @@ def connect(
         raise
     drive._own_bus = bus
     # The status word does not tell some states from each other: the master asks for them.
-    if not drive._link.wait(lambda: drive._master.last_heard is not None and (silent or drive.state is not None), timeout):
+    if not drive._link.wait(lambda: is_there(drive, silent), timeout):
         drive.close()
         raise NoAnswerError(
             f"no drive {slave} was heard on {interface} {channel} within {timeout:g} s: is it on, at this bit rate, and does it "
             f"answer to master {monitor}?"
         )
     return drive
+
+
+def is_there(drive: Drive, silent: bool) -> bool:
+    """Whether a drive can be asked and told things."""
+    if drive._master.last_heard is None:
+        return False
+    return silent or drive.state not in (None, State.INITIALIZATION)
 
 
 def devices(*interfaces: str) -> list[dict[str, Any]]:

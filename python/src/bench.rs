@@ -6,6 +6,7 @@ use crate::motor::{self, Load, Motor};
 use crate::session::Shared;
 use crate::trace;
 use narx_core::dictionary::Dictionary;
+use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
 use narx_sim::session::{Session, SessionConfig};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyMapping};
@@ -66,6 +67,64 @@ impl Bench {
             self.0.with(py, |session| (session.bench_mut().take_trace(), session.bench().recording()));
         let (columns, units) = trace::columns(py, table)?;
         Ok((columns, units, PyBytes::new(py, &recording)))
+    }
+
+    /// Breaks something, or mends it (`active` false). A fault is named as `faults` has it.
+    fn set_fault(
+        &self,
+        py: Python<'_>,
+        fault: &str,
+        active: bool,
+        value: Option<f64>,
+        phase: Option<&str>,
+        high: bool,
+    ) -> PyResult<()> {
+        let phases = [("A", Phase::A), ("B", Phase::B), ("C", Phase::C)];
+        let phase = phase.map(|name| error::choice("phase", name, &phases)).transpose()?;
+        let value = if active { value } else { Some(Injection::some_value(fault)) };
+        let refused = |reason: InjectionError| {
+            let hint = error::suggestion(py, fault, Injection::NAMES.into_iter());
+            let hint = if reason == InjectionError::Unknown { hint } else { String::new() };
+            error::parameter(format!("fault \"{fault}\": {reason}{hint}"))
+        };
+        let injection = Injection::named(fault, InjectionOptions { value, phase, high }).map_err(refused)?;
+        self.0.with(py, |session| {
+            let plant = session.bench_mut().plant_mut();
+            if active { plant.inject(injection) } else { plant.clear(injection) }
+        });
+        Ok(())
+    }
+
+    /// Names of what can break.
+    #[staticmethod]
+    fn faults() -> Vec<&'static str> {
+        Injection::NAMES.to_vec()
+    }
+
+    /// Mends everything.
+    fn clear_faults(&self, py: Python<'_>) {
+        self.0.with(py, |session| session.bench_mut().plant_mut().clear_all());
+    }
+
+    /// Another load.
+    fn set_load(&self, py: Python<'_>, load: &Load) {
+        let config = load.config();
+        self.0.with(py, |session| session.bench_mut().plant_mut().set_load(config));
+    }
+
+    /// Puts a value on an input of the board, named as `inputs` has it.
+    fn set_input(&self, py: Python<'_>, input: &str, value: f64) -> PyResult<()> {
+        let names = Input::ALL.map(|input| (crate::state::words(&input), input));
+        let names: Vec<(&str, Input)> = names.iter().map(|(name, input)| (name.as_str(), *input)).collect();
+        let input = error::choice("input", input, &names)?;
+        let set = self.0.with(py, |session| session.bench_mut().plant_mut().set_input(input, value));
+        set.map_err(|refused| error::parameter(format!("input {value}: {refused}")))
+    }
+
+    /// Names of the board's inputs.
+    #[staticmethod]
+    fn inputs() -> Vec<String> {
+        Input::ALL.iter().map(crate::state::words).collect()
     }
 
     /// Forgets the rows so far.
