@@ -1,4 +1,4 @@
-"""The narx drive for BLDC motors on a simulated bench, and its recordings: the same bits as the firmware.
+"""The narx drive for BLDC motors: on a simulated bench, on any CAN adapter, and in its recordings; the same bits as the firmware.
 
 >>> import narx
 >>> bench = narx.Bench(narx.Motor.preset("ec45-flat-50w-18v"), supply_voltage=18.0, mode="hall")
@@ -9,21 +9,53 @@
 True
 """
 
-from narx._core import Bench, Drive, Load, Motor, Replay, State, Trace, replay
-from narx.errors import NarxError, ParameterError, RecordingError, SignalError, StartError
+from narx._core import Load, Motor, State
+from narx.bench import Bench
+from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
+from narx.errors import (
+    BusError,
+    NarxError,
+    NoAnswerError,
+    ParameterError,
+    RecordingError,
+    RefusedError,
+    SignalError,
+    StartError,
+)
+from narx.log import Log
+from narx.messages import Message, decode
+from narx.parameters import Parameters
+from narx.recording import Replay, replay
+from narx.scope import Scope, ScopeState, Trigger
+from narx.trace import Trace
 
 __all__ = [
     "Bench",
+    "BusError",
     "Drive",
+    "Info",
     "Load",
+    "Log",
+    "Measurement",
+    "Measurements",
+    "Message",
     "Motor",
     "NarxError",
+    "NoAnswerError",
     "ParameterError",
+    "Parameters",
     "RecordingError",
+    "RefusedError",
     "Replay",
+    "Scope",
+    "ScopeState",
     "SignalError",
     "StartError",
     "State",
     "Trace",
+    "Trigger",
+    "connect",
+    "decode",
+    "devices",
     "replay",
 ]

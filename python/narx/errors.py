@@ -6,11 +6,11 @@ class NarxError(Exception):
 
 
 class ParameterError(NarxError, ValueError):
-    """An argument or a parameter of the drive that cannot have its value, or does not exist."""
+    """An argument or a parameter of the drive that cannot have its value, cannot be written, or does not exist."""
 
 
 class SignalError(NarxError, KeyError):
-    """A trace has no such signal."""
+    """There is no such signal or measurement."""
 
     __str__ = Exception.__str__  # A KeyError would show the message in quotes.
 
@@ -21,3 +21,15 @@ class RecordingError(NarxError, ValueError):
 
 class StartError(NarxError, RuntimeError):
     """The drive did not start: it refused, found a fault, or took too long."""
+
+
+class RefusedError(NarxError, RuntimeError):
+    """The drive, or this master, does not do what it is asked for in its present state."""
+
+
+class NoAnswerError(NarxError, TimeoutError):
+    """The drive does not answer: it is off, elsewhere, or has other addresses or another bit rate."""
+
+
+class BusError(NarxError, OSError):
+    """The adapter or its bus does not work any more."""

@@ -1,25 +1,25 @@
 //! The bench.
 
-use crate::drive::Drive;
 use crate::error;
+use crate::master::Master;
 use crate::motor::{self, Load, Motor};
 use crate::session::Shared;
-use crate::trace::Trace;
+use crate::trace;
 use narx_core::dictionary::Dictionary;
-use narx_sim::session::Session;
+use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
+use narx_sim::session::{Session, SessionConfig};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyMapping};
+use pyo3::types::{PyBytes, PyDict, PyMapping};
 
-/// A virtual drive with its motor on a simulated bench, commanded over its CAN bus. Same arguments and calls, same bits.
-#[pyclass(module = "narx", frozen)]
+/// A virtual drive with its motor on a simulated bench, and a master on its bus: what `narx.Bench` is made of.
+#[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Bench(Shared);
+
+/// What a run leaves: columns by name, units by name, and the recording.
+type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyBytes>);
 
 #[pymethods]
 impl Bench {
-    /// Commissions the drive for the motor and powers it up; it stays in Standby until `drive.start`.
-    ///
-    /// supply_voltage: V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive by name or number, in their
-    /// units; they win over those of commissioning. ambient: degrees Celsius. seed: of all noise.
     #[new]
     #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
@@ -32,20 +32,14 @@ impl Bench {
         ambient: f64,
         seed: i128,
     ) -> PyResult<Self> {
-        let mut config = motor.session(supply_voltage, motor::mode(mode)?);
-        config.load = load.map_or(config.load, Load::config);
-        config.parameters = parameters.map_or_else(|| Ok(Vec::new()), numbered)?;
-        config.ambient = error::finite("ambient", ambient, "degrees Celsius")?;
-        config.seed = u64::try_from(seed).map_err(|_| {
-            error::parameter(format!("seed {seed}: must be a whole number from 0 to {}", u64::MAX))
-        })?;
+        let config = config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
         Ok(Self(Shared::new(Session::new(&config).map_err(error::parameter)?)))
     }
 
-    /// The drive on this bench.
+    /// The master on this bench's bus.
     #[getter]
-    fn drive(&self) -> Drive {
-        Drive::new(self.0.clone())
+    fn master(&self) -> Master {
+        Master::of_bench(self.0.clone())
     }
 
     /// Time since power-up, s.
@@ -60,19 +54,105 @@ impl Bench {
         self.0.with(py, |session| session.commissioning().notes.iter().map(ToString::to_string).collect())
     }
 
-    /// Lets `seconds` pass, to the nearest control tick, and returns the rows of this run.
-    fn run(&self, py: Python<'_>, seconds: f64) -> PyResult<Trace> {
+    /// Lets `seconds` pass, to the nearest control tick.
+    fn advance(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
         let seconds = error::magnitude("seconds", seconds, "s")?;
-        let ticks = self.0.with(py, |session| {
-            // Rows of calls that waited belong to no run.
-            session.bench_mut().take_trace();
-            (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64
-        });
-        self.0.run_until(py, ticks, |_| false)?;
+        let ticks = self.0.with(py, |session| (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64);
+        self.0.run(py, ticks)
+    }
+
+    /// The rows since this was last called, and the recording since the drive booted.
+    fn take_run<'py>(&self, py: Python<'py>) -> PyResult<Run<'py>> {
         let (table, recording) =
             self.0.with(py, |session| (session.bench_mut().take_trace(), session.bench().recording()));
-        Trace::new(py, table, PyBytes::new(py, &recording))
+        let (columns, units) = trace::columns(py, table)?;
+        Ok((columns, units, PyBytes::new(py, &recording)))
     }
+
+    /// Breaks something, or mends it (`active` false). A fault is named as `faults` has it.
+    fn set_fault(
+        &self,
+        py: Python<'_>,
+        fault: &str,
+        active: bool,
+        value: Option<f64>,
+        phase: Option<&str>,
+        high: bool,
+    ) -> PyResult<()> {
+        let phases = [("A", Phase::A), ("B", Phase::B), ("C", Phase::C)];
+        let phase = phase.map(|name| error::choice("phase", name, &phases)).transpose()?;
+        let value = if active { value } else { Some(Injection::some_value(fault)) };
+        let refused = |reason: InjectionError| {
+            let hint = error::suggestion(py, fault, Injection::NAMES.into_iter());
+            let hint = if reason == InjectionError::Unknown { hint } else { String::new() };
+            error::parameter(format!("fault \"{fault}\": {reason}{hint}"))
+        };
+        let injection = Injection::named(fault, InjectionOptions { value, phase, high }).map_err(refused)?;
+        self.0.with(py, |session| {
+            let plant = session.bench_mut().plant_mut();
+            if active { plant.inject(injection) } else { plant.clear(injection) }
+        });
+        Ok(())
+    }
+
+    /// Names of what can break.
+    #[staticmethod]
+    fn faults() -> Vec<&'static str> {
+        Injection::NAMES.to_vec()
+    }
+
+    /// Mends everything.
+    fn clear_faults(&self, py: Python<'_>) {
+        self.0.with(py, |session| session.bench_mut().plant_mut().clear_all());
+    }
+
+    /// Another load.
+    fn set_load(&self, py: Python<'_>, load: &Load) {
+        let config = load.config();
+        self.0.with(py, |session| session.bench_mut().plant_mut().set_load(config));
+    }
+
+    /// Puts a value on an input of the board, named as `inputs` has it.
+    fn set_input(&self, py: Python<'_>, input: &str, value: f64) -> PyResult<()> {
+        let names = Input::ALL.map(|input| (crate::state::words(&input), input));
+        let names: Vec<(&str, Input)> = names.iter().map(|(name, input)| (name.as_str(), *input)).collect();
+        let input = error::choice("input", input, &names)?;
+        let set = self.0.with(py, |session| session.bench_mut().plant_mut().set_input(input, value));
+        set.map_err(|refused| error::parameter(format!("input {value}: {refused}")))
+    }
+
+    /// Names of the board's inputs.
+    #[staticmethod]
+    fn inputs() -> Vec<String> {
+        Input::ALL.iter().map(crate::state::words).collect()
+    }
+
+    /// Forgets the rows so far.
+    fn drop_rows(&self, py: Python<'_>) {
+        self.0.with(py, |session| {
+            session.bench_mut().take_trace();
+        });
+    }
+}
+
+/// What a bench is made of.
+pub(crate) fn config(
+    motor: &Motor,
+    supply_voltage: f64,
+    load: Option<&Load>,
+    mode: &str,
+    parameters: Option<&Bound<'_, PyMapping>>,
+    ambient: f64,
+    seed: i128,
+) -> PyResult<SessionConfig> {
+    let mut config = motor.session(supply_voltage, motor::mode(mode)?);
+    config.load = load.map_or(config.load, Load::config);
+    config.parameters = parameters.map_or_else(|| Ok(Vec::new()), numbered)?;
+    config.ambient = error::finite("ambient", ambient, "degrees Celsius")?;
+    config.seed = u64::try_from(seed).map_err(|_| {
+        error::parameter(format!("seed {seed}: must be a whole number from 0 to {}", u64::MAX))
+    })?;
+    Ok(config)
 }
 
 /// Parameters by number; a key that is a string is a name of the dictionary.
@@ -82,23 +162,24 @@ fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, f64)>> {
         .iter()
         .map(|item| {
             let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
-            let number = match key.extract::<String>() {
-                Ok(name) => number(key.py(), &name)?,
-                Err(_) => key.extract().map_err(|_| no_parameter(&key, ""))?,
-            };
+            let number = number(&key)?;
             let refused = |_| error::parameter(format!("parameter {key} {value}: must be a number"));
             Ok((number, value.extract().map_err(refused)?))
         })
         .collect()
 }
 
-fn number(py: Python<'_>, name: &str) -> PyResult<u16> {
-    Dictionary::find(name).map(|row| row.number).ok_or_else(|| {
-        let hint = error::suggestion(py, name, Dictionary::rows().map(|row| row.name));
-        no_parameter(&format_args!("\"{name}\""), &hint)
+/// The number of a parameter that is given by number or name; case does not matter.
+#[pyfunction]
+#[pyo3(name = "parameter_number")]
+pub(crate) fn number(key: &Bound<'_, PyAny>) -> PyResult<u16> {
+    let Ok(name) = key.extract::<String>() else {
+        let number: Option<u16> = key.extract().ok();
+        let known = number.filter(|number| Dictionary::row(*number).is_some());
+        return known.ok_or_else(|| error::parameter(format!("there is no parameter {key}")));
+    };
+    Dictionary::find(&name).map(|row| row.number).ok_or_else(|| {
+        let hint = error::suggestion(key.py(), &name, Dictionary::rows().map(|row| row.name));
+        error::parameter(format!("there is no parameter \"{name}\"{hint}"))
     })
-}
-
-fn no_parameter(name: &dyn std::fmt::Display, hint: &str) -> PyErr {
-    error::parameter(format!("there is no parameter {name}{hint}"))
 }

@@ -1,6 +1,8 @@
 //! Errors of the classes in `narx.errors`, and arguments that are checked. Every refusal names what, its value and what
 //! is allowed.
 
+use narx_core::bus::narmotion::ParameterStatus;
+use narx_core::master::{DownloadError, Refusal};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use std::fmt::Display;
@@ -10,19 +12,36 @@ pub(crate) fn parameter(message: impl Display) -> PyErr {
     raise("ParameterError", &message)
 }
 
-/// There is no such signal.
-pub(crate) fn signal(message: impl Display) -> PyErr {
-    raise("SignalError", &message)
-}
-
 /// Bytes that are not a recording, or not one that this version can replay.
 pub(crate) fn recording(message: impl Display) -> PyErr {
     raise("RecordingError", &message)
 }
 
-/// The drive did not start.
-pub(crate) fn start(message: impl Display) -> PyErr {
-    raise("StartError", &message)
+/// The drive does not answer.
+pub(crate) fn no_answer(message: impl Display) -> PyErr {
+    raise("NoAnswerError", &message)
+}
+
+/// The drive, or this master, does not do what it is asked for now.
+pub(crate) fn refused(message: impl Display) -> PyErr {
+    raise("RefusedError", &message)
+}
+
+/// A parameter that the drive does not read or write.
+pub(crate) fn refusal(refusal: &Refusal) -> PyErr {
+    match refusal.status {
+        ParameterStatus::WrongState | ParameterStatus::Storage => refused(refusal),
+        _ => parameter(refusal),
+    }
+}
+
+/// A download that came to nothing.
+pub(crate) fn download(error: DownloadError) -> PyErr {
+    match error {
+        DownloadError::NoAnswer => no_answer(error),
+        DownloadError::Refused(refused) => refusal(&refused),
+        _ => refused(error),
+    }
 }
 
 /// `name` must be a finite number that `allowed` says in words and `accepts` decides.

@@ -1,13 +1,17 @@
-//! `narx._core`: the control core and the bench for Python. Types are converted here; every fact comes from core and sim.
+//! `narx._core`: the control core and the bench for Python. Types are converted here; every fact comes from core and sim, and what
+//! a user meets is made from it in the package's Python files.
 
 mod bench;
-mod drive;
+mod dictionary;
 mod error;
+mod frame;
+mod master;
 mod motor;
 mod recording;
 mod session;
 mod state;
 mod trace;
+mod virtual_bus;
 
 /// The compiled part of the package `narx`.
 #[pyo3::pymodule]
@@ -15,15 +19,19 @@ mod _core {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::bench::Bench;
+    use crate::bench::{Bench, number};
     #[pymodule_export]
-    use crate::drive::Drive;
+    use crate::dictionary::{from_raw, log_records, measurement_signals, parameters, scope_signals, to_raw};
+    #[pymodule_export]
+    use crate::frame::decode;
+    #[pymodule_export]
+    use crate::master::Master;
     #[pymodule_export]
     use crate::motor::{Load, Motor};
     #[pymodule_export]
-    use crate::recording::{Replay, replay};
+    use crate::recording::replay;
     #[pymodule_export]
-    use crate::trace::Trace;
+    use crate::virtual_bus::VirtualBus;
 
     #[pymodule_init]
     fn add_enumerations(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -1,78 +1,51 @@
 //! Replaying recordings.
 
 use crate::error;
-use crate::trace::Trace;
+use crate::trace;
 use narx_core::motor::{Drive, Samples};
 use narx_core::recording::{Outputs, Player, Recording, ReplayError};
 use narx_sim::bench::SIGNALS;
 use narx_sim::trace::{Signal, Trace as Table};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
+use pyo3::types::PyDict;
 
-/// A recording that ran again: a trace of what the drive answered, and whether it was the same.
-#[pyclass(module = "narx", frozen, extends = Trace)]
-pub(crate) struct Replay {
-    /// Ticks that ran.
-    #[pyo3(get)]
+/// What ran again: columns, units, ticks, digest, recorded digest (`None` of a part), what the last tick answered, label, and whether
+/// the recording version behaves as this one.
+type Replayed<'py> = (
+    Bound<'py, PyDict>,
+    Bound<'py, PyDict>,
+    u64,
+    u64,
+    Option<u64>,
+    Option<String>,
+    String,
+    bool,
+);
+
+struct Replay {
     ticks: u64,
-    /// Digest of the outputs now.
-    #[pyo3(get)]
     digest: u64,
-    /// Digest of the outputs when they were recorded; `None` when only a part ran.
-    #[pyo3(get)]
     recorded_digest: Option<u64>,
-    /// What the last tick answered, every field in raw bits; `None` when none ran.
-    #[pyo3(get)]
     outputs: Option<String>,
-    /// The recording's label.
-    #[pyo3(get)]
     label: String,
-    /// Whether the version that recorded behaves as this one. If not, the digests may rightly differ.
-    #[pyo3(get)]
     same_behaviour: bool,
 }
 
-#[pymethods]
-impl Replay {
-    /// Whether every output was the same, bit for bit; `None` when only a part ran.
-    #[getter]
-    fn identical(&self) -> Option<bool> {
-        self.recorded_digest.map(|recorded| recorded == self.digest)
-    }
-
-    fn __repr__(&self) -> String {
-        let verdict = match self.identical() {
-            Some(true) => "identical",
-            Some(false) => "not identical",
-            None => "a part of the recording",
-        };
-        format!("<narx.Replay of {} ticks: digest {:016x}, {verdict}>", self.ticks, self.digest)
-    }
-}
-
 /// Runs a drive through a recording, or its first `until` ticks, and compares what it answers with what was recorded.
-///
-/// `recording` is the recording's bytes, or the path of a file.
 #[pyfunction]
 #[pyo3(signature = (recording, until=None))]
 pub(crate) fn replay<'py>(
     py: Python<'py>,
-    recording: &Bound<'py, PyAny>,
+    recording: PyBackedBytes,
     until: Option<i64>,
-) -> PyResult<Bound<'py, Replay>> {
+) -> PyResult<Replayed<'py>> {
     let refused = |ticks| error::parameter(format!("until {ticks}: must be a number of ticks, 0 or more"));
     let until = until.map(|ticks| u64::try_from(ticks).map_err(|_| refused(ticks))).transpose()?;
-    let bytes = match recording.extract::<PyBackedBytes>() {
-        Ok(bytes) => bytes,
-        // Python's own reading tells of a missing file with its name.
-        Err(_) => {
-            let path = py.import("pathlib")?.getattr("Path")?.call1((recording,))?;
-            path.call_method0("read_bytes")?.extract()?
-        }
-    };
-    let (replay, table) = py.detach(|| play(&bytes, until)).map_err(error::recording)?;
-    let trace = Trace::new(py, table, bytes.into_pyobject(py)?)?;
-    Bound::new(py, PyClassInitializer::from(trace).add_subclass(replay))
+    let (replay, table) = py.detach(|| play(&recording, until)).map_err(error::recording)?;
+    let (columns, units) = trace::columns(py, table)?;
+    let Replay { ticks, digest, recorded_digest, outputs, label, same_behaviour } = replay;
+    Ok((columns, units, ticks, digest, recorded_digest, outputs, label, same_behaviour))
 }
 
 fn play(bytes: &[u8], until: Option<u64>) -> Result<(Replay, Table), ReplayError> {

@@ -1,4 +1,4 @@
-//! A session that the bench and its drive share. It runs without Python's lock, so that other threads go on.
+//! A session that the bench and its master share. It runs without Python's lock, so that other threads go on.
 
 use narx_sim::session::Session;
 use pyo3::prelude::*;
@@ -22,28 +22,15 @@ impl Shared {
         py.detach(|| act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner)))
     }
 
-    /// Runs until `done`, at most `ticks` control ticks: whether it was done.
-    pub(crate) fn run_until(
-        &self,
-        py: Python<'_>,
-        ticks: u64,
-        mut done: impl FnMut(&mut Session) -> bool + Send,
-    ) -> PyResult<bool> {
+    /// Runs so many control ticks.
+    pub(crate) fn run(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
         let mut left = ticks;
         while left > 0 {
             let chunk = left.min(CHUNK);
-            let finished = self.with(py, |session| {
-                (0..chunk).any(|_| {
-                    session.step();
-                    done(session)
-                })
-            });
-            if finished {
-                return Ok(true);
-            }
+            self.with(py, |session| (0..chunk).for_each(|_| session.step()));
             left -= chunk;
             py.check_signals()?;
         }
-        Ok(false)
+        Ok(())
     }
 }

@@ -38,15 +38,23 @@ pub fn to_unit(row: &Parameter, raw: i64) -> f64 {
 /// # Errors
 /// An unknown number, not a number, or a value outside the parameter's range.
 pub fn set(parameters: &mut Parameters, number: u16, value: f64) -> Result<(), ValueError> {
+    let raw = raw(number, value)?;
+    // No kind has more than 32 bits, and the range was just looked at.
+    parameters.set(number, raw as i32).map_err(|_| ValueError::Unknown { number })
+}
+
+/// The raw value of a value in the parameter's unit, to the nearest step of its scale.
+///
+/// # Errors
+/// An unknown number, not a number, or a value outside the parameter's range.
+pub fn raw(number: u16, value: f64) -> Result<i64, ValueError> {
     let parameter = Dictionary::row(number).ok_or(ValueError::Unknown { number })?;
-    let refused = ValueError::OutOfRange { parameter, value };
     let raw =
         libm::round(if parameter.exponent < 0 { value * power(parameter) } else { value / power(parameter) });
-    // No kind has more than 32 bits.
     if !(parameter.min as f64..=parameter.max as f64).contains(&raw) {
-        return Err(refused);
+        return Err(ValueError::OutOfRange { parameter, value });
     }
-    parameters.set(number, raw as i64 as i32).map_err(|_| refused)
+    Ok(raw as i64)
 }
 
 fn power(row: &Parameter) -> f64 {

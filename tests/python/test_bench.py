@@ -61,7 +61,7 @@ def test_same_arguments_same_bits(motor: narx.Motor) -> None:
     assert digest(5) == digest(5) != digest(6)
 
 
-def state(bench: narx.Bench) -> narx.State:
+def state(bench: narx.Bench) -> narx.State | None:
     return bench.drive.state
 
 

@@ -1,5 +1,8 @@
 //! Faults with a physical cause: what breaks, not which fault bit comes of it.
 
+use crate::shown::Shown;
+use core::fmt;
+
 /// A phase, a leg or a hall line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -58,6 +61,117 @@ pub enum Injection {
     /// DSIO2 is driven high from outside (bit 28 where configured so).
     Dsi2,
 }
+
+/// What a fault is told besides its name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InjectionOptions {
+    /// The number that some have.
+    pub value: Option<f64>,
+    /// Phase, leg or hall line of some.
+    pub phase: Option<Phase>,
+    /// Level of a hall line that is stuck.
+    pub high: bool,
+}
+
+/// Why there is no such injection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum InjectionError {
+    /// There is no fault of this name.
+    Unknown,
+    /// It needs a value within this range, and has this one or none.
+    Value {
+        /// What was given.
+        given: Option<f64>,
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// Their unit.
+        unit: &'static str,
+    },
+    /// It needs a phase.
+    Phase,
+}
+
+impl Injection {
+    /// The names that [`Injection::named`] knows.
+    pub const NAMES: [&str; 14] = [
+        "ambient",
+        "supply",
+        "leak",
+        "driver",
+        "open-phase",
+        "hall-stuck",
+        "hall-swapped",
+        "hall-glitches",
+        "hall-supply-lost",
+        "blocked-rotor",
+        "pressure",
+        "break",
+        "dsi1",
+        "dsi2",
+    ];
+
+    /// The injection of a name. To end one its value does not matter: any that is allowed will do.
+    ///
+    /// # Errors
+    /// An unknown name, or an option that it needs and has not.
+    pub fn named(name: &str, options: InjectionOptions) -> Result<Self, InjectionError> {
+        let InjectionOptions { value: given, phase, high } = options;
+        let value = |min: f64, max: f64, unit| {
+            given.filter(|value| (min..=max).contains(value)).ok_or(InjectionError::Value { given, min, max, unit })
+        };
+        let phase = phase.ok_or(InjectionError::Phase);
+        Ok(match name {
+            "ambient" => Self::Ambient(value(-55.0, 250.0, "degrees C")?),
+            "supply" => Self::Supply(value(0.0, 80.0, "V")?),
+            "leak" => Self::Leak(value(0.01, 1000.0, "ohm")?),
+            "driver" => Self::Driver(phase?),
+            "open-phase" => Self::OpenPhase(phase?),
+            "hall-stuck" => Self::HallStuck { line: phase?, high },
+            "hall-swapped" => Self::HallSwapped(phase?),
+            "hall-glitches" => Self::HallGlitches(value(0.0, 10_000.0, "per second")?),
+            "hall-supply-lost" => Self::HallSupplyLost,
+            "blocked-rotor" => Self::BlockedRotor,
+            "pressure" => Self::Pressure(value(-10.0, 10.0, "V")?),
+            "break" => Self::Break,
+            "dsi1" => Self::Dsi1,
+            "dsi2" => Self::Dsi2,
+            _ => return Err(InjectionError::Unknown),
+        })
+    }
+
+    /// A value that a fault of this name may have, to end it by; 0 for those without one.
+    pub fn some_value(name: &str) -> f64 {
+        match Self::named(name, InjectionOptions::default()) {
+            Err(InjectionError::Value { min, .. }) => min,
+            _ => 0.0,
+        }
+    }
+}
+
+impl fmt::Display for InjectionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown => {
+                f.write_str("unknown; one of ")?;
+                Injection::NAMES.iter().enumerate().try_for_each(|(at, name)| {
+                    f.write_str(if at == 0 { "" } else { ", " }).and_then(|()| f.write_str(name))
+                })
+            }
+            Self::Value { given, min, max, unit } => {
+                match given {
+                    Some(value) => write!(f, "value {}", Shown::Plain(*value))?,
+                    None => f.write_str("needs a value")?,
+                }
+                write!(f, ": must be a number from {} to {} {unit}", Shown::Plain(*min), Shown::Plain(*max))
+            }
+            Self::Phase => f.write_str("needs a phase, one of A, B, C"),
+        }
+    }
+}
+
+impl core::error::Error for InjectionError {}
 
 /// The injections that are active.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

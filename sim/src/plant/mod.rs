@@ -42,7 +42,7 @@ pub use config::{
     BackEmf, ComparatorConfig, ConverterConfig, HallConfig, InverterConfig, LoadConfig, MotorConfig,
     PlantConfig, SupplyConfig,
 };
-pub use injection::{Injection, Phase};
+pub use injection::{Injection, InjectionError, InjectionOptions, Phase};
 pub use inputs::{Input, InputError};
 pub use ledger::Ledger;
 

@@ -1,7 +1,7 @@
 //! What happens in a scenario.
 
 use super::scenario::{parameter, within};
-use narx_sim::plant::{Injection, Phase};
+use narx_sim::plant::{Injection, InjectionOptions, Phase};
 use serde::Deserialize;
 
 /// An action at its time.
@@ -126,39 +126,16 @@ impl StepKeys {
     }
 }
 
-const FAULTS: &str = "ambient, supply, leak, driver, open-phase, hall-stuck, hall-swapped, hall-glitches, \
-                      hall-supply-lost, blocked-rotor, pressure, break, dsi1, dsi2";
-
 impl FaultKeys {
     /// The fault; to end one its value does not matter and may be left out.
     fn checked(&self, key: &str, begins: bool) -> Result<Injection, String> {
-        let value = |min: f64, max: f64, unit: &str| match self.value {
-            Some(value) => within(&format!("{key}.value"), value, min, max, unit),
-            None if begins => Err(format!("{key} {}: needs value", self.fault)),
-            None => Ok(min),
-        };
-        let phase = || match self.phase {
-            Some(PhaseKey::A) => Ok(Phase::A),
-            Some(PhaseKey::B) => Ok(Phase::B),
-            Some(PhaseKey::C) => Ok(Phase::C),
-            None => Err(format!("{key} {}: needs phase, one of A, B, C", self.fault)),
-        };
-        Ok(match self.fault.as_str() {
-            "ambient" => Injection::Ambient(value(-55.0, 250.0, "degrees C")?),
-            "supply" => Injection::Supply(value(0.0, 80.0, "V")?),
-            "leak" => Injection::Leak(value(0.01, 1000.0, "ohm")?),
-            "driver" => Injection::Driver(phase()?),
-            "open-phase" => Injection::OpenPhase(phase()?),
-            "hall-stuck" => Injection::HallStuck { line: phase()?, high: self.high.unwrap_or(false) },
-            "hall-swapped" => Injection::HallSwapped(phase()?),
-            "hall-glitches" => Injection::HallGlitches(value(0.0, 10_000.0, "per second")?),
-            "hall-supply-lost" => Injection::HallSupplyLost,
-            "blocked-rotor" => Injection::BlockedRotor,
-            "pressure" => Injection::Pressure(value(-10.0, 10.0, "V")?),
-            "break" => Injection::Break,
-            "dsi1" => Injection::Dsi1,
-            "dsi2" => Injection::Dsi2,
-            other => return Err(format!("{key}.fault = \"{other}\": unknown; one of {FAULTS}")),
-        })
+        let phase = self.phase.map(|phase| match phase {
+            PhaseKey::A => Phase::A,
+            PhaseKey::B => Phase::B,
+            PhaseKey::C => Phase::C,
+        });
+        let any = || (!begins).then(|| Injection::some_value(&self.fault));
+        let options = InjectionOptions { value: self.value.or_else(any), phase, high: self.high.unwrap_or(false) };
+        Injection::named(&self.fault, options).map_err(|error| format!("{key}.fault = \"{}\": {error}", self.fault))
     }
 }

@@ -276,8 +276,12 @@ expect = { states = ["Initialization", "Standby"] }
                 "bad.toml: at.set \"114\" = 0: must be from 1 to 60000 ms",
             ),
             ("\"leak\"", "\"leek\"", "bad.toml: at.inject.fault = \"leek\": unknown; one of ambient"),
-            (", value = 2.0", "", "bad.toml: at.inject leak: needs value"),
-            ("value = 2.0", "value = -2", "bad.toml: at.inject.value = -2: must be from 0.01 to 1000"),
+            (", value = 2.0", "", "bad.toml: at.inject.fault = \"leak\": needs a value: must be a number from"),
+            (
+                "value = 2.0",
+                "value = -2",
+                "bad.toml: at.inject.fault = \"leak\": value -2: must be a number from 0.01 to 1000 ohm",
+            ),
             ("\"Standby\"", "\"Stand\"", "bad.toml, line 8"),
         ] {
             let text = GOOD.replace(from, to);

@@ -1,0 +1,93 @@
+"""The bench: a virtual drive and its motor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+from narx import _core
+from narx._core import Load, Motor
+from narx.drive import Drive
+from narx.link import BenchLink
+from narx.trace import Trace
+
+
+class Bench:
+    """A virtual drive with its motor on a simulated bench, commanded over its CAN bus. Same arguments and calls, same bits.
+
+    The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`. supply_voltage: V. mode: "sensorless",
+    "hall" or "open-loop". parameters: of the drive by name or number, in their units; they win over those of commissioning. ambient:
+    degrees Celsius. seed: of all noise.
+    """
+
+    def __init__(
+        self,
+        motor: Motor,
+        supply_voltage: float = 48.0,
+        load: Load | None = None,
+        mode: Literal["sensorless", "hall", "open-loop"] = "sensorless",
+        parameters: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float] | None = None,
+        ambient: float = 25.0,
+        seed: int = 1,
+    ) -> None:
+        self._bench = _core.Bench(motor, supply_voltage, load, mode, parameters, ambient, seed)
+        self._drive = Drive(BenchLink(self._bench))
+
+    @property
+    def drive(self) -> Drive:
+        """The drive on this bench. Calls that wait advance simulated time."""
+        return self._drive
+
+    @property
+    def time(self) -> float:
+        """Time since power-up, s."""
+        return self._bench.time
+
+    @property
+    def notes(self) -> list[str]:
+        """Where a limit of the drive holds the motor back, in words."""
+        return self._bench.notes
+
+    def run(self, seconds: float) -> Trace:
+        """Lets `seconds` pass, to the nearest control tick, and returns the rows of this run, one per tick."""
+        # Rows of calls that waited belong to no run.
+        self._bench.drop_rows()
+        self._bench.advance(seconds)
+        columns, units, recording = self._bench.take_run()
+        return Trace(columns, units, recording)
+
+    def inject(
+        self, fault: str, value: float | None = None, phase: Literal["A", "B", "C"] | None = None, high: bool = False
+    ) -> None:
+        """Breaks something, until `clear`: what has a physical cause, not the fault bit that comes of it.
+
+        "ambient" (value in degrees Celsius), "supply" (V), "leak" (a resistor across the bus, ohm), "driver", "open-phase", "hall-swapped"
+        (phase), "hall-stuck" (phase, high), "hall-glitches" (value per second), "hall-supply-lost", "blocked-rotor", "pressure" (V behind the
+        amplifier), "break" (the hardware's break input), "dsi1", "dsi2".
+        """
+        self._bench.set_fault(fault.replace("_", "-"), True, value, phase, high)
+
+    def clear(self, fault: str | None = None, phase: Literal["A", "B", "C"] | None = None) -> None:
+        """Mends one fault of `inject`, or everything."""
+        if fault is None:
+            self._bench.clear_faults()
+        else:
+            self._bench.set_fault(fault.replace("_", "-"), False, None, phase, False)
+
+    def set_load(self, load: Load) -> None:
+        """Another load on the shaft from now on."""
+        self._bench.set_load(load)
+
+    def set_input(self, name: str, value: float) -> None:
+        """Puts a value on a slow input of the board: one of `inputs`, in the unit of what it measures."""
+        self._bench.set_input(name, value)
+
+    @property
+    def inputs(self) -> list[str]:
+        """Names of the board's slow inputs: "asi" (V), "accel_x" (g), "pressure" (mV), "rail14_v" (V), ..."""
+        return self._bench.inputs()
+
+    @property
+    def faults(self) -> list[str]:
+        """Names of what `inject` can break."""
+        return self._bench.faults()

@@ -1,0 +1,189 @@
+"""The virtual drive as a bus of python-can: `can.Bus(interface="narx")`."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+import time
+from collections import deque
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import can
+
+from narx import _core
+from narx.errors import NarxError
+
+QUEUE = 100_000
+"""Frames that wait for a client that does not read."""
+TICK = 1e-4
+"""Control tick, s: nothing shorter passes."""
+STEP = 0.1
+"""Simulated time between two looks at Ctrl-C, s."""
+
+
+class World:
+    """A bench that the buses of one channel share."""
+
+    _all: ClassVar[dict[str, World]] = {}
+    _guard: ClassVar[threading.Lock] = threading.Lock()
+    _clients: ClassVar[itertools.count[int]] = itertools.count(1)
+
+    def __init__(self, channel: str, realtime: bool, options: dict[str, Any]) -> None:
+        motor = options.pop("motor", "ec45-flat-50w-18v")
+        self.motor = motor
+        self.options = options
+        preset = _core.Motor.preset(motor) if isinstance(motor, str) else motor
+        self.channel = channel
+        self.realtime = realtime
+        self.bus = _core.VirtualBus(preset, **options)
+        self.queues: dict[int, deque[can.Message]] = {}
+        self.own: set[int] = set()
+        self.arrived = threading.Condition()
+        self._over = threading.Event()
+        self._thread: threading.Thread | None = None
+        if realtime:
+            self._thread = threading.Thread(target=self._run, name=f"narx {channel}", daemon=True)
+            self._thread.start()
+
+    @classmethod
+    def join(cls, channel: str, realtime: bool, options: dict[str, Any]) -> tuple[World, int]:
+        """The world of a channel, made by the first who comes, and a number in it."""
+        with cls._guard:
+            world = cls._all.get(channel)
+            if world is None:
+                world = cls._all[channel] = cls(channel, realtime, options)
+            elif options and options | {"motor": world.motor} != world.options | {"motor": options.get("motor", world.motor)}:
+                raise can.CanInitializationError(f'channel "{channel}" is there already, with other options')
+            client = next(cls._clients)
+            world.queues[client] = deque(maxlen=QUEUE)
+            return world, client
+
+    def leave(self, client: int) -> None:
+        """One client less; the last one ends the world."""
+        with self._guard:
+            self.queues.pop(client, None)
+            if self.queues:
+                return
+            self._all.pop(self.channel, None)
+        self._over.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def advance(self, until: float, until_frame: bool = False) -> None:
+        """Simulates until then, or until a frame has passed."""
+        passed = self.bus.advance(until, until_frame)
+        if not passed:
+            return
+        with self.arrived:
+            for moment, sender, (number, extended, remote, data) in passed:
+                for client, queue in list(self.queues.items()):
+                    if client == sender and client not in self.own:
+                        continue
+                    queue.append(
+                        can.Message(
+                            timestamp=moment, arbitration_id=number, is_extended_id=extended, is_remote_frame=remote,
+                            dlc=len(data), data=None if remote else data, channel=self.channel, is_rx=client != sender,
+                        )
+                    )  # fmt: skip
+            self.arrived.notify_all()
+
+    def _run(self) -> None:
+        """Keeps simulated time in step with the clock. A stall of more than a second is not caught up with."""
+        origin = time.monotonic() - self.bus.time
+        while not self._over.is_set():
+            target = time.monotonic() - origin
+            if target > self.bus.time + 1.0:
+                origin += target - self.bus.time - 1.0
+                target = self.bus.time + 1.0
+            self.advance(min(target, self.bus.time + 0.02))
+            if self.bus.time >= target:
+                time.sleep(0.001)
+
+
+class NarxBus(can.BusABC):
+    """A virtual drive on its bus. Buses of one process with the same channel share one.
+
+    motor: a preset's name or a `narx.Motor`. supply_voltage, load, mode, parameters, ambient and seed are those of `narx.Bench`. realtime:
+    simulated time keeps step with the clock; without it, time passes while somebody receives, as fast as it can be simulated.
+    """
+
+    def __init__(
+        self,
+        channel: Any = "virtual",
+        can_filters: can.typechecking.CanFilters | None = None,
+        realtime: bool = True,
+        receive_own_messages: bool = False,
+        bitrate: int = 500_000,
+        **options: Any,
+    ) -> None:
+        if bitrate != 500_000:
+            raise can.CanInitializationError(f"bitrate {bitrate}: the drive's bus has 500000")
+        known = {"motor", "supply_voltage", "load", "mode", "parameters", "ambient", "seed"}
+        options = {name: value for name, value in options.items() if name in known}
+        try:
+            self._world, self._client = World.join(str(channel), realtime, options)
+        except NarxError as error:
+            raise can.CanInitializationError(str(error)) from error
+        self.realtime = self._world.realtime
+        self.channel_info = f"narx virtual drive: {channel}"
+        if receive_own_messages:
+            self._world.own.add(self._client)
+        super().__init__(channel=channel, can_filters=can_filters)
+
+    @property
+    def time(self) -> float:
+        """Simulated time since power-up, s."""
+        return self._world.bus.time
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """Queues a frame; it takes part in the arbitration from now on."""
+        if msg.is_fd or msg.is_error_frame:
+            raise can.CanOperationError("the virtual drive's bus has neither CAN FD nor error frames to send")
+        data = bytes(msg.dlc) if msg.is_remote_frame else bytes(msg.data)
+        try:
+            taken = self._world.bus.send(
+                self._client, msg.arbitration_id, msg.is_extended_id, msg.is_remote_frame, data
+            )
+        except NarxError as error:
+            raise can.CanOperationError(str(error)) from error
+        if not taken:
+            raise can.CanOperationError("the queue of frames to send is full")
+
+    def recv(self, timeout: float | None = None) -> can.Message | None:
+        """The next frame, or `None` after `timeout` s of the bus's time."""
+        if self.realtime:
+            return super().recv(timeout)
+        # The base class measures time-outs by the clock.
+        queue = self._queue()
+        end = float("inf") if timeout is None else self.time + timeout
+        while True:
+            while not queue and end - self.time > TICK / 2:
+                self._world.advance(min(end, self.time + STEP), until_frame=True)
+            if not queue:
+                return None
+            message = queue.popleft()
+            if self._matches_filters(message):
+                return message
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        queue = self._queue()
+        with self._world.arrived:
+            self._world.arrived.wait_for(lambda: bool(queue), timeout)
+        return (queue.popleft() if queue else None), False
+
+    def _queue(self) -> deque[can.Message]:
+        queue = self._world.queues.get(self._client)
+        if queue is None:
+            raise can.CanOperationError("the bus was shut down")
+        return queue
+
+    def shutdown(self) -> None:
+        """Leaves the bus."""
+        if not self._is_shutdown:
+            super().shutdown()
+            self._world.leave(self._client)
+
+    @staticmethod
+    def _detect_available_configs() -> Sequence[can.typechecking.AutoDetectedConfig]:
+        return [{"interface": "narx", "channel": "virtual"}]

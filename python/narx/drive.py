@@ -1,0 +1,411 @@
+"""A drive as its master sees it: on a bench, or on any bus of python-can."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from narx import _core
+from narx._core import State
+from narx.errors import NoAnswerError, SignalError, StartError
+from narx.link import BusLink, Link, SteppedLink, ask
+from narx.log import Log
+from narx.names import suggestion
+from narx.parameters import Parameters
+from narx.scope import Scope
+
+if TYPE_CHECKING:
+    import can
+
+START_MAX = 10.0
+"""Longest wait for a start, s."""
+ANSWER = 0.05
+"""A command is on the bus and the drive has acted on it within this time, s."""
+
+HALL_ENABLE, SENSORLESS_ENABLE = "Closed-loop Hall Effect Sensors enable", "Closed-loop Sensorless enable"
+START_REFUSAL, REJECTED_PARAMETER = "Start refusal", "Rejected parameter"
+EXTENDED_FAULT_CODE = "Extended fault code"
+REFUSALS = {1: "no mode is enabled", 2: "parameters do not fit together", 4: "it was not asked for Standby before"}
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A value that the drive has sent."""
+
+    value: float
+    """In `unit`."""
+    unit: str
+    """SI unit, rpm, g or °C; "" for plain numbers."""
+    time: float
+    """When it was heard, s: the time of the bench, or since the connection."""
+
+
+class Measurements(Mapping[str, float]):
+    """The measurements that the drive broadcasts, by the names of the specification's Figure 14: those that were heard."""
+
+    def __init__(self, signals: list[tuple[str, str, tuple[float, float] | None]], speed: float | None) -> None:
+        self._known = {
+            name: Measurement(heard[0], "" if unit == "-" else unit, heard[1])
+            for name, unit, heard in signals
+            if heard is not None
+        }
+        self._names = [name for name, _, _ in signals]
+        self.speed = speed
+        """Mechanical speed by what the control mode uses, rpm; `None` before it was heard."""
+
+    def __getitem__(self, name: str) -> float:
+        return self.full(name).value
+
+    def full(self, name: str) -> Measurement:
+        """The measurement with its unit and time."""
+        folded = {known.casefold(): known for known in self._known}
+        try:
+            return self._known[folded[name.casefold()]]
+        except KeyError:
+            if name.casefold() in (known.casefold() for known in self._names):
+                raise SignalError(f'measurement "{name}" was not heard yet') from None
+            raise SignalError(f'there is no measurement "{name}"{suggestion(name, self._names)}') from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    def __len__(self) -> int:
+        return len(self._known)
+
+    def __repr__(self) -> str:
+        rows = (f"  {name}: {known.value:g} {known.unit}".rstrip() for name, known in self._known.items())
+        return "\n".join(["<narx.Measurements", *rows, ">"])
+
+
+@dataclass(frozen=True)
+class Info:
+    """What a drive says of itself: BUILD_INFO and DEVICE_INFO."""
+
+    build_number: int
+    source_modified: bool
+    build_date: int
+    """YYYYMMDD."""
+    hardware: int
+    """Release of the board."""
+    software: str
+    """Release of the firmware, major.minor."""
+    device_number: int
+    """Serial number."""
+    address: int
+    """On the bus."""
+
+
+class Drive:
+    """A drive. Set-points are repeated from the first command on. As a context manager it stops the motor at the end.
+
+    `narx.Drive(bus)` takes any bus of python-can, which stays its owner's; `narx.connect` opens one. A silent drive transmits nothing
+    and only listens. slave, monitor: addresses of the drive and of this master. setpoint_period: s.
+    """
+
+    def __init__(
+        self,
+        bus: can.BusABC | Link,
+        slave: int = 170,
+        monitor: int = 85,
+        setpoint_period: float = 0.05,
+        silent: bool = False,
+        read_parameters: bool = True,
+    ) -> None:
+        self._own_bus: can.BusABC | None = None
+        self._closed = False
+        if isinstance(bus, Link):
+            self._link: Link = bus
+        else:
+            master = _core.Master(slave, monitor, setpoint_period, silent, read_parameters)
+            stepped = not getattr(bus, "realtime", True)
+            self._link = SteppedLink(bus, master) if stepped else BusLink(bus, master)
+
+    @property
+    def _master(self) -> _core.Master:
+        return self._link.master
+
+    def start(self, rpm: float, wait: bool = True) -> None:
+        """Asks for a speed, mechanical rpm, negative in reverse.
+
+        With `wait`, time runs until the motor is in open or closed loop (state 3, 4 or 5, as the mode has it); without that, StartError
+        says why it is not. A drive in Fault does not start: `stop` acknowledges the fault.
+        """
+        self._link.start(rpm)
+        if not wait:
+            return
+        attempt = Start(self._link, self._read, rpm < 0)
+        if not self._link.wait(attempt.done, START_MAX):
+            state = self.state
+            raise StartError(
+                f"no start within {START_MAX:g} s: the drive is in {name_of(state)}" if state is not None
+                else f"no start within {START_MAX:g} s: nothing was heard of the drive"
+            )  # fmt: skip
+        attempt.judge(self)
+
+    def set_speed(self, rpm: float) -> None:
+        """Asks for another speed in the same direction, mechanical rpm."""
+        self._master.set_speed(rpm)
+        self._link.wake()
+
+    def stop(self) -> None:
+        """Asks for Standby, which also acknowledges a fault."""
+        self._link.stop()
+
+    def shut_down(self) -> None:
+        """Asks for a shutdown: the drive goes into Fault with bit 28."""
+        self._master.shut_down()
+        self._link.wake()
+
+    @property
+    def state(self) -> State | None:
+        """The drive's state; `None` while it is not known."""
+        return self._master.state
+
+    @property
+    def faults(self) -> set[str]:
+        """Names of the bits of the fault word that are set."""
+        return self._master.faults or set()
+
+    @property
+    def fault(self) -> str | None:
+        """What the extended code of the last critical fault means; `None` without a fault."""
+        critical = self._master.critical
+        if not self.faults or critical is None:
+            return None
+        _, code, meaning = critical
+        return meaning or f"extended fault code {code:#06x}"
+
+    @property
+    def status(self) -> dict[str, Any]:
+        """The fields of STATUS_WORD (section 8, Table 8) as they were last heard."""
+        return self._master.status or {}
+
+    @property
+    def connected(self) -> bool:
+        """Whether the drive was heard lately."""
+        return self._master.connected
+
+    @property
+    def measurements(self) -> Measurements:
+        """What the drive measures, as it was last heard."""
+        return Measurements(self._master.measurements(), self._master.speed)
+
+    @property
+    def info(self) -> Info:
+        """BUILD_INFO and DEVICE_INFO, asked for now."""
+        self._request("build info")
+        self._request("device info")
+        build, device = self._master.build, self._master.device
+        if build is None or device is None:
+            raise NoAnswerError("the drive does not say what it is")
+        software = f"{device[1] >> 8}.{device[1] & 0xFF}"
+        return Info(*build, hardware=device[0], software=software, device_number=device[2], address=device[3])
+
+    @property
+    def parameters(self) -> Parameters:
+        """The drive's parameters by name or number."""
+        return Parameters(self._link)
+
+    @property
+    def scope(self) -> Scope:
+        """The virtual scope."""
+        return Scope(self._link)
+
+    @property
+    def log(self) -> Log:
+        """The external log memory."""
+        return Log(self._link)
+
+    def description(self, progress: Callable[[int, int], None] | None = None) -> str:
+        """Downloads the drive's description of itself (XML). progress: called with words received and words in all."""
+        from narx.download import download
+
+        return download(self._link, "description", progress=progress).rstrip(b"\0").decode()
+
+    def reboot(self, wait: bool = True) -> None:
+        """Restarts a stopped drive: what is not stored is lost. With `wait`, until it is in Standby or Fault again."""
+        self._request("reboot")
+        if not wait:
+            return
+        # Its self-tests take half a second.
+        self._link.wait(lambda: self.state is State.INITIALIZATION, 0.2)
+        ready = (State.STANDBY, State.FAULT)
+        if not self._link.wait(lambda: self.state in ready, 5.0):
+            raise NoAnswerError("the drive was not heard within 5 s after its reboot")
+
+    def set_outputs(self, dsio1: bool | None = None, dsio2: bool | None = None) -> None:
+        """Sets the digital lines: `None` makes one an input, True or False an output of this level."""
+        ask(self._link, lambda: self._master.set_outputs(dsio1, dsio2))
+
+    def set_hall_supply(self, on: bool) -> None:
+        """Switches the supply of the hall sensors off, or leaves it to parameter 97."""
+        self._request("enable hall supply" if on else "disable hall supply")
+
+    def set_position(self) -> None:
+        """The present mechanical position becomes that of parameter 16."""
+        self._request("set position")
+
+    def calibrate_hall(self) -> None:
+        """The next start turns the motor one electrical revolution each way to find order, polarity and offset of the sensors."""
+        self._request("calibrate hall")
+
+    def auto_calibrate(self) -> None:
+        """With the bridge off: the bus current reads 0 and the bus voltage reads parameter 266."""
+        self._request("auto-calibrate")
+
+    def wait(self, seconds: float) -> None:
+        """Lets time pass: simulated on a bench, else that of the clock."""
+        self._link.wait(lambda: False, seconds)
+
+    def wait_for(self, done: Callable[[], bool], timeout: float = 10.0) -> bool:
+        """Lets time pass until `done`, at most `timeout` s: whether it was done."""
+        return self._link.wait(done, timeout)
+
+    def close(self, stop: bool = True) -> None:
+        """Stops the motor, unless `stop` is false, and lets go of the bus; the second time nothing happens."""
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            if stop and not self._master.silent:
+                self._link.stop()
+                # Two requests are on the bus then.
+                self._link.wait(lambda: False, 2 * self._master.setpoint_period)
+        finally:
+            self._link.close()
+            if self._own_bus is not None:
+                self._own_bus.shutdown()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<narx.Drive in {name_of(self.state)}>"
+
+    def _request(self, what: str) -> int:
+        return ask(self._link, lambda: self._master.request(what))
+
+    def _read(self, name: str) -> int:
+        number = _core.parameter_number(name)
+        return ask(self._link, lambda: self._master.request("read", number))
+
+
+class Start:
+    """A start that is waited for."""
+
+    def __init__(self, link: Link, read: Callable[[str], int], reverse: bool) -> None:
+        self._link = link
+        self._read = read
+        self._reverse = reverse
+        self._asked: float | None = None
+        # In which of them the start ends is the modes' business.
+        self._closed_loop: bool | None = None
+        self._idle = False
+
+    def done(self) -> bool:
+        """Whether it is over, one way or the other."""
+        state = self._link.master.state
+        if state is State.FAULT:
+            return True
+        if self._link.start_pending or state is None:
+            return False
+        self._asked = self._link.now if self._asked is None else self._asked
+        if self._link.now < self._asked + ANSWER:
+            return False
+        status = self._link.master.status or {}
+        turns = status.get("Motor mode") == ("Reverse" if self._reverse else "Drive")
+        match state:
+            case State.HALL_CLOSED_LOOP | State.SENSORLESS_CLOSED_LOOP:
+                return turns
+            case State.OPEN_LOOP:
+                return turns and not self.ends_in_closed_loop()
+            case State.STANDBY:
+                self._idle = self._link.now >= self._asked + 4 * ANSWER
+                return self._idle
+        return False
+
+    def ends_in_closed_loop(self) -> bool:
+        if self._closed_loop is None:
+            self._closed_loop = any(self._read(name) for name in (HALL_ENABLE, SENSORLESS_ENABLE))
+        return self._closed_loop
+
+    def judge(self, drive: Drive) -> None:
+        """Raises for a start that has failed."""
+        names = ", ".join(sorted(drive.faults))
+        if self._link.master.state is State.FAULT:
+            # The code may come later than the state.
+            code = self._read(EXTENDED_FAULT_CODE)
+            self._link.wait(lambda: drive.fault is not None, ANSWER)
+            raise StartError(f"the drive is in Fault: {drive.fault or f'code {code:#06x}'} ({names})")
+        if not self._idle:
+            return
+        refusal = self._read(START_REFUSAL)
+        rejected = self._read(REJECTED_PARAMETER)
+        if refusal == 2 and rejected != 0xFFFF:
+            row = Parameters.rows[rejected]
+            raise StartError(f'the drive refused the start: parameter {rejected} "{row.name}" does not fit the others')
+        reason = REFUSALS.get(refusal, f"reason {refusal}" if refusal else "it stays in Standby")
+        raise StartError(f"the drive refused the start: {reason}")
+
+
+def connect(
+    interface: str = "socketcan",
+    channel: str | int | None = None,
+    slave: int = 170,
+    monitor: int = 85,
+    bitrate: int = 500_000,
+    setpoint_period: float = 0.05,
+    silent: bool = False,
+    read_parameters: bool = True,
+    timeout: float = 2.0,
+    **options: Any,
+) -> Drive:
+    """Opens a bus of python-can and waits until the drive is heard and has done its self-tests.
+
+    interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan" with a serial port or
+    "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists what is there. Raises NoAnswerError when nothing is
+    heard of the drive within `timeout` s; a silent master hears it only while another one talks to it.
+    """
+    import can
+
+    bus = can.Bus(interface=interface, channel=channel, bitrate=bitrate, **options)
+    try:
+        drive = Drive(bus, slave, monitor, setpoint_period, silent, read_parameters)
+    except BaseException:
+        bus.shutdown()
+        raise
+    drive._own_bus = bus
+    # The status word does not tell some states from each other: the master asks for them.
+    if not drive._link.wait(lambda: is_there(drive, silent), timeout):
+        drive.close()
+        raise NoAnswerError(
+            f"no drive {slave} was heard on {interface} {channel} within {timeout:g} s: is it on, at this bit rate, and does it "
+            f"answer to master {monitor}?"
+        )
+    return drive
+
+
+def is_there(drive: Drive, silent: bool) -> bool:
+    """Whether a drive can be asked and told things."""
+    if drive._master.last_heard is None:
+        return False
+    return silent or drive.state not in (None, State.INITIALIZATION)
+
+
+def devices(*interfaces: str) -> list[dict[str, Any]]:
+    """What can be opened: keyword arguments of `connect`, as python-can finds them; all interfaces, or the ones named."""
+    import can
+
+    return [dict(found) for found in can.detect_available_configs(list(interfaces) or None)]
+
+
+def name_of(state: State | None) -> str:
+    """A state in words."""
+    return "an unknown state" if state is None else state.name.replace("_", " ").capitalize()

@@ -1,0 +1,161 @@
+"""The external log memory of a drive: records of chosen values, written periodically."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+
+from narx import _core
+from narx.download import download
+from narx.errors import NoAnswerError, ParameterError
+from narx.link import Link, ask
+from narx.names import suggestion
+from narx.parameters import Parameters
+from narx.trace import Trace
+
+KEEP: dict[str, int] = {"live": 0, "min": 1, "max": 2, "mean": 3}
+
+SLOT_FIRST, SLOT_LAST, NOTHING = 29, 65, 0xFFFF
+RECORD_BYTES, INDEX_MAX, WRITE_INDEX, PERIOD, FULL = 69, 70, 71, 72, 77
+SIGNAL_FIRST = 0x2000
+
+# What a slot can name: number there, unit, and what the raw value is worth.
+WHAT: dict[str, tuple[int, str, float]] = {
+    name: (SIGNAL_FIRST + 4 * opcode + word, unit, scale)
+    for name, opcode, word, unit, scale in _core.measurement_signals()
+}
+# A signal that is a parameter, too, is the same value under another number.
+WHAT |= {row.name: (row.number, row.unit, row.scale) for row in Parameters.rows.values() if row.name not in WHAT}
+NAMES = {number: name for name, (number, _, _) in WHAT.items()} | {
+    row.number: row.name for row in Parameters.rows.values()
+}
+FOLDED = {name.casefold(): name for name in WHAT}
+
+
+class Log:
+    """Sets up, reads and erases the log."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+        self._parameters = Parameters(link)
+
+    def __len__(self) -> int:
+        """Records in the memory."""
+        return int(self._parameters[WRITE_INDEX])
+
+    def __bool__(self) -> bool:
+        return True
+
+    @property
+    def capacity(self) -> int:
+        """Records that the memory holds; 0 without one."""
+        return int(self._parameters[INDEX_MAX])
+
+    @property
+    def full(self) -> bool:
+        """Whether the memory is full: nothing is written then until it is erased."""
+        return bool(self._parameters[FULL])
+
+    @property
+    def state(self) -> str:
+        """The logging state (Table 8) as it was last heard."""
+        status = self._link.master.status or {}
+        return str(status.get("Logging state", "unknown"))
+
+    @property
+    def slots(self) -> dict[str, str]:
+        """What is logged: name -> live value, or smallest, largest or mean since the record before."""
+        kinds = {number: kind for kind, number in KEEP.items()}
+        values = [int(self._parameters[number]) for number in range(SLOT_FIRST, SLOT_LAST + 1)]
+        return {
+            NAMES.get(value & 0xFFFF, f"parameter {value & 0xFFFF}"): kinds[value >> 16 & 3]
+            for value in values
+            if value & 0xFFFF != NOTHING
+        }
+
+    def configure(self, values: Iterable[str] | Mapping[str, str], period: float) -> None:
+        """Chooses what is logged, and every how many seconds.
+
+        values: up to 37 names of parameters or measurements; a mapping says which value of each is kept: "live", "min", "max" or
+        "mean" since the record before. period: 0.001 to 3600 s. Records begin once the drive has this; `parameters.store` keeps it.
+        """
+        chosen = dict(values) if isinstance(values, Mapping) else dict.fromkeys(values, "live")
+        slots = [number_of(name) | kind_of(kind) << 16 for name, kind in chosen.items()]
+        count = SLOT_LAST + 1 - SLOT_FIRST
+        if len(slots) > count:
+            raise ParameterError(f"values: {len(slots)} are too many, the log has {count} slots")
+        self._parameters[PERIOD] = period * 1000.0
+        for at, slot in enumerate(slots + [NOTHING] * (count - len(slots))):
+            self._parameters[SLOT_FIRST + at] = slot
+
+    def download(
+        self,
+        first: int = 0,
+        count: int | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Trace:
+        """Records from index `first` on, to the last one or `count` of them: `index`, `time` in s since power-up, and the values.
+
+        A value that a record does not have is NaN; a record that the drive cannot read any more is left out. progress: called with words
+        received and words in all.
+        """
+        last = len(self)
+        count = max(last - first, 0) if count is None else count
+        if first < 0 or count < 0 or first + count > last:
+            raise ParameterError(f"records {first} to {first + count}: the log has {last}")
+        if count == 0:
+            return table([])
+        size = int(self._parameters[RECORD_BYTES])
+        data = download(self._link, "log", first, count, progress)
+        return table([record for record in _core.log_records(data, size) if record is not None])
+
+    def erase(self, wait: bool = True) -> None:
+        """Erases every record; refused while driving. With `wait`, until that is done: minutes for a full memory."""
+        ask(self._link, lambda: self._link.master.request("erase log"))
+        if not wait:
+            return
+        idle = 0
+        while idle < 2:
+            self._link.wait(lambda: False, 0.1)
+            erasing = self.state in ("LOG_ERASE_ONGOING", "LOG_ERASE_END")
+            idle = 0 if erasing or len(self) > 0 and self.full else idle + 1
+            if not self._link.master.connected:
+                raise NoAnswerError("the drive was lost while it erases its log")
+
+
+def table(records: list[tuple[int, float, list[tuple[int, int]]]]) -> Trace:
+    """Records as columns."""
+    columns: dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]] = {
+        "index": np.array([index for index, _, _ in records], float),
+        "time": np.array([time for _, time, _ in records], float),
+    }
+    units = {"index": "", "time": "s"}
+    kinds = {number: kind for kind, number in KEEP.items()}
+    for row, (_, _, values) in enumerate(records):
+        for what, raw in values:
+            name = NAMES.get(what & 0x3FFF, f"parameter {what & 0x3FFF}")
+            kind = kinds[what >> 14]
+            _, unit, scale = WHAT.get(name, (0, "", 1.0))
+            label = name if kind == "live" else f"{name} {kind}"
+            if label not in columns:
+                columns[label] = np.full(len(records), np.nan)
+                units[label] = unit
+            columns[label][row] = raw * scale
+    return Trace(columns, units)
+
+
+def number_of(name: str) -> int:
+    """What a slot names it by; case does not matter."""
+    try:
+        return WHAT[FOLDED[name.casefold()]][0]
+    except KeyError:
+        raise ParameterError(f'there is no parameter or measurement "{name}"{suggestion(name, WHAT)}') from None
+
+
+def kind_of(kind: str) -> int:
+    """The number of what is kept."""
+    if kind not in KEEP:
+        raise ParameterError(f'kept value "{kind}": must be one of {", ".join(KEEP)}')
+    return KEEP[kind]
+

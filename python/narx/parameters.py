@@ -1,0 +1,163 @@
+"""The parameters of a drive (Tables 10 and 11 of the specification, and ours from number 256 on)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, MutableMapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import ClassVar, Literal
+
+from narx import _core
+from narx.errors import NarxError, ParameterError
+from narx.link import Link, ask
+
+DEVICE_NUMBER = 1
+STOPPED, LIVE, READ_ONLY = "stopped", "live", "read-only"
+
+
+@dataclass(frozen=True)
+class Row:
+    """Everything there is to know of one parameter but its value."""
+
+    number: int
+    name: str
+    category: str
+    unit: str
+    """Of the values; "" without one."""
+    type: Literal["uint16", "int32", "uint32"]
+    scale: float
+    """Step of the value: what a raw 1 is."""
+    min: float
+    max: float
+    factory: float
+    """Factory value."""
+    access: str
+    """"live", "stopped" (in Standby, and in Fault at standstill) or "read-only"."""
+    command: bool
+    """Writing 0 then 1 is a command."""
+    acts: str
+    """When a written value acts."""
+    description: str
+
+
+class Parameters(MutableMapping[str | int, float]):
+    """Parameters by name (case does not matter) or number, in their units. Reading asks the drive, writing waits for its answer.
+
+    Raises ParameterError for one that does not exist or cannot have the value, RefusedError when the drive's state forbids it, NoAnswerError.
+    """
+
+    rows: ClassVar[Mapping[int, Row]] = {row["number"]: Row(**row) for row in _core.parameters()}
+    """What each is, by number."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+
+    def __getitem__(self, key: str | int) -> float:
+        number = _core.parameter_number(key)
+        raw = self._ask("read", number)
+        return _core.from_raw(number, raw)
+
+    def __setitem__(self, key: str | int, value: float) -> None:
+        number = _core.parameter_number(key)
+        try:
+            raw = _core.to_raw(number, float(value))
+        except (TypeError, ValueError) as error:
+            if isinstance(error, NarxError):
+                raise
+            raise ParameterError(f"parameter {key} {value!r}: must be a number") from None
+        self._ask("write", number, raw)
+
+    def __delitem__(self, key: str | int) -> None:
+        raise ParameterError(f"parameter {key}: a drive's parameters cannot be deleted")
+
+    def __iter__(self) -> Iterator[str]:
+        return (row.name for row in self.rows.values())
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __contains__(self, key: object) -> bool:
+        try:
+            _core.parameter_number(key)  # type: ignore[arg-type]
+        except ParameterError:
+            return False
+        return True
+
+    def row(self, key: str | int) -> Row:
+        """What a parameter is."""
+        return self.rows[_core.parameter_number(key)]
+
+    def find(self, text: str) -> list[Row]:
+        """Parameters whose name, category or description has the text; case does not matter."""
+        folded = text.casefold()
+        return [row for row in self.rows.values() if folded in f"{row.name} {row.category} {row.description}".casefold()]
+
+    def to_dict(self) -> dict[str, float]:
+        """Every parameter that can be written and is no command, by name: what `load` takes."""
+        return {row.name: self[row.number] for row in settable()}
+
+    def load(self, values: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float]) -> list[str]:
+        """Writes the values that differ from the drive's: the names of those. Every one is checked before the first is written; the
+        device number is left as it is (`store_once`)."""
+        wanted = {_core.parameter_number(key): value for key, value in values.items()}
+        raw = {number: _core.to_raw(number, float(value)) for number, value in wanted.items()}
+        for number in wanted:
+            if self.rows[number].access == READ_ONLY:
+                raise ParameterError(f'parameter {number} "{self.rows[number].name}": read-only')
+        different = [number for number in raw if number != DEVICE_NUMBER and self._ask("read", number) != raw[number]]
+        for number in different:
+            self._ask("write", number, raw[number])
+        return [self.rows[number].name for number in different]
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes `to_dict` as a JSON file."""
+        import json
+
+        Path(path).write_text(json.dumps(self.to_dict(), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+
+    def load_file(self, path: str | PathLike[str]) -> list[str]:
+        """Loads a file of `save`: the names of the parameters that have changed."""
+        import json
+
+        try:
+            values = json.loads(Path(path).read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise ParameterError(f'file "{path}" is no file of parameters: {error}') from None
+        if not isinstance(values, dict):
+            raise ParameterError(f'file "{path}" is no file of parameters: it must hold one object of names and values')
+        return self.load(values)
+
+    def diff(self, values: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+        """Where the drive differs from `values`: name -> (value there, value on the drive)."""
+        pairs = {self.row(key).name: (value, self[key]) for key, value in values.items()}
+        return {name: pair for name, pair in pairs.items() if _differs(self.row(name).number, pair)}
+
+    def store(self) -> None:
+        """Stores every parameter but the device number and the calibration in the drive's memory."""
+        self._ask("store")
+
+    def store_once(self) -> None:
+        """Stores the device number and the calibration (category 02)."""
+        self._ask("store once")
+
+    def reset_calibration(self) -> None:
+        """Sets the calibration (category 02) to its factory values."""
+        self._ask("reset calibration")
+
+    def restore_factory(self) -> None:
+        """Sets and stores factory values for everything but what is the board's own."""
+        self._ask("restore factory", self._ask("read", DEVICE_NUMBER))
+
+    def _ask(self, what: str, number: int = 0, raw: int = 0) -> int:
+        return ask(self._link, lambda: self._link.master.request(what, number, raw))
+
+
+def settable() -> Iterator[Row]:
+    """Rows of what configures a drive."""
+    return (row for row in Parameters.rows.values() if row.access != READ_ONLY and not row.command)
+
+
+def _differs(number: int, pair: tuple[float, float]) -> bool:
+    left, right = pair
+    return _core.to_raw(number, left) != _core.to_raw(number, right)

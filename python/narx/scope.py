@@ -1,0 +1,185 @@
+"""The virtual scope of a drive: it records signals of the control tick, tick by tick."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Self
+
+import numpy as np
+
+from narx import _core
+from narx.download import download
+from narx.errors import NoAnswerError, ParameterError, RefusedError, SignalError
+from narx.link import Link, ask
+from narx.names import suggestion
+from narx.parameters import Parameters
+from narx.trace import Trace
+
+CHANNELS, SAMPLES, PRESCALER, SAMPLING_TIME, BEFORE = 22, 23, 24, 25, 26
+STATE, TRIGGER, TRIGGER_SIGNAL, TRIGGER_LEVEL, INPUTS, WORDS = 260, 290, 291, 292, 300, 301
+
+SIGNALS = {name: (bit, unit, base) for bit, (name, unit, base) in enumerate(_core.scope_signals())}
+FOLDED = {name.casefold(): name for name in SIGNALS}
+
+
+class ScopeState(IntEnum):
+    """What the scope does (parameter 260)."""
+
+    IDLE = 0
+    ARMED = 1
+    RECORDING = 2
+    DONE = 3
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """What begins a record (parameters 290 to 292). A scope that is armed can be forced, too, whatever it waits for."""
+
+    kind: int
+    signal: str | None = None
+    value: float = 0.0
+
+    @classmethod
+    def forced(cls) -> Self:
+        """Nothing but `force`."""
+        return cls(0)
+
+    @classmethod
+    def above(cls, signal: str, value: float) -> Self:
+        """The signal is above the value, in its unit."""
+        return cls(1, signal, value)
+
+    @classmethod
+    def below(cls, signal: str, value: float) -> Self:
+        """The signal is below the value, in its unit."""
+        return cls(2, signal, value)
+
+    @classmethod
+    def rising(cls, signal: str, value: float) -> Self:
+        """The signal rises through the value, in its unit."""
+        return cls(3, signal, value)
+
+    @classmethod
+    def falling(cls, signal: str, value: float) -> Self:
+        """The signal falls through the value, in its unit."""
+        return cls(4, signal, value)
+
+    @classmethod
+    def state_change(cls) -> Self:
+        """The drive goes into another state."""
+        return cls(5)
+
+    @classmethod
+    def fault(cls) -> Self:
+        """A bit of FAULT_WORD appears."""
+        return cls(6)
+
+
+class Scope:
+    """Arms, forces and reads the scope. A record survives faults and further starts until the scope is armed again."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+        self._parameters = Parameters(link)
+
+    @property
+    def signals(self) -> dict[str, str]:
+        """What can be recorded: name -> unit."""
+        return {name: unit for name, (_, unit, _) in SIGNALS.items()}
+
+    @property
+    def state(self) -> ScopeState:
+        """What it does now."""
+        return ScopeState(int(self._parameters[STATE]))
+
+    def arm(
+        self,
+        signals: Iterable[str],
+        samples: int = 256,
+        prescaler: int = 1,
+        trigger: Trigger | None = None,
+        before: int = 0,
+    ) -> None:
+        """Sets it up and arms it.
+
+        signals: names of `signals`, four in a tick. samples: of each signal, as far as the memory has room. prescaler: control ticks from one
+        sample to the next. trigger: `None` is that of `force` alone. before: samples from before the trigger, fewer than `samples`.
+        """
+        chosen = [known(name) for name in signals]
+        if not chosen:
+            raise ParameterError("signals: must name at least one")
+        if self.state in (ScopeState.ARMED, ScopeState.RECORDING):
+            raise RefusedError(f"the scope is {self.state.name.lower()}: force it, or wait until it is done")
+        trigger = trigger or Trigger.forced()
+        self._parameters[INPUTS] = 0
+        self._parameters[CHANNELS] = sum({1 << SIGNALS[name][0] for name in chosen})
+        self._parameters[SAMPLES] = samples
+        self._parameters[PRESCALER] = prescaler
+        self._parameters[BEFORE] = before
+        if trigger.signal is not None:
+            bit, _, base = SIGNALS[known(trigger.signal)]
+            self._parameters[TRIGGER_SIGNAL] = bit
+            self._parameters[TRIGGER_LEVEL] = trigger.value / base
+        self._parameters[TRIGGER] = trigger.kind
+        self._press()
+
+    def force(self) -> None:
+        """Triggers the armed scope now."""
+        if self.state is not ScopeState.ARMED:
+            raise RefusedError(f"the scope is {self.state.name.lower()}: only an armed one can be forced")
+        self._press()
+
+    def wait(self, timeout: float = 10.0) -> None:
+        """Lets time pass until the record is complete."""
+        end = self._link.now + timeout
+        while (state := self.state) is not ScopeState.DONE:
+            if self._link.now >= end:
+                raise NoAnswerError(f"the scope is {state.name.lower()} after {timeout:g} s: its trigger did not come")
+            self._link.wait(lambda: False, 0.01)
+
+    def download(self, progress: Callable[[int, int], None] | None = None) -> Trace:
+        """The record: a row per sample, `time` in s from the trigger. progress: called with words received and words in all."""
+        if self.state is not ScopeState.DONE:
+            raise RefusedError(f"the scope is {self.state.name.lower()}: it has no record")
+        channels = int(self._parameters[CHANNELS])
+        names = [name for name, (bit, _, _) in SIGNALS.items() if channels >> bit & 1]
+        words = int(self._parameters[WORDS])
+        step, before = self._parameters[SAMPLING_TIME], int(self._parameters[BEFORE])
+        data = download(self._link, "scope", count=words, progress=progress)
+        samples = np.frombuffer(data, ">i2")
+        table = samples[: len(samples) // len(names) * len(names)].reshape(-1, len(names)) / 4096.0
+        time = (np.arange(len(table)) - min(before, len(table))) * step
+        columns = {"time": time} | {name: table[:, at] * SIGNALS[name][2] for at, name in enumerate(names)}
+        units = {"time": "s"} | {name: SIGNALS[name][1] for name in names}
+        return Trace(columns, units)
+
+    def capture(
+        self,
+        signals: Iterable[str],
+        samples: int = 256,
+        prescaler: int = 1,
+        trigger: Trigger | None = None,
+        before: int = 0,
+        timeout: float = 10.0,
+    ) -> Trace:
+        """Arms it (see `arm`), waits for the trigger (without one it is forced) and downloads the record."""
+        self.arm(signals, samples, prescaler, trigger, before)
+        if trigger is None:
+            # What goes before the trigger has to be there first.
+            self._link.wait(lambda: False, before * self._parameters[SAMPLING_TIME])
+            self.force()
+        self.wait(timeout)
+        return self.download()
+
+    def _press(self) -> None:
+        ask(self._link, lambda: self._link.master.request("trigger scope"))
+
+
+def known(name: str) -> str:
+    """The name of a signal as it is published; case does not matter."""
+    try:
+        return FOLDED[name.casefold()]
+    except KeyError:
+        raise SignalError(f'there is no scope signal "{name}"{suggestion(name, SIGNALS)}') from None

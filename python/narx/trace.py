@@ -1,0 +1,114 @@
+"""What a run leaves: named numpy arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from narx.errors import ParameterError, SignalError
+from narx.names import suggestion
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+    from pandas import DataFrame
+
+
+class Trace(Mapping[str, "NDArray[np.float32 | np.float64]"]):
+    """A table of signals, a row per sample: `trace["speed"]` is a numpy array of shape (rows,)."""
+
+    def __init__(
+        self,
+        columns: Mapping[str, NDArray[np.float32 | np.float64]],
+        units: Mapping[str, str],
+        recording: bytes = b"",
+    ) -> None:
+        self._columns = dict(columns)
+        self._units = dict(units)
+        self._recording = recording
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Time of each row, s: since power-up, or since the trigger in a capture of the scope."""
+        return self["time"]  # type: ignore[return-value]
+
+    @property
+    def signals(self) -> dict[str, str]:
+        """The signals in order: name -> unit; "" for plain numbers."""
+        return dict(self._units)
+
+    def __getitem__(self, signal: str) -> NDArray[np.float32 | np.float64]:
+        try:
+            return self._columns[signal]
+        except KeyError:
+            hint = suggestion(signal, self._columns)
+            names = ", ".join(self._columns)
+            raise SignalError(f'there is no signal "{signal}"{hint}; there are {names}') from None
+
+    def __contains__(self, signal: object) -> bool:
+        return signal in self._columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self._columns.values()), ()))
+
+    def __bool__(self) -> bool:
+        return len(self) > 0
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    __hash__ = object.__hash__
+
+    def __repr__(self) -> str:
+        return f"<narx.{type(self).__name__} of {len(self)} rows: {', '.join(self)}>"
+
+    def keys(self) -> Any:
+        """Names of the signals."""
+        return self._columns.keys()
+
+    def values(self) -> Any:
+        """The arrays in the order of the signals."""
+        return self._columns.values()
+
+    def items(self) -> Any:
+        """Name and array of each signal."""
+        return self._columns.items()
+
+    def to_pandas(self) -> DataFrame:
+        """The columns as a pandas data frame."""
+        from pandas import DataFrame
+
+        return DataFrame(self._columns)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`."""
+        path = Path(path)
+        match path.suffix.lower():
+            case ".csv":
+                self.to_pandas().to_csv(path, index=False)
+            case ".parquet":
+                self.to_pandas().to_parquet(path, index=False)
+            case ".xlsx":
+                self.to_pandas().to_excel(path, index=False)
+            case ".narxrec":
+                path.write_bytes(self._recording)
+            case suffix:
+                raise ParameterError(f'path "{path}": "{suffix}" must be one of .csv, .parquet, .xlsx, .narxrec')
+
+    def plot(self, *signals: str) -> Figure:
+        """Draws the signals over time, one panel for each unit; without names speed, currents, duty and state."""
+        from narx.plot import plot
+
+        return plot(self, signals)
+
+    def recording(self) -> bytes:
+        """What the drive was given since it last booted, up to the end of this trace: what `narx.replay` takes, and a
+        `.narxrec` file holds. Empty for what is no run of a bench."""
+        return self._recording

@@ -1,0 +1,424 @@
+//! The master of a drive: that of a bench, or one whose frames Python carries.
+
+use crate::error;
+use crate::frame;
+use crate::session::Shared;
+use crate::state;
+use narx_core::bus::narmotion::{Addresses, DigitalOutputs, StatusWord};
+use narx_core::dictionary::Decimal;
+use narx_core::master::{Answer, Config, Download, Heard, Master as Core, Request, RequestError, Service};
+use narx_core::motor::{FaultWord, State};
+use narx_sim::session::Session;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::collections::HashSet;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The other end of a drive's bus. Times are seconds from any beginning.
+#[pyclass(module = "narx._core", frozen)]
+pub(crate) struct Master(Host);
+
+/// Where it is.
+enum Host {
+    /// At the host's place of a bench, whose time is its time.
+    Bench(Shared),
+    /// Nowhere: frames come and go by calls.
+    Free(Arc<Mutex<Free>>),
+}
+
+struct Free {
+    master: Core,
+    /// The last time that it was told, microseconds.
+    now: u64,
+}
+
+/// A signal of the measurements: name, unit, value and when it was heard.
+type Signal = (&'static str, &'static str, Option<(f64, f64)>);
+
+impl Master {
+    pub(crate) const fn of_bench(session: Shared) -> Self {
+        Self(Host::Bench(session))
+    }
+
+    /// Does something to the master, at its time.
+    fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Core, u64) -> T + Send) -> T {
+        match &self.0 {
+            Host::Bench(session) => session.with(py, |session| {
+                let now = session.bench().now_ns() / 1000;
+                act(session.master(), now)
+            }),
+            Host::Free(free) => py.detach(|| {
+                let mut free = free.lock().unwrap_or_else(PoisonError::into_inner);
+                let now = free.now;
+                act(&mut free.master, now)
+            }),
+        }
+    }
+
+    /// What the bench knows exactly; `None` off a bench.
+    fn exact<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Session) -> T + Send) -> Option<T> {
+        match &self.0 {
+            Host::Bench(session) => Some(session.with(py, |session| look(session))),
+            Host::Free(_) => None,
+        }
+    }
+}
+
+#[pymethods]
+impl Master {
+    /// A master on no bus yet. slave, monitor: addresses of the drive and of this master. setpoint_period, timeout: s.
+    #[new]
+    #[pyo3(signature = (slave=170, monitor=85, setpoint_period=0.05, silent=false, read_parameters=true, timeout=0.1))]
+    fn new(
+        slave: i128,
+        monitor: i128,
+        setpoint_period: f64,
+        silent: bool,
+        read_parameters: bool,
+        timeout: f64,
+    ) -> PyResult<Self> {
+        let address = |name: &str, value: i128| {
+            let fits = u8::try_from(value).ok();
+            fits.ok_or_else(|| error::parameter(format!("{name} {value}: must be a whole number from 0 to 255")))
+        };
+        let time = |name, value| {
+            let allowed = "0.001 to 10 s";
+            error::number(name, value, "s", allowed, |value| (0.001..=10.0).contains(&value)).map(microseconds)
+        };
+        let config = Config {
+            addresses: Addresses { drive: address("slave", slave)?, master: address("monitor", monitor)? },
+            setpoint_period: time("setpoint_period", setpoint_period)?,
+            timeout: time("timeout", timeout)?,
+            silent,
+            read_parameters,
+            ..Config::default()
+        };
+        Ok(Self(Host::Free(Arc::new(Mutex::new(Free { master: Core::new(config), now: 0 })))))
+    }
+
+    /// Takes a frame that arrived at `now`.
+    #[pyo3(signature = (now, id, extended, remote, data))]
+    fn handle_frame(
+        &self,
+        py: Python<'_>,
+        now: f64,
+        id: u32,
+        extended: bool,
+        remote: bool,
+        data: &[u8],
+    ) -> PyResult<()> {
+        let frame = frame::new(id, extended, remote, data)?;
+        self.tell(now);
+        self.with(py, |master, now| master.handle_frame(&frame, now));
+        Ok(())
+    }
+
+    /// The next frame that is due at `now`: id, extended, remote, data. A bench's master sends its own.
+    fn poll_frame<'py>(&self, py: Python<'py>, now: f64) -> Option<frame::Parts<'py>> {
+        self.tell(now);
+        match &self.0 {
+            Host::Bench(_) => None,
+            Host::Free(_) => self.with(py, Core::poll_frame).map(|frame| frame::parts(py, &frame)),
+        }
+    }
+
+    /// When to poll again at the latest; infinity without a reason.
+    fn next_poll(&self, py: Python<'_>, now: f64) -> f64 {
+        self.tell(now);
+        match self.with(py, |master, now| master.next_poll(now)) {
+            u64::MAX => f64::INFINITY,
+            due => seconds(due),
+        }
+    }
+
+    /// Asks for a speed, rpm, negative in reverse. On a bench it waits for the drive's self-tests.
+    fn start(&self, py: Python<'_>, rpm: f64) -> PyResult<()> {
+        let rpm = error::whole("rpm", rpm, "", -RPM_MAX, RPM_MAX)? as i32;
+        match &self.0 {
+            Host::Bench(session) => session.with(py, |session| session.start(rpm)),
+            Host::Free(_) => self.with(py, |master, _| master.start(rpm)),
+        }
+        Ok(())
+    }
+
+    /// Asks for another speed in the same direction, rpm.
+    fn set_speed(&self, py: Python<'_>, rpm: f64) -> PyResult<()> {
+        let rpm = error::whole("rpm", rpm, "", 0.0, RPM_MAX)? as u16;
+        match &self.0 {
+            Host::Bench(session) => session.with(py, |session| session.set_speed(rpm)),
+            Host::Free(_) => self.with(py, |master, _| master.set_speed(rpm)),
+        }
+        Ok(())
+    }
+
+    /// Asks for Standby.
+    fn stop(&self, py: Python<'_>) {
+        match &self.0 {
+            Host::Bench(session) => session.with(py, Session::stop),
+            Host::Free(_) => self.with(py, |master, _| master.stop()),
+        }
+    }
+
+    /// Asks for a shutdown.
+    fn shut_down(&self, py: Python<'_>) {
+        self.with(py, |master, _| master.shut_down());
+    }
+
+    /// A start still waits for a bench's drive to be ready.
+    #[getter]
+    fn start_pending(&self, py: Python<'_>) -> bool {
+        self.exact(py, Session::is_start_pending).unwrap_or(false)
+    }
+
+    /// Magnitude of the set-point, rpm.
+    #[getter]
+    fn setpoint(&self, py: Python<'_>) -> u16 {
+        self.with(py, |master, _| master.setpoint())
+    }
+
+    /// Transmits nothing.
+    #[getter]
+    fn silent(&self, py: Python<'_>) -> bool {
+        self.with(py, |master, _| master.config().silent)
+    }
+
+    /// From one set-point to the next, s.
+    #[getter]
+    fn setpoint_period(&self, py: Python<'_>) -> f64 {
+        self.with(py, |master, _| seconds(master.config().setpoint_period))
+    }
+
+    /// The drive was heard lately.
+    #[getter]
+    fn connected(&self, py: Python<'_>) -> bool {
+        self.with(py, |master, now| master.is_connected(now))
+    }
+
+    /// When anything was last heard of the drive, s; `None` before.
+    #[getter]
+    fn last_heard(&self, py: Python<'_>) -> Option<f64> {
+        self.with(py, |master, _| master.report().last.map(seconds))
+    }
+
+    /// The drive's state; `None` while it is not known. A bench knows it.
+    #[getter]
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let exact = self.exact(py, |session| session.bench().status().state);
+        let state: Option<State> = exact.or_else(|| self.with(py, |master, _| master.state()));
+        state.map(|state| state::member(py, state)).transpose()
+    }
+
+    /// Names of the set bits of FAULT_WORD; `None` before it was heard. A bench knows it.
+    #[getter]
+    fn faults(&self, py: Python<'_>) -> Option<HashSet<String>> {
+        let exact = self.exact(py, |session| session.bench().status().faults);
+        let heard = || self.with(py, |master, _| master.report().faults.map(|heard| heard.value));
+        exact.or_else(heard).map(|faults| names(faults).collect())
+    }
+
+    /// CRITICAL_FAULT as it was last heard: faults, extended code, and what that means.
+    #[getter]
+    fn critical(&self, py: Python<'_>) -> Option<(HashSet<String>, u16, Option<&'static str>)> {
+        let Heard { value, .. } = self.with(py, |master, _| master.report().critical)?;
+        Some((names(value.faults).collect(), value.code, value.cause().map(|cause| cause.meaning)))
+    }
+
+    /// STATUS_WORD: its fields by the names of PROTOCOL.md; `None` before it was heard.
+    #[getter]
+    fn status<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let Some(Heard { value, .. }) = self.with(py, |master, _| master.report().status) else {
+            return Ok(None);
+        };
+        frame::status(py, StatusWord::encode(value)).map(Some)
+    }
+
+    /// The set-point that the drive has accepted, rpm.
+    #[getter]
+    fn accepted_speed(&self, py: Python<'_>) -> Option<u16> {
+        self.with(py, |master, _| Some(master.report().accepted_speed?.value))
+    }
+
+    /// BUILD_INFO: number, from modified sources, date YYYYMMDD.
+    #[getter]
+    fn build(&self, py: Python<'_>) -> Option<(u16, bool, u32)> {
+        let build = self.with(py, |master, _| master.report().build)?.value;
+        Some((build.number, build.modified, build.date))
+    }
+
+    /// DEVICE_INFO: releases of hardware and software, serial number, address.
+    #[getter]
+    fn device(&self, py: Python<'_>) -> Option<(u16, u16, u16, u16)> {
+        let device = self.with(py, |master, _| master.report().device)?.value;
+        Some((device.hardware, device.software, device.device_number, device.address))
+    }
+
+    /// Every signal of the measurements: name, unit, and value with the time when it was heard.
+    fn measurements(&self, py: Python<'_>) -> Vec<Signal> {
+        self.with(py, |master, _| {
+            let heard = |heard: Option<Heard<Decimal>>| heard.map(|heard| (frame::float(heard.value), seconds(heard.at)));
+            master.measurements().iter().map(|(row, value)| (row.name, row.unit, heard(value))).collect()
+        })
+    }
+
+    /// Mechanical speed by what the control mode uses, rpm.
+    #[getter]
+    fn speed(&self, py: Python<'_>) -> Option<i16> {
+        self.with(py, |master, _| Some(master.speed()?.value))
+    }
+
+    /// Raw value of a parameter as it was last heard; `None` before.
+    fn parameter(&self, py: Python<'_>, number: u16) -> Option<i64> {
+        let row = narx_core::dictionary::Dictionary::row(number)?;
+        let heard = self.with(py, |master, _| master.parameters().get(number))?;
+        Some(row.kind.widen(heard.value))
+    }
+
+    /// Reads every parameter in the background.
+    fn read_parameters(&self, py: Python<'_>) {
+        self.with(py, |master, _| master.read_parameters());
+    }
+
+    /// Parameters that are still to be read in the background.
+    #[getter]
+    fn parameters_to_read(&self, py: Python<'_>) -> usize {
+        self.with(py, |master, _| master.parameters_to_read())
+    }
+
+    /// Asks for something: "read", "write" and the services of PROTOCOL.md by their names. Its answer is that of `poll_answer`.
+    #[pyo3(signature = (what, number=0, raw=0))]
+    fn request(&self, py: Python<'_>, what: &str, number: u16, raw: i64) -> PyResult<()> {
+        let request = request(what, number, raw)?;
+        self.with(py, |master, _| master.request(request)).map_err(error::refused)
+    }
+
+    /// Sets the digital lines: each is an input (`None`), or an output of this level.
+    fn set_outputs(&self, py: Python<'_>, dsio1: Option<bool>, dsio2: Option<bool>) -> PyResult<()> {
+        let outputs = DigitalOutputs {
+            enable1: dsio1.is_some(),
+            value1: dsio1.unwrap_or(false),
+            enable2: dsio2.is_some(),
+            value2: dsio2.unwrap_or(false),
+        };
+        self.with(py, |master, _| master.request(Request::DigitalOutputs(outputs))).map_err(error::refused)
+    }
+
+    /// The next answer, `None` before it is there: the raw value that a parameter has now, 0 for other requests.
+    fn poll_answer(&self, py: Python<'_>) -> PyResult<Option<i64>> {
+        let Some(Answer { request, result }) = self.with(py, |master, _| master.poll_answer()) else {
+            return Ok(None);
+        };
+        let number = match request {
+            Request::Read { number } | Request::Write { number, .. } => Some(number),
+            Request::Run(service) => Some(service as u16),
+            _ => None,
+        };
+        let row = number.and_then(narx_core::dictionary::Dictionary::row);
+        match result {
+            Ok(raw) => Ok(Some(row.map_or(raw.into(), |row| row.kind.widen(raw)))),
+            Err(error) => Err(request_error(request, error)),
+        }
+    }
+
+    /// Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first` on.
+    #[pyo3(signature = (what, first=0, count=0))]
+    fn download(&self, py: Python<'_>, what: &str, first: u32, count: u32) -> PyResult<()> {
+        let download = match what {
+            "description" => Download::Description,
+            "scope" => Download::Scope { words: count },
+            _ => Download::Log { first, records: count },
+        };
+        self.with(py, |master, _| master.download(download)).map_err(error::refused)
+    }
+
+    /// Words that have come: their place in the download, and their bytes, high byte first.
+    fn poll_chunks<'py>(&self, py: Python<'py>) -> Vec<(u32, Bound<'py, PyBytes>)> {
+        let chunks = self.with(py, |master, _| {
+            std::iter::from_fn(|| master.poll_chunk())
+                .map(|chunk| (chunk.offset, chunk.bytes().collect::<Vec<u8>>()))
+                .collect::<Vec<_>>()
+        });
+        chunks.into_iter().map(|(offset, bytes)| (offset, PyBytes::new(py, &bytes))).collect()
+    }
+
+    /// Words received and in all; `None` before the length is known, and without a download.
+    fn download_progress(&self, py: Python<'_>) -> Option<(u32, u32)> {
+        self.with(py, |master, _| master.download_progress()).map(|progress| (progress.received, progress.total))
+    }
+
+    /// Its length in words, once the download is complete and all its chunks were taken.
+    fn poll_download(&self, py: Python<'_>) -> PyResult<Option<u32>> {
+        self.with(py, |master, _| master.poll_download()).transpose().map_err(error::download)
+    }
+
+    /// Ends the download.
+    fn abort_download(&self, py: Python<'_>) {
+        self.with(py, |master, _| master.abort_download());
+    }
+}
+
+impl Master {
+    /// It is `now`; time never runs back.
+    fn tell(&self, now: f64) {
+        if let Host::Free(free) = &self.0 {
+            let mut free = free.lock().unwrap_or_else(PoisonError::into_inner);
+            free.now = free.now.max(microseconds(now));
+        }
+    }
+}
+
+/// What a MOTOR_CMD can carry: whole rpm of 16 bits.
+const RPM_MAX: f64 = u16::MAX as f64;
+
+/// Requests without a value by their names.
+const REQUESTS: [(&str, Request); 12] = [
+    ("build info", Request::BuildInfo),
+    ("device info", Request::DeviceInfo),
+    ("reboot", Request::Reboot),
+    ("trigger scope", Request::TriggerScope),
+    ("disable hall supply", Request::DisableHallSupply(true)),
+    ("enable hall supply", Request::DisableHallSupply(false)),
+    ("set position", Request::Run(Service::SetPosition)),
+    ("erase log", Request::Run(Service::EraseLog)),
+    ("store", Request::Run(Service::Store)),
+    ("store once", Request::Run(Service::StoreOnce)),
+    ("reset calibration", Request::Run(Service::ResetCalibration)),
+    ("auto-calibrate", Request::Run(Service::AutoCalibrate)),
+];
+
+fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
+    // A value of any kind has 32 bits.
+    let raw = raw as i32;
+    Ok(match what {
+        "read" => Request::Read { number },
+        "write" => Request::Write { number, raw },
+        "restore factory" => Request::RestoreFactory { serial: number },
+        "calibrate hall" => Request::Run(Service::CalibrateHall),
+        _ => error::choice("request", what, &REQUESTS)?,
+    })
+}
+
+/// A refused reboot has no answer, and for one that is about a parameter the parameter is named.
+fn request_error(request: Request, error: RequestError) -> PyErr {
+    match error {
+        RequestError::NoAnswer => error::no_answer(match request {
+            Request::Read { number } | Request::Write { number, .. } => format!("parameter {number}: {error}"),
+            Request::Reboot => format!("{error}: it is off the bus, or driving"),
+            _ => error.to_string(),
+        }),
+        RequestError::Refused(refusal) => error::refusal(&refusal),
+        RequestError::NotObeyed => error::refused(error),
+    }
+}
+
+/// Names of the set bits.
+pub(crate) fn names(faults: FaultWord) -> impl Iterator<Item = String> {
+    faults.iter_names().map(|(name, _)| name.to_ascii_lowercase()).collect::<Vec<_>>().into_iter()
+}
+
+fn microseconds(seconds: f64) -> u64 {
+    (seconds * 1e6).round() as u64
+}
+
+fn seconds(microseconds: u64) -> f64 {
+    microseconds as f64 / 1e6
+}

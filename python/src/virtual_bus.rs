@@ -1,0 +1,118 @@
+//! A virtual drive alone on its bus, with several clients at the host's place: what `can.Bus(interface="narx")` is made of.
+
+use crate::bench;
+use crate::error;
+use crate::frame;
+use crate::motor::{Load, Motor};
+use narx_core::bus::Frame;
+use narx_sim::bench::Bench;
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+
+/// Frames of the clients in the controller that they share: one on the bus, and one to follow it without a gap.
+const IN_CONTROLLER: usize = 2;
+/// Frames that may wait for that.
+const WAITING: usize = 1024;
+
+#[pyclass(module = "narx._core", frozen)]
+pub(crate) struct VirtualBus(Mutex<World>);
+
+struct World {
+    bench: Bench,
+    /// Frames of the clients in the order in which they came.
+    waiting: VecDeque<(u64, Frame)>,
+    /// Whose frames are in the controller.
+    sent: VecDeque<u64>,
+}
+
+/// A frame that has passed: time in s, the client that has sent it, identifier, extended, remote, data.
+type Passed<'py> = (f64, Option<u64>, frame::Parts<'py>);
+
+#[pymethods]
+impl VirtualBus {
+    /// Powers up a commissioned drive; arguments as those of `narx.Bench`.
+    #[new]
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1))]
+    #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
+    fn new(
+        motor: &Motor,
+        supply_voltage: f64,
+        load: Option<&Load>,
+        mode: &str,
+        parameters: Option<&Bound<'_, PyMapping>>,
+        ambient: f64,
+        seed: i128,
+    ) -> PyResult<Self> {
+        let mut config = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
+        config.trace = false;
+        let (bench, _) = config.power_up().map_err(error::parameter)?;
+        let bench = bench.without_recording();
+        Ok(Self(Mutex::new(World { bench, waiting: VecDeque::new(), sent: VecDeque::new() })))
+    }
+
+    /// Time since power-up, s.
+    #[getter]
+    fn time(&self, py: Python<'_>) -> f64 {
+        self.with(py, |world| world.bench.now_ns()) as f64 / 1e9
+    }
+
+    /// Queues a frame of a client: whether there was room.
+    fn send(&self, py: Python<'_>, client: u64, id: u32, extended: bool, remote: bool, data: &[u8]) -> PyResult<bool> {
+        let frame = frame::new(id, extended, remote, data)?;
+        Ok(self.with(py, |world| {
+            let room = world.waiting.len() < WAITING;
+            if room {
+                world.waiting.push_back((client, frame));
+            }
+            room
+        }))
+    }
+
+    /// Runs until simulated time is `until`, or until a frame has passed, if `until_frame`: the frames that have.
+    fn advance<'py>(&self, py: Python<'py>, until: f64, until_frame: bool) -> Vec<Passed<'py>> {
+        let until = (until * 1e9).round() as u64;
+        let passed = self.with(py, |world| {
+            let mut passed = Vec::new();
+            while world.bench.now_ns() < until && !(until_frame && !passed.is_empty()) {
+                world.step(&mut passed);
+            }
+            passed
+        });
+        let parts = |(time, client, frame): (u64, Option<u64>, Frame)| {
+            (time as f64 / 1e9, client, frame::parts(py, &frame))
+        };
+        passed.into_iter().map(parts).collect()
+    }
+}
+
+impl VirtualBus {
+    fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut World) -> T + Send) -> T {
+        py.detach(|| act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+}
+
+impl World {
+    /// One control tick.
+    fn step(&mut self, passed: &mut Vec<(u64, Option<u64>, Frame)>) {
+        while self.sent.len() < IN_CONTROLLER
+            && let Some((place, _)) =
+                self.waiting.iter().enumerate().min_by_key(|(_, (_, frame))| frame.id())
+            && let Some((client, frame)) = self.waiting.remove(place)
+        {
+            // Two frames find room.
+            if self.bench.send(frame).is_ok() {
+                self.sent.push_back(client);
+            }
+        }
+        self.bench.step();
+        // The host is nobody: its clients overhear.
+        while self.bench.receive().is_some() {}
+        while let Some(heard) = self.bench.overhear() {
+            let own = heard.sender == self.bench.host();
+            let client = if own { self.sent.pop_front() } else { None };
+            passed.push((heard.time_ns, client, heard.frame));
+        }
+    }
+}

@@ -1,0 +1,154 @@
+"""The virtual drive as a bus of python-can, and masters on it."""
+
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import can
+import pytest
+from can.interfaces.virtual import VirtualBus
+
+import narx
+from narx.bus import NarxBus
+
+OPTIONS: dict[str, Any] = {"motor": "ec45-flat-50w-18v", "supply_voltage": 18.0, "mode": "hall"}
+STANDBY = can.Message(arbitration_id=0x0055AA82, is_extended_id=True, data=bytes(8))
+
+
+@pytest.fixture
+def bus(request: pytest.FixtureRequest) -> Iterator[can.BusABC]:
+    """A virtual drive whose time passes while somebody receives."""
+    with can.Bus(interface="narx", channel=request.node.name, realtime=False, **OPTIONS) as bus:
+        yield bus
+
+
+def test_time_passes_by_receiving(bus: can.BusABC) -> None:
+    assert isinstance(bus, NarxBus) and bus.time == 0.0
+    bus.set_filters([{"can_id": 0x123, "can_mask": 0x7FF, "extended": False}])
+    assert bus.recv(0.25) is None and bus.time == pytest.approx(0.25)
+    bus.set_filters(None)
+    bus.send(STANDBY)
+    heard = [bus.recv(1.0) for _ in range(50)]
+    stamps = [message.timestamp for message in heard if message is not None]
+    assert len(stamps) == 50 and stamps == sorted(stamps) and stamps[-1] <= bus.time < 10.0
+
+
+def test_filters_hold_without_the_clock(bus: can.BusABC) -> None:
+    bus.set_filters([{"can_id": 3, "can_mask": 0x1FF, "extended": True}])
+    message = bus.recv(5.0)
+    assert message is not None and message.arbitration_id & 0x1FF == 3
+    bus.set_filters([{"can_id": 0x123, "can_mask": 0x7FF, "extended": False}])
+    before = bus.recv(0.0), narx.decode(message)
+    assert before[0] is None and before[1] is not None and before[1].name == "STATUS_WORD"
+    assert bus.recv(0.5) is None
+
+
+def test_clients_of_a_channel_share_one_drive(bus: can.BusABC) -> None:
+    with can.Bus(interface="narx", channel="test_clients_of_a_channel_share_one_drive") as other:
+        bus.send(STANDBY)
+        heard = other.recv(1.0)
+        assert heard is not None
+        while heard is not None and heard.arbitration_id != STANDBY.arbitration_id:
+            heard = other.recv(1.0)
+        assert heard is not None and bytes(heard.data) == bytes(8)
+        # Nobody hears himself.
+        own = [bus.recv(0.0) for _ in range(200)]
+        assert all(message is None or message.arbitration_id != STANDBY.arbitration_id for message in own)
+
+
+def test_another_drive_cannot_have_the_channel(bus: can.BusABC) -> None:
+    channel = bus.channel_info.split(": ")[1]
+    with pytest.raises(can.CanInitializationError, match="is there already, with other options"):
+        can.Bus(interface="narx", channel=channel, supply_voltage=24.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"bitrate": 250_000}, "bitrate 250000: the drive's bus has 500000"),
+        ({"motor": "nema17"}, 'there is no preset "nema17"'),
+        ({"supply_voltage": 12.0}, "supply voltage 12 V is outside 18 to 60 V"),
+    ],
+)
+def test_a_bus_that_cannot_be(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(can.CanInitializationError, match=message):
+        can.Bus(interface="narx", channel="cannot be", **options)
+
+
+def test_the_clock_paces_a_real_time_bus() -> None:
+    with can.Bus(interface="narx", channel="paced", **OPTIONS) as bus:
+        assert isinstance(bus, NarxBus)
+        first, begin = bus.time, time.monotonic()
+        time.sleep(0.5)
+        simulated, real = bus.time - first, time.monotonic() - begin
+        assert simulated == pytest.approx(real, abs=0.25)
+
+
+def test_connect_operates_and_lets_go() -> None:
+    with narx.connect("narx", "connected", **OPTIONS) as drive:
+        drive.start(2000)
+        threads = {thread.name for thread in threading.enumerate()}
+        assert "narx master" in threads and drive.state is narx.State.HALL_CLOSED_LOOP
+        with can.Bus(interface="narx", channel="connected") as listener:
+            seen = {message.name for message in decoded(listener, 0.3)}
+            assert {"MOTOR_CMD", "REQUEST_WORD", "STATUS_WORD", "MEASUREMENT_0"} <= seen
+            drive.close()
+            modes = [message["Motor mode"] for message in decoded(listener, 0.3) if message.name == "STATUS_WORD"]
+    # Whoever leaves has stopped the motor.
+    assert modes[-1] == "Standby"
+    assert "narx master" not in {thread.name for thread in threading.enumerate()}
+    with pytest.raises(narx.BusError, match="closed"):
+        drive.info  # noqa: B018
+
+
+def test_nobody_answers() -> None:
+    begin = time.monotonic()
+    with pytest.raises(narx.NoAnswerError, match="no drive 170 was heard on virtual nobody within 0.5 s"):
+        narx.connect("virtual", "nobody", timeout=0.5)
+    assert time.monotonic() - begin < 5.0
+
+
+def test_a_silent_master_sends_nothing() -> None:
+    with can.Bus(interface="virtual", channel="silent") as bus, can.Bus(interface="virtual", channel="silent") as tap:
+        with narx.Drive(bus, silent=True) as drive:
+            bytes_of_status = bytes([0, 0, 0, 0, 0, 0, 0, 0])
+            tap.send(can.Message(arbitration_id=0x1AAA5503 & 0x1FFFFFFF, is_extended_id=True, data=bytes_of_status))
+            drive.start(1000, wait=False)
+            drive.wait(0.3)
+            with pytest.raises(narx.RefusedError, match="the master is silent"):
+                drive.parameters[78]
+        assert tap.recv(0.2) is None
+
+
+def test_a_lost_adapter_is_told() -> None:
+    class Broken(VirtualBus):
+        broken = False
+
+        def send(self, msg: can.Message, timeout: float | None = None) -> None:
+            if self.broken:
+                raise can.CanOperationError("no such device")
+            super().send(msg, timeout)
+
+    with Broken(channel="broken") as bus:
+        drive = narx.Drive(bus)
+        drive.wait(0.1)
+        bus.broken = True
+        with pytest.raises(narx.BusError, match="the bus does not work any more: no such device"):
+            drive.wait(1.0)
+        with pytest.raises(narx.BusError):
+            drive.start(1000)
+        with pytest.raises(narx.BusError):
+            drive.close()
+
+
+def decoded(bus: can.BusABC, seconds: float) -> list[narx.Message]:
+    """What passes for so long."""
+    end = time.monotonic() + seconds
+    messages = []
+    while (left := end - time.monotonic()) > 0:
+        frame = bus.recv(left)
+        message = None if frame is None else narx.decode(frame)
+        if message is not None:
+            messages.append(message)
+    return messages

@@ -1,0 +1,211 @@
+"""One drive, on a bench, on a bus whose time is simulated, and on one that keeps step with the clock: the same calls."""
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import can
+import numpy as np
+import pytest
+
+import narx
+
+BUS: dict[str, Any] = {"interface": "narx", "motor": "ec45-flat-50w-18v", "supply_voltage": 18.0, "mode": "hall"}
+
+
+@pytest.fixture(params=["bench", "stepped", "realtime"])
+def drive(request: pytest.FixtureRequest, motor: narx.Motor) -> Iterator[narx.Drive]:
+    """A drive with hall sensors that was just switched on."""
+    if request.param == "bench":
+        yield narx.Bench(motor, supply_voltage=18.0, mode="hall").drive
+        return
+    realtime = request.param == "realtime"
+    with can.Bus(channel=request.node.name, realtime=realtime, **BUS) as bus, narx.Drive(bus) as drive:
+        assert drive.wait_for(lambda: drive.state is not None)
+        yield drive
+
+
+def test_a_motor_is_operated(drive: narx.Drive) -> None:
+    drive.start(3000)
+    assert drive.state is narx.State.HALL_CLOSED_LOOP
+    drive.wait(1.0)
+    assert drive.measurements.speed == pytest.approx(3000, rel=0.01)
+    assert drive.measurements["HV Voltage"] == pytest.approx(18.0, abs=0.2)
+    assert drive.measurements.full("hv current").unit == "A"
+    assert drive.status["Motor mode"] == "Drive" and drive.connected and not drive.faults
+    drive.set_speed(2000)
+    drive.wait(1.0)
+    assert drive.measurements.speed == pytest.approx(2000, rel=0.01)
+    drive.start(-1500)
+    assert drive.status["Motor mode"] == "Reverse"
+    drive.wait(1.0)
+    assert drive.measurements.speed == pytest.approx(-1500, rel=0.02)
+    drive.stop()
+    assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+
+
+def test_identity(drive: narx.Drive) -> None:
+    info = drive.info
+    assert (info.address, info.device_number, info.software) == (170, 1, "0.1")
+    assert 20_260_000 < info.build_date < 20_300_000
+
+
+def test_parameters(drive: narx.Drive, tmp_path: Path) -> None:
+    parameters = drive.parameters
+    assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+    assert parameters["Motor pair poles"] == parameters["motor PAIR poles"] == parameters[78] == 8
+    assert parameters["Nominal supply voltage"] == 18.0 and parameters.row(266).unit == "V"
+    parameters["Phase current limit"] = 4.5
+    assert parameters[269] == 4.5
+    file = tmp_path / "parameters.json"
+    parameters.save(file)
+    saved = json.loads(file.read_text())
+    assert saved["Phase current limit"] == 4.5 and len(saved) > 100
+    parameters["Phase current limit"] = 6.0
+    assert parameters.diff(saved) == {"Phase current limit": (4.5, 6.0)}
+    assert parameters.load_file(file) == ["Phase current limit"] and parameters.diff(saved) == {}
+    assert "Phase current limit" in parameters and "Face current limit" not in parameters
+    assert [row.number for row in parameters.find("phase current limit")] == [269]
+
+
+def test_what_is_stored_survives_a_reboot(drive: narx.Drive) -> None:
+    assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+    drive.parameters["Winding resistance"] = 1.234
+    drive.parameters["Winding inductance"] = 0.000321
+    drive.parameters.store()
+    drive.parameters["Winding resistance"] = 2.0
+    drive.reboot()
+    assert drive.parameters["Winding resistance"] == 1.234 and drive.parameters["Winding inductance"] == 0.000321
+    drive.parameters.restore_factory()
+    assert drive.parameters["Winding resistance"] == drive.parameters.row("Winding resistance").factory
+
+
+REFUSED: list[tuple[Callable[[narx.Parameters], object], type[narx.NarxError], str]] = [
+    (lambda p: p["Motor pair pole"], narx.ParameterError, 'no parameter "Motor pair pole"; did you mean "Motor pair poles"'),
+    (lambda p: p[999], narx.ParameterError, "there is no parameter 999"),
+    (lambda p: p.__setitem__(78, 51), narx.ParameterError, 'parameter 78 "Motor pair poles": 51 is outside 1 to 50'),
+    (lambda p: p.__setitem__(78, float("nan")), narx.ParameterError, 'parameter 78 "Motor pair poles": NaN is outside'),
+    (lambda p: p.__setitem__("Build number", 1), narx.ParameterError, 'parameter 5 "Build number": .* alone writes it'),
+    (lambda p: p.load({78: 4, 5: 1}), narx.ParameterError, 'parameter 5 "Build number": read-only'),
+    (lambda p: p.load({78: 4, 266: 1000}), narx.ParameterError, 'parameter 266 "Nominal supply voltage": 1000 V is outside'),
+]
+
+
+def test_a_refused_parameter_is_named_and_nothing_changes(drive: narx.Drive) -> None:
+    assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+    before = drive.parameters.to_dict()
+    for call, kind, message in REFUSED:
+        with pytest.raises(kind, match=message):
+            call(drive.parameters)
+    assert drive.parameters.to_dict() == before
+    drive.start(2000)
+    with pytest.raises(narx.RefusedError, match='parameter 78 "Motor pair poles"'):
+        drive.parameters[78] = 4
+    with pytest.raises(narx.RefusedError):
+        drive.parameters.store()
+
+
+def test_scope_captures_what_is_asked_for(drive: narx.Drive) -> None:
+    drive.start(3000)
+    drive.wait(0.7)
+    seen = drive.scope.capture(["Hall code", "Duty"], samples=400, before=100)
+    assert list(seen) == ["time", "Duty", "Hall code"] and len(seen) == 400
+    assert seen.time[100] == 0.0 and np.diff(seen.time) == pytest.approx(1e-4)
+    assert set(seen["Hall code"]) == {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}
+    # 3000 rpm of 8 pole pairs: 400 electrical revolutions a second, of six hall codes each.
+    changes = np.count_nonzero(np.diff(seen["Hall code"])) / (len(seen) * 1e-4)
+    assert changes == pytest.approx(2400, rel=0.02)
+    drive.scope.arm(["Drive state"], samples=50, before=10, trigger=narx.Trigger.state_change())
+    assert drive.scope.state is narx.ScopeState.ARMED
+    drive.stop()
+    drive.scope.wait()
+    states = drive.scope.download()["Drive state"]
+    assert states[9] == narx.State.HALL_CLOSED_LOOP and states[11] == narx.State.STANDBY
+
+
+def test_scope_refuses(drive: narx.Drive) -> None:
+    with pytest.raises(narx.SignalError, match='no scope signal "Duti"; did you mean "Duty"'):
+        drive.scope.arm(["Duti"])
+    with pytest.raises(narx.ParameterError, match="signals: must name at least one"):
+        drive.scope.arm([])
+    with pytest.raises(narx.RefusedError, match="the scope is idle: it has no record"):
+        drive.scope.download()
+    drive.scope.arm(["Duty"], trigger=narx.Trigger.rising("HV Voltage", 25.0))
+    with pytest.raises(narx.RefusedError, match="the scope is armed: force it"):
+        drive.scope.arm(["Duty"])
+    with pytest.raises(narx.NoAnswerError, match="armed after 0.2 s: its trigger did not come"):
+        drive.scope.wait(0.2)
+    drive.scope.force()
+    drive.scope.wait()
+    assert len(drive.scope.download()) == 256
+
+
+def test_log_is_written_downloaded_and_erased(drive: narx.Drive) -> None:
+    log = drive.log
+    assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+    assert log.capacity > 100_000 and len(log) == 0 and len(log.download()) == 0
+    log.configure({"HV Voltage": "mean", "Mechanical estimated speed HES": "max", "Drive state": "live"}, period=0.01)
+    assert log.slots == {"HV Voltage": "mean", "Mechanical estimated speed HES": "max", "Drive state": "live"}
+    drive.start(2500)
+    drive.wait(1.0)
+    drive.stop()
+    log.configure([], period=1.0)
+    told: list[tuple[int, int]] = []
+    records = log.download(progress=lambda received, total: told.append((received, total)))
+    assert list(records) == ["index", "time", "HV Voltage mean", "Mechanical estimated speed HES max", "Drive state"]
+    assert len(records) == len(log) > 100 and told[-1][0] == told[-1][1] > 0
+    assert records["index"].tolist() == list(range(len(records)))
+    assert np.diff(records.time)[1:-1] == pytest.approx(0.01)
+    assert records["Mechanical estimated speed HES max"].max() == pytest.approx(2500, rel=0.05)
+    part = log.download(first=20, count=5)
+    assert part["index"].tolist() == [20, 21, 22, 23, 24] and (part["time"] == records["time"][20:25]).all()
+    with pytest.raises(narx.ParameterError, match="the log has"):
+        log.download(first=len(log), count=1)
+    assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+    log.erase()
+    assert len(log) == 0
+
+
+def test_log_refuses(drive: narx.Drive) -> None:
+    with pytest.raises(narx.ParameterError, match='no parameter or measurement "HV Volt"; did you mean "HV Voltage"'):
+        drive.log.configure(["HV Volt"], period=0.1)
+    with pytest.raises(narx.ParameterError, match='kept value "first": must be one of live, min, max, mean'):
+        drive.log.configure({"HV Voltage": "first"}, period=0.1)
+    with pytest.raises(narx.ParameterError, match='"Logging period": 0 ms is outside 1 to 3600000'):
+        drive.log.configure(["HV Voltage"], period=0.0)
+
+
+def test_the_description_comes_from_the_drive(drive: narx.Drive) -> None:
+    text = drive.description()
+    assert text.startswith("<?xml") and text.rstrip().endswith("</description>")
+    assert 'name="Motor pair poles"' in text
+
+
+def test_a_download_that_is_interrupted_leaves_the_drive_ready(drive: narx.Drive) -> None:
+    def interrupt(received: int, _: int) -> None:
+        if received > 300:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        drive.description(progress=interrupt)
+    assert drive.info.address == 170
+
+
+def test_lines_and_services(drive: narx.Drive) -> None:
+    assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+    drive.set_outputs(dsio1=True)
+    drive.wait(0.3)
+    assert drive.measurements["DSI1_DSP"] == 1.0
+    drive.set_outputs()
+    drive.set_position()
+    drive.set_hall_supply(False)
+    drive.set_hall_supply(True)
+    drive.auto_calibrate()
+    drive.shut_down()
+    assert drive.wait_for(lambda: drive.state is narx.State.FAULT)
+    assert drive.wait_for(lambda: drive.fault is not None) and drive.faults == {"external_shutdown"}
+    with pytest.raises(narx.StartError, match="the drive is in Fault"):
+        drive.start(1000)
+    drive.stop()
+    assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)

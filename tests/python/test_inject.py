@@ -1,0 +1,75 @@
+"""What breaks on the bench, and what the drive says of it."""
+
+from typing import Any
+
+import pytest
+
+import narx
+
+BREAKS: list[tuple[str, dict[str, Any], set[str]]] = [
+    ("supply", {"value": 66.0}, {"over_voltage"}),
+    ("supply", {"value": 8.0}, {"under_voltage"}),
+    ("driver", {"phase": "B"}, {"legs_driver"}),
+    ("hall-supply-lost", {}, {"hall_sensors"}),
+    ("hall_stuck", {"phase": "A", "high": True}, {"hall_sensors"}),
+    ("break", {}, {"emergency_shutdown"}),
+]
+
+
+@pytest.mark.parametrize(("fault", "options", "bits"), BREAKS, ids=[f"{name}{options}" for name, options, _ in BREAKS])
+def test_a_fault_is_told_and_mended(
+    bench: narx.Bench, fault: str, options: dict[str, Any], bits: set[str]
+) -> None:
+    bench.drive.start(3000)
+    bench.run(0.3)
+    bench.inject(fault, **options)
+    trace = bench.run(1.0)
+    assert trace["state"][-1] == narx.State.FAULT and trace["duty"][-1] == 0.0
+    assert bits <= bench.drive.faults, bench.drive.faults
+    bench.clear(fault, **({"phase": options["phase"]} if "phase" in options else {}))
+    bench.run(2.0)
+    bench.drive.stop()
+    bench.run(0.3)
+    bench.drive.start(2000)
+    assert bench.drive.state == narx.State.HALL_CLOSED_LOOP
+
+
+def test_everything_is_mended_at_once(bench: narx.Bench) -> None:
+    bench.inject("hall-supply-lost")
+    bench.inject("break")
+    bench.clear()
+    bench.drive.start(2000)
+    assert bench.drive.state == narx.State.HALL_CLOSED_LOOP
+
+
+@pytest.mark.parametrize(
+    ("fault", "options", "message"),
+    [
+        ("rotor", {}, 'fault "rotor": unknown; one of .*blocked-rotor'),
+        ("supply", {}, 'fault "supply": needs a value: must be a number from 0 to 80 V'),
+        ("supply", {"value": 81.0}, 'fault "supply": value 81: must be a number from 0 to 80 V'),
+        ("leak", {"value": float("nan")}, 'fault "leak": value NaN'),
+        ("driver", {}, 'fault "driver": needs a phase'),
+        ("driver", {"phase": "D"}, 'phase "D": must be one of A, B, C'),
+    ],
+)
+def test_what_cannot_break(bench: narx.Bench, fault: str, options: dict[str, Any], message: str) -> None:
+    with pytest.raises(narx.ParameterError, match=message):
+        bench.inject(fault, **options)
+
+
+def test_load_and_inputs_can_change(bench: narx.Bench) -> None:
+    bench.drive.start(2000)
+    bench.run(1.0)
+    before = bench.run(0.2)["bus_current"].mean()
+    bench.set_load(narx.Load(constant=0.03))
+    bench.run(0.5)
+    assert bench.run(0.2)["bus_current"].mean() > before + 0.1
+    bench.set_input("accel_x", 0.5)
+    bench.run(0.5)
+    assert bench.drive.measurements["Accel X"] == pytest.approx(0.5, abs=0.01)
+    assert "rail14_v" in bench.inputs and "supply" in bench.faults
+    with pytest.raises(narx.ParameterError, match="AccelX takes -2 to 2 g"):
+        bench.set_input("accel_x", 3.0)
+    with pytest.raises(narx.ParameterError, match='input "accel": must be one of asi, '):
+        bench.set_input("accel", 0.0)
