@@ -153,7 +153,8 @@ fn the_drive_keeps_answering() {
     );
     println!("status words: at most {silence:.2} ms apart beside 127 nodes");
     assert!(silence <= 55.0, "{silence} ms");
-    assert!(alone < 2.0, "{alone} ms");
+    // Behind all that the drive itself broadcasts.
+    assert!(alone < 3.0, "{alone} ms");
     assert!(half <= 5.0, "{half} ms");
     assert!(burst <= 50.0, "{burst} ms");
     assert_eq!(shared.bench().status().state, State::Standby);

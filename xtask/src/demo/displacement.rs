@@ -245,7 +245,57 @@ impl fmt::Display for Figures {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Arguments, Request, Run};
     use super::*;
+
+    /// The column is what the log's frames say, row by row up to the last; the drivers were configured and started over the bus; the figures are
+    /// those of the targets: 20 um cos(angle) + 5 um cos(2 angle), and 8 um cos(angle).
+    #[test]
+    fn columns_are_what_the_frames_say() {
+        let words = ["--mode", "hall", "--rpm", "2000", "--tx-drivers", "2", "--seconds", "2"];
+        let request = Request::new(&Arguments::read(&words).unwrap()).unwrap();
+        let mut run = Run::new(&request).unwrap();
+        while run.session.bench().time() < request.seconds {
+            run.step();
+        }
+        for sent in [" 601#22032000FFFF0000", " 602#2202200002000000", " 000#0101", " 000#0102"] {
+            assert_eq!(run.log.matches(sent).count(), 1, "{sent}");
+        }
+        let displacement = run.displacement.as_ref().unwrap();
+        assert_eq!(displacement.trace().len(), run.session.bench().trace().len());
+        for (node, column) in (1..).zip(displacement.trace().columns()) {
+            let name = format!(" can0 18{node}#");
+            // Time and position of each frame; a row is the last that had come when its tick ended.
+            let mut frames = run.log.lines().filter_map(|line| {
+                let (time, data) = line.strip_prefix('(')?.split_once(&name)?;
+                let raw = u32::from_str_radix(data, 16).unwrap().swap_bytes() as i32;
+                // Steps of drivers and bits of the bus are whole microseconds.
+                let time: u64 = time.trim_end_matches(')').replace('.', "").parse().unwrap();
+                Some((time, f64::from(raw) / 134_217_728.0))
+            });
+            let mut next = frames.next();
+            let mut last = f64::NAN;
+            for (row, found) in column.iter().enumerate() {
+                let end = (row as u64 + 1) * 100;
+                while let Some((_, position)) = next.filter(|(time, _)| *time <= end) {
+                    last = position;
+                    next = frames.next();
+                }
+                assert!(
+                    found.is_nan() && last.is_nan() || (found - last).abs() < 1e-6,
+                    "{row}: {found}, {last}"
+                );
+            }
+            assert!((last - 1.0).abs() < 0.05, "{last}");
+        }
+        let Figures(figures) = displacement.figures(1.5, 2.0);
+        for (figure, peak_to_peak, once) in [(&figures[0], 40.0, 20.0), (&figures[1], 16.0, 8.0)] {
+            assert!((figure.rate - 1316.0).abs() < 4.0, "{}", figure.rate);
+            // Noise of 0.1 um rms behind a filter of 1 kHz.
+            assert!((figure.peak_to_peak - peak_to_peak).abs() < 0.5, "{}", figure.peak_to_peak);
+            assert!((figure.once.unwrap() - once).abs() < 0.1, "{:?}", figure.once);
+        }
+    }
 
     fn walk(count: u32, turns_each: f64, second: f64) -> Vec<Sample> {
         let at = |k| {
