@@ -1,6 +1,6 @@
 """The compiled part of narx: numbers, bytes and tuples. What a user meets is in the other files of the package."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from typing import Any, Literal, final
 
@@ -46,6 +46,7 @@ class Bench:
     def set_input(self, input: str, value: float) -> None: ...
     @staticmethod
     def inputs() -> list[str]: ...
+    def add_tx_driver(self, node_id: int, channels: int, encoder: int | None, measuring_range: float) -> None: ...
     def drop_rows(self) -> None: ...
 
 @final
@@ -59,6 +60,7 @@ class VirtualBus:
         parameters: _Given = None,
         ambient: float = 25.0,
         seed: int = 1,
+        tx_drivers: Sequence[int] | None = None,
     ) -> VirtualBus: ...
     @property
     def time(self) -> float: ...

@@ -74,6 +74,16 @@ class Bench:
         else:
             self._bench.set_fault(fault.replace("_", "-"), False, None, phase, False)
 
+    def add_tx_driver(
+        self, node_id: int, channels: Literal[1, 2] = 1, encoder: int | None = None, measuring_range: float = 2.0
+    ) -> None:
+        """Puts an eddyCAN TX-Driver on the drive's bus. Its sensors watch the shaft's surface, a quarter of a revolution apart.
+
+        node_id: 1 to 127. encoder: counts per revolution of an incremental encoder on the shaft. measuring_range: mm. It powers up
+        Pre-operational with factory values.
+        """
+        self._bench.add_tx_driver(node_id, channels, encoder, measuring_range)
+
     def set_load(self, load: Load) -> None:
         """Another load on the shaft from now on."""
         self._bench.set_load(load)

@@ -5,6 +5,7 @@ use crate::master::Master;
 use crate::motor::{self, Load, Motor};
 use crate::session::Shared;
 use crate::trace;
+use crate::tx_driver;
 use narx_core::dictionary::Dictionary;
 use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
 use narx_sim::session::{Session, SessionConfig};
@@ -125,6 +126,27 @@ impl Bench {
     #[staticmethod]
     fn inputs() -> Vec<String> {
         Input::ALL.iter().map(crate::state::words).collect()
+    }
+
+    /// Powers up a TX-Driver on this bus and shaft. encoder: counts per revolution of one on the shaft. measuring_range: mm.
+    fn add_tx_driver(
+        &self,
+        py: Python<'_>,
+        node_id: i128,
+        channels: i128,
+        encoder: Option<i128>,
+        measuring_range: f64,
+    ) -> PyResult<()> {
+        let config = tx_driver::config(node_id, channels, encoder, measuring_range)?;
+        self.0.with(py, |session| {
+            let bench = session.bench_mut();
+            let node = config.configuration.node();
+            if bench.tx_drivers().iter().any(|device| device.driver().node() == node) {
+                return Err(format!("node_id {node_id}: there is a TX-Driver of this node-id already"));
+            }
+            bench.add_tx_driver(&config).map(drop).map_err(|error| error.to_string())
+        })
+        .map_err(error::parameter)
     }
 
     /// Forgets the rows so far.

@@ -11,6 +11,7 @@ mod recording;
 mod session;
 mod state;
 mod trace;
+mod tx_driver;
 mod virtual_bus;
 
 /// The compiled part of the package `narx`.

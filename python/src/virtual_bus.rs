@@ -4,6 +4,7 @@ use crate::bench;
 use crate::error;
 use crate::frame;
 use crate::motor::{Load, Motor};
+use crate::tx_driver;
 use narx_core::bus::Frame;
 use narx_sim::bench::Bench;
 use pyo3::prelude::*;
@@ -32,9 +33,9 @@ type Passed<'py> = (f64, Option<u64>, frame::Parts<'py>);
 
 #[pymethods]
 impl VirtualBus {
-    /// Powers up a commissioned drive; arguments as those of `narx.Bench`.
+    /// Powers up a commissioned drive; arguments as those of `narx.Bench`. tx_drivers: node-ids of TX-Drivers of one channel beside it.
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1))]
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, tx_drivers=None))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         motor: &Motor,
@@ -44,11 +45,16 @@ impl VirtualBus {
         parameters: Option<&Bound<'_, PyMapping>>,
         ambient: f64,
         seed: i128,
+        tx_drivers: Option<Vec<i128>>,
     ) -> PyResult<Self> {
         let mut config = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
         config.trace = false;
         let (bench, _) = config.power_up().map_err(error::parameter)?;
-        let bench = bench.without_recording();
+        let mut bench = bench.without_recording();
+        for node_id in tx_drivers.unwrap_or_default() {
+            let config = tx_driver::config(node_id, 1, Some(4096), 2.0)?;
+            bench.add_tx_driver(&config).map_err(error::parameter)?;
+        }
         Ok(Self(Mutex::new(World { bench, waiting: VecDeque::new(), sent: VecDeque::new() })))
     }
 

@@ -1,0 +1,35 @@
+//! TX-Drivers on the bus of a bench.
+
+use crate::error;
+use narx_core::bus::eddycan::{Channels, NodeId};
+use narx_core::eddycan::Entry;
+use narx_sim::sensor::{EddyCurrentConfig, Encoder, Target};
+use narx_sim::tx_driver::TxDriverConfig;
+use pyo3::prelude::*;
+
+/// A TX-Driver that looks at the shaft's surface, with a rotary encoder of `encoder` counts on the shaft; measuring range in mm.
+pub(crate) fn config(
+    node_id: i128,
+    channels: i128,
+    encoder: Option<i128>,
+    measuring_range: f64,
+) -> PyResult<TxDriverConfig> {
+    let node = u8::try_from(node_id).ok().and_then(NodeId::new).ok_or_else(|| {
+        error::parameter(format!("node_id {node_id}: must be a whole number from 1 to 127"))
+    })?;
+    let channels = match channels {
+        1 => Channels::Single,
+        2 => Channels::Dual,
+        _ => return Err(error::parameter(format!("channels {channels}: must be 1 or 2"))),
+    };
+    let mut config = TxDriverConfig { channels, ..TxDriverConfig::new(node) };
+    let range = error::finite("measuring_range", measuring_range, "mm")?;
+    config.sensors = [0.0, 90.0].map(|bearing| EddyCurrentConfig::new(range, Target::surface(range / 2.0, bearing)));
+    if let Some(counts) = encoder {
+        let refused = || error::parameter(format!("encoder {counts}: must be a number of counts from 1 to 65535"));
+        let counts = u16::try_from(counts).ok().filter(|counts| *counts > 0).ok_or_else(refused)?;
+        config.encoder = Some(Encoder::Rotary { counts });
+        config.configuration.set(Entry::CountsPerRevolution, counts.into()).map_err(|_| refused())?;
+    }
+    Ok(config)
+}
