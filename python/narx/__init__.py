@@ -9,7 +9,7 @@
 True
 """
 
-from narx._core import Load, Motor, State
+from narx._core import Load, Motor, State, dbc, eds, xml
 from narx.bench import Bench
 from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
 from narx.errors import (
@@ -55,7 +55,10 @@ __all__ = [
     "Trace",
     "Trigger",
     "connect",
+    "dbc",
     "decode",
     "devices",
+    "eds",
     "replay",
+    "xml",
 ]

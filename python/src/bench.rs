@@ -58,7 +58,8 @@ impl Bench {
     /// Lets `seconds` pass, to the nearest control tick.
     fn advance(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
         let seconds = error::magnitude("seconds", seconds, "s")?;
-        let ticks = self.0.with(py, |session| (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64);
+        let ticks =
+            self.0.with(py, |session| (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64);
         self.0.run(py, ticks)
     }
 
@@ -138,15 +139,16 @@ impl Bench {
         measuring_range: f64,
     ) -> PyResult<()> {
         let config = tx_driver::config(node_id, channels, encoder, measuring_range)?;
-        self.0.with(py, |session| {
-            let bench = session.bench_mut();
-            let node = config.configuration.node();
-            if bench.tx_drivers().iter().any(|device| device.driver().node() == node) {
-                return Err(format!("node_id {node_id}: there is a TX-Driver of this node-id already"));
-            }
-            bench.add_tx_driver(&config).map(drop).map_err(|error| error.to_string())
-        })
-        .map_err(error::parameter)
+        self.0
+            .with(py, |session| {
+                let bench = session.bench_mut();
+                let node = config.configuration.node();
+                if bench.tx_drivers().iter().any(|device| device.driver().node() == node) {
+                    return Err(format!("node_id {node_id}: there is a TX-Driver of this node-id already"));
+                }
+                bench.add_tx_driver(&config).map(drop).map_err(|error| error.to_string())
+            })
+            .map_err(error::parameter)
     }
 
     /// Forgets the rows so far.

@@ -29,7 +29,8 @@ fn parameter<'py>(py: Python<'py>, row: &Parameter) -> PyResult<Bound<'py, PyDic
     fields.set_item("factory", value(row.default))?;
     fields.set_item("access", row.access.label())?;
     fields.set_item("command", row.command)?;
-    fields.set_item("acts", if row.effect == Effect::Immediately { "at once" } else { row.effect.label() })?;
+    fields
+        .set_item("acts", if row.effect == Effect::Immediately { "at once" } else { row.effect.label() })?;
     fields.set_item("description", row.description)?;
     Ok(fields)
 }

@@ -16,7 +16,8 @@ pub(crate) type Parts<'py> = (u32, bool, bool, Bound<'py, PyBytes>);
 pub(crate) fn new(id: u32, extended: bool, remote: bool, data: &[u8]) -> PyResult<Frame> {
     let number = if extended { Id::extended(id) } else { u16::try_from(id).ok().and_then(Id::standard) };
     let bits = if extended { 29 } else { 11 };
-    let number = number.ok_or_else(|| error::parameter(format!("identifier {id:#x}: must have {bits} bits")))?;
+    let number =
+        number.ok_or_else(|| error::parameter(format!("identifier {id:#x}: must have {bits} bits")))?;
     let frame = if remote { Frame::remote(number, data.len() as u8) } else { Frame::data(number, data) };
     let frame = frame.filter(|_| data.len() <= 8);
     frame.ok_or_else(|| error::parameter(format!("data of {} bytes: must have at most 8", data.len())))
@@ -105,7 +106,11 @@ fn value<'py>(py: Python<'py>, values: &Bound<'py, PyDict>, field: &Field, raw: 
 
 /// Whole numbers stay whole.
 fn set(values: &Bound<'_, PyDict>, name: &str, value: Decimal) -> PyResult<()> {
-    if value.exponent == 0 { values.set_item(name, value.digits) } else { values.set_item(name, float(value)) }
+    if value.exponent == 0 {
+        values.set_item(name, value.digits)
+    } else {
+        values.set_item(name, float(value))
+    }
 }
 
 /// The nearest 64-bit float.

@@ -4,6 +4,7 @@
 mod bench;
 mod dictionary;
 mod error;
+mod files;
 mod frame;
 mod master;
 mod motor;
@@ -23,6 +24,8 @@ mod _core {
     use crate::bench::{Bench, number};
     #[pymodule_export]
     use crate::dictionary::{from_raw, log_records, measurement_signals, parameters, scope_signals, to_raw};
+    #[pymodule_export]
+    use crate::files::{dbc, eds, xml};
     #[pymodule_export]
     use crate::frame::decode;
     #[pymodule_export]

@@ -79,11 +79,14 @@ impl Master {
     ) -> PyResult<Self> {
         let address = |name: &str, value: i128| {
             let fits = u8::try_from(value).ok();
-            fits.ok_or_else(|| error::parameter(format!("{name} {value}: must be a whole number from 0 to 255")))
+            fits.ok_or_else(|| {
+                error::parameter(format!("{name} {value}: must be a whole number from 0 to 255"))
+            })
         };
         let time = |name, value| {
             let allowed = "0.001 to 10 s";
-            error::number(name, value, "s", allowed, |value| (0.001..=10.0).contains(&value)).map(microseconds)
+            error::number(name, value, "s", allowed, |value| (0.001..=10.0).contains(&value))
+                .map(microseconds)
         };
         let config = Config {
             addresses: Addresses { drive: address("slave", slave)?, master: address("monitor", monitor)? },
@@ -255,7 +258,9 @@ impl Master {
     /// Every signal of the measurements: name, unit, and value with the time when it was heard.
     fn measurements(&self, py: Python<'_>) -> Vec<Signal> {
         self.with(py, |master, _| {
-            let heard = |heard: Option<Heard<Decimal>>| heard.map(|heard| (frame::float(heard.value), seconds(heard.at)));
+            let heard = |heard: Option<Heard<Decimal>>| {
+                heard.map(|heard| (frame::float(heard.value), seconds(heard.at)))
+            };
             master.measurements().iter().map(|(row, value)| (row.name, row.unit, heard(value))).collect()
         })
     }
@@ -342,7 +347,8 @@ impl Master {
 
     /// Words received and in all; `None` before the length is known, and without a download.
     fn download_progress(&self, py: Python<'_>) -> Option<(u32, u32)> {
-        self.with(py, |master, _| master.download_progress()).map(|progress| (progress.received, progress.total))
+        self.with(py, |master, _| master.download_progress())
+            .map(|progress| (progress.received, progress.total))
     }
 
     /// Its length in words, once the download is complete and all its chunks were taken.
@@ -401,7 +407,9 @@ fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
 fn request_error(request: Request, error: RequestError) -> PyErr {
     match error {
         RequestError::NoAnswer => error::no_answer(match request {
-            Request::Read { number } | Request::Write { number, .. } => format!("parameter {number}: {error}"),
+            Request::Read { number } | Request::Write { number, .. } => {
+                format!("parameter {number}: {error}")
+            }
             Request::Reboot => format!("{error}: it is off the bus, or driving"),
             _ => error.to_string(),
         }),

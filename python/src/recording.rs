@@ -12,16 +12,8 @@ use pyo3::types::PyDict;
 
 /// What ran again: columns, units, ticks, digest, recorded digest (`None` of a part), what the last tick answered, label, and whether
 /// the recording version behaves as this one.
-type Replayed<'py> = (
-    Bound<'py, PyDict>,
-    Bound<'py, PyDict>,
-    u64,
-    u64,
-    Option<u64>,
-    Option<String>,
-    String,
-    bool,
-);
+type Replayed<'py> =
+    (Bound<'py, PyDict>, Bound<'py, PyDict>, u64, u64, Option<u64>, Option<String>, String, bool);
 
 struct Replay {
     ticks: u64,

@@ -24,9 +24,11 @@ pub(crate) fn config(
     };
     let mut config = TxDriverConfig { channels, ..TxDriverConfig::new(node) };
     let range = error::finite("measuring_range", measuring_range, "mm")?;
-    config.sensors = [0.0, 90.0].map(|bearing| EddyCurrentConfig::new(range, Target::surface(range / 2.0, bearing)));
+    config.sensors =
+        [0.0, 90.0].map(|bearing| EddyCurrentConfig::new(range, Target::surface(range / 2.0, bearing)));
     if let Some(counts) = encoder {
-        let refused = || error::parameter(format!("encoder {counts}: must be a number of counts from 1 to 65535"));
+        let refused =
+            || error::parameter(format!("encoder {counts}: must be a number of counts from 1 to 65535"));
         let counts = u16::try_from(counts).ok().filter(|counts| *counts > 0).ok_or_else(refused)?;
         config.encoder = Some(Encoder::Rotary { counts });
         config.configuration.set(Entry::CountsPerRevolution, counts.into()).map_err(|_| refused())?;

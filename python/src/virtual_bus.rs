@@ -65,7 +65,15 @@ impl VirtualBus {
     }
 
     /// Queues a frame of a client: whether there was room.
-    fn send(&self, py: Python<'_>, client: u64, id: u32, extended: bool, remote: bool, data: &[u8]) -> PyResult<bool> {
+    fn send(
+        &self,
+        py: Python<'_>,
+        client: u64,
+        id: u32,
+        extended: bool,
+        remote: bool,
+        data: &[u8],
+    ) -> PyResult<bool> {
         let frame = frame::new(id, extended, remote, data)?;
         Ok(self.with(py, |world| {
             let room = world.waiting.len() < WAITING;
@@ -103,8 +111,7 @@ impl World {
     /// One control tick.
     fn step(&mut self, passed: &mut Vec<(u64, Option<u64>, Frame)>) {
         while self.sent.len() < IN_CONTROLLER
-            && let Some((place, _)) =
-                self.waiting.iter().enumerate().min_by_key(|(_, (_, frame))| frame.id())
+            && let Some((place, _)) = self.waiting.iter().enumerate().min_by_key(|(_, (_, frame))| frame.id())
             && let Some((client, frame)) = self.waiting.remove(place)
         {
             // Two frames find room.

@@ -68,3 +68,17 @@ def test_what_is_no_frame_is_refused() -> None:
         narx.decode(3, bytes(9))
     with pytest.raises(narx.ParameterError, match="identifier 0x3: its data is missing"):
         narx.decode(3)
+
+
+def test_files_for_other_tools_are_those_that_are_committed() -> None:
+    docs = Path(__file__).parents[2] / "docs"
+    assert narx.dbc() == (docs / "narx.dbc").read_text(encoding="utf-8")
+    for channels, encoder, name in ((1, False, "single"), (1, True, "single-encoder"), (2, True, "dual-encoder")):
+        assert narx.eds(channels, encoder) == (docs / f"eddycan-{name}.eds").read_text(encoding="utf-8")
+    with pytest.raises(narx.ParameterError, match="channels 3: must be 1 or 2"):
+        narx.eds(3)
+
+
+def test_the_description_is_that_of_a_drive(bench: narx.Bench) -> None:
+    lines, served = narx.xml().splitlines(), bench.drive.description().splitlines()
+    assert lines[2:] == served[2:] and len(lines) > 300

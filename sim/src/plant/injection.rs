@@ -119,7 +119,12 @@ impl Injection {
     pub fn named(name: &str, options: InjectionOptions) -> Result<Self, InjectionError> {
         let InjectionOptions { value: given, phase, high } = options;
         let value = |min: f64, max: f64, unit| {
-            given.filter(|value| (min..=max).contains(value)).ok_or(InjectionError::Value { given, min, max, unit })
+            given.filter(|value| (min..=max).contains(value)).ok_or(InjectionError::Value {
+                given,
+                min,
+                max,
+                unit,
+            })
         };
         let phase = phase.ok_or(InjectionError::Phase);
         Ok(match name {

@@ -135,7 +135,9 @@ impl FaultKeys {
             PhaseKey::C => Phase::C,
         });
         let any = || (!begins).then(|| Injection::some_value(&self.fault));
-        let options = InjectionOptions { value: self.value.or_else(any), phase, high: self.high.unwrap_or(false) };
-        Injection::named(&self.fault, options).map_err(|error| format!("{key}.fault = \"{}\": {error}", self.fault))
+        let options =
+            InjectionOptions { value: self.value.or_else(any), phase, high: self.high.unwrap_or(false) };
+        Injection::named(&self.fault, options)
+            .map_err(|error| format!("{key}.fault = \"{}\": {error}", self.fault))
     }
 }

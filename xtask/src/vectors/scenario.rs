@@ -276,7 +276,11 @@ expect = { states = ["Initialization", "Standby"] }
                 "bad.toml: at.set \"114\" = 0: must be from 1 to 60000 ms",
             ),
             ("\"leak\"", "\"leek\"", "bad.toml: at.inject.fault = \"leek\": unknown; one of ambient"),
-            (", value = 2.0", "", "bad.toml: at.inject.fault = \"leak\": needs a value: must be a number from"),
+            (
+                ", value = 2.0",
+                "",
+                "bad.toml: at.inject.fault = \"leak\": needs a value: must be a number from",
+            ),
             (
                 "value = 2.0",
                 "value = -2",

@@ -1,0 +1,36 @@
+//! The files that other tools read, as they are committed.
+
+use crate::error;
+use narx_core::bus::narmotion::Addresses;
+use narx_core::description::Document;
+use narx_sim::bench::IDENTITY;
+use pyo3::prelude::*;
+
+/// The CAN database of the drive's messages (DBC).
+#[pyfunction]
+pub(crate) const fn dbc() -> &'static str {
+    include_str!("../../docs/narx.dbc")
+}
+
+/// The electronic data sheet of a TX-Driver with so many channels, whose PDOs have the encoder or not (EDS).
+#[pyfunction]
+#[pyo3(signature = (channels=1, encoder=false))]
+pub(crate) fn eds(channels: i128, encoder: bool) -> PyResult<&'static str> {
+    match (channels, encoder) {
+        (1, false) => Ok(include_str!("../../docs/eddycan-single.eds")),
+        (1, true) => Ok(include_str!("../../docs/eddycan-single-encoder.eds")),
+        (2, false) => Ok(include_str!("../../docs/eddycan-dual.eds")),
+        (2, true) => Ok(include_str!("../../docs/eddycan-dual-encoder.eds")),
+        _ => Err(error::parameter(format!("channels {channels}: must be 1 or 2"))),
+    }
+}
+
+/// The description that a drive of this version serves (XML); one with other addresses or another board differs in its first line.
+#[pyfunction]
+pub(crate) fn xml() -> String {
+    let document = Document { identity: IDENTITY, addresses: Addresses::FACTORY, tick_rate: 10_000 };
+    let mut text = String::new();
+    // Writing into a string cannot fail.
+    let _ = document.write(&mut text);
+    text
+}
