@@ -89,7 +89,7 @@ impl VirtualBus {
         let until = (until * 1e9).round() as u64;
         let passed = self.with(py, |world| {
             let mut passed = Vec::new();
-            while world.bench.now_ns() < until && !(until_frame && !passed.is_empty()) {
+            while world.bench.now_ns() < until && (!until_frame || passed.is_empty()) {
                 world.step(&mut passed);
             }
             passed
