@@ -75,7 +75,8 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
         self.told = false;
         self.state = match answer {
             Answer::Triggered => State::Recording,
-            Answer::Done(memory) => {
+            Answer::Done(mut memory) => {
+                memory.borrow_mut().close();
                 (self.memory, self.lent) = (Some(memory), false);
                 State::Done
             }

@@ -70,12 +70,12 @@ pub(super) struct Quiet {
 /// Of signals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ring {
-    /// Where the next signal goes.
+    /// Where this sample begins.
     pub(super) place: u16,
     /// Signals of this sample that have been read.
     pub(super) read: u8,
-    /// Once it is complete, ticks to the next one.
-    pub(super) wait: u16,
+    /// Once it is complete, ticks since then.
+    pub(super) waited: u16,
 }
 
 /// Of inputs.
@@ -105,7 +105,7 @@ impl Progress {
             left: before,
             // A level that holds already is no edge; what the drive does now is no change.
             before: Quiet { holds: true, state: motor::State::Initialization, faults: u32::MAX },
-            ring: Ring { place: 0, read: 0, wait: 0 },
+            ring: Ring { place: 0, read: 0, waited: 0 },
             course: Course {
                 note: Note::Nothing,
                 now: None,
@@ -169,6 +169,21 @@ impl Memory {
         self.progress = Progress::new(if plan.inputs { 1 } else { plan.before });
         self.plan = plan;
         true
+    }
+
+    /// The record is full: from now on it can be read.
+    pub(super) fn close(&mut self) {
+        let Progress { ring, course, .. } = &self.progress;
+        self.record = if self.plan.inputs {
+            let halves = [course.older, course.now];
+            let count = halves.iter().flatten().count() as u8;
+            let [older, now] = halves.map(Option::unwrap_or_default);
+            let halves = if count == 2 { [older, now] } else { [now, older] };
+            Record::Inputs { rate: self.plan.tick_rate, halves, count }
+        } else {
+            // The ring is full, so the oldest sample is where the next one would go.
+            Record::Signals { oldest: ring.place, words: self.plan.length as u16 }
+        };
     }
 
     /// Words that are used.

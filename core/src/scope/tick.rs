@@ -10,7 +10,7 @@
 //! is at any time one whole half, and what has been filled of the other.
 
 use super::inputs::{self, Before, Note};
-use super::memory::{Course, Half, Memory, PATIENCE, Phase, Progress, Record};
+use super::memory::{Course, Half, Memory, PATIENCE, Phase, Progress};
 use super::plan::Watch;
 use super::setup::SIGNALS_A_TICK;
 use super::{Answer, Order, State};
@@ -119,34 +119,37 @@ impl Memory {
         }
     }
 
+    /// What is booked is booked first: while signals are read, nothing else has to be remembered.
     #[inline]
     fn record_signals(&mut self, drive: &Drive, samples: &Samples) {
         let (plan, ring) = (&self.plan, &mut self.progress.ring);
-        let (wide, read, place) = (plan.signals.len(), usize::from(ring.read), usize::from(ring.place));
-        let next = read + SIGNALS_A_TICK;
+        let (wide, read, begin) = (plan.signals.len(), usize::from(ring.read), usize::from(ring.place));
+        if read >= wide {
+            ring.waited = ring.waited.saturating_add(1);
+            if ring.waited >= plan.pause {
+                (ring.read, ring.waited) = (0, 0);
+            }
+            return;
+        }
+        let (next, place) = (read + SIGNALS_A_TICK, begin + read);
+        if next < wide {
+            ring.read = next as u8;
+        } else {
+            let end = begin + wide;
+            ring.place = if end >= plan.length { 0 } else { end as u16 };
+            ring.read = plan.rest;
+            self.count();
+        }
+        let plan = &self.plan;
         let signals = plan.signals.get(read..next).and_then(|signals| signals.first_chunk());
         let words =
             self.words.get_mut(place..place + SIGNALS_A_TICK).and_then(|words| words.first_chunk_mut());
         if let (Some(signals), Some(words)) = (signals, words) {
             drive.sample4(signals, plan.speed, samples, words);
-        } else if read < wide {
+        } else {
             let words = self.words.get_mut(place..).unwrap_or_default();
             sample_few(drive, plan.signals.get(read..).unwrap_or_default(), plan.speed, samples, words);
-        } else {
-            ring.wait = ring.wait.saturating_sub(1);
-            if ring.wait == 0 {
-                ring.read = 0;
-            }
-            return;
         }
-        if next < wide {
-            (ring.read, ring.place) = (next as u8, (place + SIGNALS_A_TICK) as u16);
-            return;
-        }
-        let end = place + wide - read;
-        ring.place = if end >= plan.length { 0 } else { end as u16 };
-        (ring.read, ring.wait) = (plan.rest, plan.pause);
-        self.count();
     }
 
     /// A sample is complete.
@@ -159,20 +162,10 @@ impl Memory {
         }
     }
 
+    /// The record is full: what it is, the background finds out ([`Memory::close`]).
     #[cold]
     #[inline(never)]
     fn end(&mut self) {
-        let Progress { ring, course, .. } = &self.progress;
-        self.record = if self.plan.inputs {
-            let halves = [course.older, course.now];
-            let count = halves.iter().flatten().count() as u8;
-            let [older, now] = halves.map(Option::unwrap_or_default);
-            let halves = if count == 2 { [older, now] } else { [now, older] };
-            Record::Inputs { rate: self.plan.tick_rate, halves, count }
-        } else {
-            // The ring is full, so the oldest sample is where the next one would go.
-            Record::Signals { oldest: ring.place, words: self.plan.length as u16 }
-        };
         (self.progress.phase, self.progress.changed) = (Phase::Done, true);
     }
 
@@ -274,17 +267,15 @@ impl Memory {
 
     /// The trigger has come. It counts once there are enough samples from before it.
     #[inline]
-    fn start(&mut self) {
-        self.progress.phase = Phase::Fired;
-        if self.progress.left == 0 {
-            let Progress { phase, changed, left, ring, .. } = &mut self.progress;
-            (*phase, *changed, *left) = (Phase::Recording, true, self.plan.after);
-            // The trigger's own tick is the first one after it; a sample that was being read is dropped.
-            if usize::from(ring.read) < self.plan.signals.len() {
-                ring.place = ring.place.saturating_sub(ring.read.into());
-            }
-            ring.read = 0;
+    const fn start(&mut self) {
+        let Progress { phase, changed, left, ring, .. } = &mut self.progress;
+        if *left > 0 {
+            *phase = Phase::Fired;
+            return;
         }
+        (*phase, *changed, *left) = (Phase::Recording, true, self.plan.after);
+        // The trigger's own tick is the first one after it; a sample that was being read is dropped.
+        (ring.read, ring.waited) = (0, 0);
     }
 }
 
