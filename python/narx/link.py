@@ -53,6 +53,27 @@ class Link(ABC):
         """Lets go of the bus."""
 
 
+class FreeLink(Link):
+    """A master that is on no bench: a start waits in the link until the drive takes it."""
+
+    def __init__(self, master: _core.Master) -> None:
+        super().__init__(master)
+        self._starter = Starter(master)
+
+    def start(self, rpm: float) -> None:
+        self._starter.start(rpm)
+        self.wake()
+
+    @property
+    def start_pending(self) -> bool:
+        return self._starter.pending
+
+    def stop(self) -> None:
+        self._starter.cancel()
+        self.master.stop()
+        self.wake()
+
+
 class BenchLink(Link):
     """The bus of a bench: whoever waits simulates."""
 
@@ -73,7 +94,7 @@ class BenchLink(Link):
         return True
 
 
-class BusLink(Link):
+class BusLink(FreeLink):
     """A bus of python-can. Frames come by a notifier's thread and go by one of its own, so that set-points do not stop when
     nobody waits."""
 
@@ -86,7 +107,6 @@ class BusLink(Link):
         self._changed = threading.Condition()
         self._error: Exception | None = None
         self._closed = False
-        self._starter = Starter(master)
         known = can.Notifier.find_instances(bus)
         self._own_notifier = not known
         self._notifier = known[0] if known else can.Notifier(bus, [], timeout=0.1)
@@ -110,19 +130,6 @@ class BusLink(Link):
                 self._changed.wait(min(left, 0.05))
         return True
 
-    def start(self, rpm: float) -> None:
-        self._starter.start(rpm)
-        self.wake()
-
-    @property
-    def start_pending(self) -> bool:
-        return self._starter.pending
-
-    def stop(self) -> None:
-        self._starter.cancel()
-        self.master.stop()
-        self.wake()
-
     def wake(self) -> None:
         self._check()
         with self._changed:
@@ -145,7 +152,7 @@ class BusLink(Link):
             raise BusError("the drive's connection was closed")
 
     def _hear(self, message: can.Message) -> None:
-        if message.is_error_frame or message.is_fd or not message.is_rx:
+        if message.is_error_frame or message.is_fd:
             return
         with self._changed:
             handle(self.master, message, self.now)
@@ -165,13 +172,12 @@ class BusLink(Link):
                 self._changed.wait(min(max(due, 0.0005), 0.05))
 
 
-class SteppedLink(Link):
+class SteppedLink(FreeLink):
     """A bus whose time passes when it is read (`can.Bus(interface="narx", realtime=False)`): whoever waits reads it."""
 
     def __init__(self, bus: Any, master: _core.Master) -> None:
         super().__init__(master)
         self._bus = bus
-        self._starter = Starter(master)
 
     @property
     def now(self) -> float:
@@ -190,17 +196,6 @@ class SteppedLink(Link):
             if message is not None:
                 handle(self.master, message, self.now)
         return True
-
-    def start(self, rpm: float) -> None:
-        self._starter.start(rpm)
-
-    @property
-    def start_pending(self) -> bool:
-        return self._starter.pending
-
-    def stop(self) -> None:
-        self._starter.cancel()
-        self.master.stop()
 
 
 class Starter:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import ItemsView, Iterator, KeysView, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from narx.errors import ParameterError, SignalError
 from narx.names import suggestion
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-class Trace(Mapping[str, "NDArray[np.float32 | np.float64]"]):
+class Trace:
     """A table of signals, a row per sample: `trace["speed"]` is a numpy array of shape (rows,)."""
 
     def __init__(
@@ -58,26 +58,14 @@ class Trace(Mapping[str, "NDArray[np.float32 | np.float64]"]):
         """Number of rows."""
         return len(next(iter(self._columns.values()), ()))
 
-    def __bool__(self) -> bool:
-        return len(self) > 0
-
-    def __eq__(self, other: object) -> bool:
-        return self is other
-
-    __hash__ = object.__hash__
-
     def __repr__(self) -> str:
         return f"<narx.{type(self).__name__} of {len(self)} rows: {', '.join(self)}>"
 
-    def keys(self) -> Any:
+    def keys(self) -> KeysView[str]:
         """Names of the signals."""
         return self._columns.keys()
 
-    def values(self) -> Any:
-        """The arrays in the order of the signals."""
-        return self._columns.values()
-
-    def items(self) -> Any:
+    def items(self) -> ItemsView[str, NDArray[np.float32 | np.float64]]:
         """Name and array of each signal."""
         return self._columns.items()
 

@@ -13,6 +13,7 @@ import narx
 from narx.bus import NarxBus
 
 OPTIONS: dict[str, Any] = {"motor": "ec45-flat-50w-18v", "supply_voltage": 18.0, "mode": "hall"}
+STATUS = can.Message(arbitration_id=0x1552A803, is_extended_id=True, data=bytes(8))
 STANDBY = can.Message(arbitration_id=0x0055AA82, is_extended_id=True, data=bytes(8))
 
 
@@ -112,13 +113,28 @@ def test_nobody_answers() -> None:
 def test_a_silent_master_sends_nothing() -> None:
     with can.Bus(interface="virtual", channel="silent") as bus, can.Bus(interface="virtual", channel="silent") as tap:
         with narx.Drive(bus, silent=True) as drive:
-            bytes_of_status = bytes([0, 0, 0, 0, 0, 0, 0, 0])
-            tap.send(can.Message(arbitration_id=0x1AAA5503 & 0x1FFFFFFF, is_extended_id=True, data=bytes_of_status))
+            tap.send(STATUS)
+            assert drive.wait_for(lambda: drive.connected, 1.0) and drive.status["Motor mode"] == "Standby"
             drive.start(1000, wait=False)
             drive.wait(0.3)
             with pytest.raises(narx.RefusedError, match="the master is silent"):
                 drive.parameters[78]
         assert tap.recv(0.2) is None
+
+
+def test_a_drive_on_the_same_machine_is_heard() -> None:
+    """Drivers mark frames that a program of the same machine has sent, as on a `vcan`, like own ones."""
+
+    class Local(VirtualBus):
+        def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+            message, filtered = super()._recv_internal(timeout)
+            if message is not None:
+                message.is_rx = False
+            return message, filtered
+
+    with Local(channel="local") as bus, VirtualBus(channel="local") as tap, narx.Drive(bus, silent=True) as drive:
+        tap.send(STATUS)
+        assert drive.wait_for(lambda: drive.connected, 1.0)
 
 
 def test_a_lost_adapter_is_told() -> None:
