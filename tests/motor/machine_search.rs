@@ -19,7 +19,7 @@ struct Memory {
     state: State,
     age: u32,
     command: Command,
-    command_age: u32,
+    command_age: i32,
     armed: bool,
     acknowledged: bool,
     direction: Direction,
@@ -106,7 +106,7 @@ fn key(memory: &Memory, ghost: Ghost) -> (Vec<u8>, Ghost) {
 
 fn bounded(mut memory: Memory) -> Memory {
     memory.age = memory.age.min(AGE_MAX);
-    memory.command_age = memory.command_age.min(AGE_MAX);
+    memory.command_age = memory.command_age.min(AGE_MAX.cast_signed());
     memory
 }
 
@@ -213,6 +213,40 @@ fn memory_is_read_whole() {
     assert_eq!(machine(&memory(&machine_before)), machine_before);
 }
 
+/// A request that it knows is a set-point, in whatever state; and ticks of which it hears later are those before the set-point.
+#[test]
+fn a_request_that_it_knows_only_feeds_the_time_out() {
+    let explored = explore(|_, _, _, _, _, _| {});
+    let mut known = HashSet::new();
+    for (before, _) in &explored.nodes {
+        for request in [Request::Standby, Request::Drive, Request::Reverse, Request::Shutdown] {
+            let command = Command { request, speed: ElectricalSpeed::from_bits(7) };
+            let (mut told, mut reminded, mut late) = (machine(before), machine(before), machine(before));
+            told.handle_command(command);
+            reminded.handle_set_point(command.speed, 0);
+            if machine(before).knows(request) {
+                known.insert((before.state, request as u8));
+                assert_eq!(told, reminded, "{before:?} {request:?}");
+            }
+            for slept in [1, 3, 1000] {
+                late.handle_set_point(command.speed, slept);
+                late.sleep(slept);
+                assert_eq!(
+                    late.command_expired(&coefficients(0)),
+                    reminded.command_expired(&coefficients(0))
+                );
+            }
+        }
+    }
+    // In every state something is known, and a driven one knows no Standby.
+    assert_eq!(
+        known.iter().map(|(state, _)| state).collect::<HashSet<_>>().len(),
+        State::ALL.len(),
+        "{known:?}"
+    );
+    assert!(known.iter().all(|(state, request)| !(state.is_driving() && *request == Request::Standby as u8)));
+}
+
 #[test]
 fn invariants_hold_in_every_reachable_state() {
     let explored = explore(|before, ghost, inputs, enables, after, change| {
@@ -241,7 +275,7 @@ fn check_stops(
     let driving = before.state.is_driving();
     let judged = driving || before.state == State::Standby;
     let request = before.command.request;
-    let expired = before.command_age + 1 >= TIMEOUT;
+    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
     if judged && inputs.critical {
         assert_eq!(after.state, State::Fault, "a fault wins in the same tick: {}", context());
     } else if driving && request == Request::Standby {
@@ -275,7 +309,7 @@ fn check_start(
 ) {
     let (open_loop, sensorless, hall) = (enables & 1 != 0, enables & 2 != 0, enables & 4 != 0);
     let request = wanted(before.command.request);
-    let expired = before.command_age + 1 >= TIMEOUT;
+    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
     let able = request.is_some() && inputs.parameters_fit && !inputs.critical && !expired;
     let mode = before.calibrate || hall || open_loop || sensorless;
     if before.state == State::Standby {
@@ -340,7 +374,7 @@ fn check_reversal(
         assert_eq!(before.direction, after.direction, "never plug: {}", context());
     }
     let reversal = wanted(before.command.request).is_some_and(|direction| direction != before.direction);
-    let expired = before.command_age + 1 >= TIMEOUT;
+    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
     if before.state.is_driving() && reversal && !inputs.critical && !expired {
         let rests = inputs.stopped || before.state == State::RotorLock;
         let calibrated = before.mode.contains(Conditions::CALIBRATION) && inputs.calibrated;

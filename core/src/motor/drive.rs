@@ -24,7 +24,7 @@ use super::rotor::Rotor;
 use super::samples::Samples;
 use super::sensorless::Sensorless;
 use super::state::State;
-use crate::units::Amps;
+use crate::units::{Amps, ElectricalSpeed};
 use calm::Calm;
 use core::borrow::Borrow;
 pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
@@ -129,19 +129,13 @@ impl Drive {
 
     /// By reference: an event is as large as the coefficients, and moving it takes longer than what most of them ask for.
     fn heed(&mut self, event: &Event) {
-        // A running motor is told again and again to run, and that it is well. Then what changes is the set-point or the temperature, which are
+        // A drive is told again and again what it knows, and that it is well. Then what changes is the set-point or the temperature, which are
         // read once a millisecond, and no station need be woken.
         match *event {
-            Event::Command(command) if self.machine.goes_on_with(command.request) => {
-                self.tell();
-                self.machine.handle_command(command);
-                return self.rest_anew();
+            Event::Command(command) if self.machine.knows(command.request) => {
+                return self.hear(command.speed);
             }
-            Event::SetPoint(speed) if self.machine.state().is_driving() => {
-                self.tell();
-                self.machine.handle_set_point(speed);
-                return self.rest_anew();
-            }
+            Event::SetPoint(speed) => return self.hear(speed),
             Event::Slow(slow) if self.protection.stays_quiet_at(&self.coefficients.protection, &slow) => {
                 self.slow = slow;
                 return;
@@ -154,7 +148,7 @@ impl Drive {
         self.protection.wake();
         match event {
             Event::Command(command) => self.machine.handle_command(*command),
-            Event::SetPoint(speed) => self.machine.handle_set_point(*speed),
+            Event::SetPoint(_) => {}
             Event::Coefficients(coefficients) => {
                 self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
                 self.coefficients.clone_from(coefficients);
@@ -166,6 +160,13 @@ impl Drive {
             Event::Health(health) => self.health = *health,
             Event::CalibrateHall(run) => self.machine.handle_calibration(*run),
         }
+    }
+
+    /// The master is there, and nothing is new but the set-point.
+    #[inline]
+    fn hear(&mut self, speed: ElectricalSpeed) {
+        self.machine.handle_set_point(speed, self.calm.slept());
+        self.rest_anew();
     }
 
     /// One control tick.

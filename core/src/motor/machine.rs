@@ -104,8 +104,9 @@ pub struct Machine {
     /// Ticks in this state, saturating.
     age: u32,
     command: Command,
-    /// Ticks since the last valid command, saturating; saturated at boot: no master yet.
-    command_age: u32,
+    /// Ticks since the last valid command, saturating; saturated at boot: no master yet. Below zero, what [`sleep`](Self::sleep) is still to
+    /// tell of the time before it.
+    command_age: i32,
     /// A Drive request would be a fresh edge.
     armed: bool,
     /// Standby was requested since the fault.
@@ -124,7 +125,7 @@ impl Default for Machine {
             state: State::Initialization,
             age: 0,
             command: Command::default(),
-            command_age: u32::MAX,
+            command_age: i32::MAX,
             armed: true,
             acknowledged: false,
             direction: Direction::Forward,
@@ -152,10 +153,11 @@ impl Machine {
         }
     }
 
-    /// A set-point has arrived without a request.
-    pub fn handle_set_point(&mut self, speed: ElectricalSpeed) {
+    /// A set-point has arrived without a request, or with one that it [knows](Self::knows). Of the ticks before it, `slept` have not been told
+    /// yet.
+    pub const fn handle_set_point(&mut self, speed: ElectricalSpeed, slept: u32) {
         self.command.speed = speed;
-        self.command_age = 0;
+        self.command_age = slept.cast_signed().wrapping_neg();
     }
 
     /// Arms or withdraws the hall calibration; acts at the next start.
@@ -192,19 +194,35 @@ impl Machine {
         if !goes_on {
             return 0;
         }
-        let silent = c.command_timeout.saturating_sub(self.command_age);
+        let silent = c.command_timeout.saturating_sub_signed(self.command_age);
+        silent.min(self.duration(c).saturating_sub(self.age)).saturating_sub(1)
+    }
+
+    /// The same where it is calm and a set-point has just been heard; but from the last tick that it was told of, `slept` ago.
+    #[inline]
+    pub fn calm_since(&self, c: &MachineCoefficients, slept: u32) -> u32 {
+        let silent = slept.saturating_add(c.command_timeout);
         silent.min(self.duration(c).saturating_sub(self.age)).saturating_sub(1)
     }
 
     /// So many of these ticks have passed.
     pub const fn sleep(&mut self, ticks: u32) {
         self.age = self.age.saturating_add(ticks);
-        self.command_age = self.command_age.saturating_add(ticks);
+        self.command_age = self.command_age.saturating_add_unsigned(ticks);
     }
 
-    /// A driven state in which this request is no news.
-    pub fn goes_on_with(&self, request: Request) -> bool {
-        self.state.is_driving() && self.wants_to_run() && request == self.command.request
+    /// This request was the last one, too, and has had its effect: once more it only says that the master is there.
+    pub fn knows(&self, request: Request) -> bool {
+        let done = match request {
+            Request::Standby => {
+                self.armed
+                    && self.refusal == Refusal::None
+                    && (self.acknowledged || self.state != State::Fault)
+            }
+            Request::Drive | Request::Reverse => !(self.armed && self.state == State::Initialization),
+            Request::Shutdown => true,
+        };
+        done && request == self.command.request
     }
 
     #[inline]
@@ -371,8 +389,8 @@ impl Machine {
     }
 
     /// No valid command for the time-out.
-    pub const fn command_expired(&self, c: &MachineCoefficients) -> bool {
-        self.command_age >= c.command_timeout
+    pub fn command_expired(&self, c: &MachineCoefficients) -> bool {
+        self.command_age.max(0).unsigned_abs() >= c.command_timeout
     }
 
     /// Why the last start was refused; stays until Standby is requested.

@@ -361,10 +361,11 @@ impl Drive {
         }
     }
 
-    /// The master has been heard: it may be silent as long as before.
+    /// The master has been heard: it may be silent as long as before. The stations sleep on.
+    #[inline]
     pub(super) fn rest_anew(&mut self) {
         if self.calm.machine.0 > 0 {
-            self.calm.machine = Known(self.machine.calm(&self.coefficients.machine));
+            self.calm.machine = Known(self.machine.calm_since(&self.coefficients.machine, self.calm.slept()));
         }
     }
 

@@ -5,7 +5,7 @@ use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
-pub const LAYOUT_VERSION: u16 = 4;
+pub const LAYOUT_VERSION: u16 = 5;
 
 /// What the drive does with its inputs: rises with every change that moves a digest.
 pub const BEHAVIOUR_VERSION: u16 = 4;
