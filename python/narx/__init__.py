@@ -26,7 +26,7 @@ from narx.log import Log
 from narx.messages import Message, decode
 from narx.parameters import Parameters
 from narx.recording import Replay, replay
-from narx.scope import Scope, ScopeState, Trigger
+from narx.scope import Scope, ScopeRecording, ScopeState, Trigger
 from narx.trace import Trace
 
 __all__ = [
@@ -48,6 +48,7 @@ __all__ = [
     "RefusedError",
     "Replay",
     "Scope",
+    "ScopeRecording",
     "ScopeState",
     "SignalError",
     "StartError",

@@ -16,7 +16,12 @@ if TYPE_CHECKING:
 
     from narx.trace import Trace
 
-PANELS = [["setpoint", "speed"], ["current_a", "current_b", "current_c", "bus_current"], ["duty"]]
+PANELS = [
+    ["setpoint", "speed"],
+    ["electrical_setpoint", "electrical_speed_hall", "electrical_speed_sensorless"],
+    ["current_a", "current_b", "current_c", "bus_current"],
+    ["duty"],
+]
 """What is drawn of a run when nothing is chosen."""
 ROWS = 20_000
 """More rows than this are drawn by the smallest and largest value of each of half as many stretches."""
@@ -30,19 +35,36 @@ STATES = {
     State.FAULT: "#e57373",
     State.SENSORLESS_AUTO_RESTART: "#ff8a65",
 }
+CROSSINGS = {
+    1: ("accepted", "#2e7d32"),
+    2: ("too early", "#f9a825"),
+    3: ("not seen", "#c62828"),
+    4: ("hidden", "#6a1b9a"),
+    5: ("heard", "#1565c0"),
+}
+"""What becomes of a step's zero crossing (parameter 287), and how it is drawn; one is hidden by demagnetisation, and heard while the motor coasts."""
+SENSORLESS = (State.OPEN_LOOP, State.SENSORLESS_CLOSED_LOOP, State.SENSORLESS_AUTO_RESTART)
 
 
 def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
-    """One panel for each unit of the signals; bands behind them are the drive's states, where the trace has those."""
+    """One panel for each unit of the signals; bands behind them are the drive's states, where the trace has those. A run without sensors also
+    shows what became of each zero crossing."""
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
     chosen = list(signals)
     panels = by_unit(trace, chosen) if chosen else [[name for name in panel if name in trace] for panel in PANELS]
     panels = [panel for panel in panels if panel] or by_unit(trace, [name for name in trace if name != "time"])
-    figure = Figure(figsize=(9.0, 1.0 + 2.0 * len(panels)), layout="constrained")
-    axes = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
+    time, kinds = crossings(trace) if "crossing" in (chosen or trace) else (np.empty(0), np.empty(0, np.int64))
+    if len(time):
+        panels = [panel for panel in panels if panel != ["crossing"]]
+    heights = [2.0] * len(panels) + [1.0] * bool(len(time))
+    figure = Figure(figsize=(9.0, 1.0 + sum(heights)), layout="constrained")
+    axes = figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     units = trace.signals
-    for panel, axis in zip(panels, axes, strict=True):
+    if len(time):
+        strip(axes[-1], time, kinds)
+    for panel, axis in zip(panels, axes, strict=False):
         for name in panel:
             axis.plot(*envelope(trace.time, trace[name]), label=name, linewidth=0.9)
         unit = units[panel[0]]
@@ -56,9 +78,38 @@ def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
     axes[-1].set_xlabel("time [s]")
     if "state" in trace:
         seen = [State(int(state)) for state in np.unique(trace["state"])]
-        patches = [axes[0].axvspan(0, 0, color=STATES[state], alpha=0.4, label=words(state)) for state in seen]
+        patches = [Patch(color=STATES[state], alpha=0.4, label=words(state)) for state in seen]
         figure.legend(handles=patches, loc="outside upper center", ncols=len(seen), fontsize="small", frameon=False)
     return figure
+
+
+def crossings(trace: Trace) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """When something became of a step's zero crossing, s, and what (`CROSSINGS`): where the drive runs without sensors.
+
+    An accepted crossing stands at the tick that saw it. A step that ends like the one before it, without news, stands at its end.
+    """
+    missing = [name for name in ("crossing", "crossing_margin", "step", "state") if name not in trace]
+    if missing or len(trace) < 2:
+        return np.empty(0), np.empty(0, np.int64)
+    kind = trace["crossing"]
+    news = (np.diff(kind) != 0) | (np.diff(trace["crossing_margin"]) != 0)
+    ends = np.flatnonzero(np.diff(trace["step"]))
+    told = np.cumsum(news)
+    silent = ends[1:][told[ends[1:]] == told[ends[:-1]]]
+    rows = np.union1d(np.flatnonzero(news) + 1, silent)
+    rows = rows[(kind[rows] > 0) & np.isin(trace["state"][rows], SENSORLESS)]
+    return trace.time[rows], kind[rows].astype(np.int64)
+
+
+def strip(axis: Axes, time: NDArray[np.float64], kinds: NDArray[np.int64]) -> None:
+    """A line of marks for each thing that became of a zero crossing."""
+    seen = [kind for kind in CROSSINGS if (kinds == kind).any()]
+    for line, kind in enumerate(seen):
+        moments = time[kinds == kind]
+        axis.plot(moments, np.full(len(moments), -line), "|", color=CROSSINGS[kind][1], markersize=7.0)
+    axis.set_yticks([-line for line in range(len(seen))], [CROSSINGS[kind][0] for kind in seen], fontsize="small")
+    axis.set_ylim(0.6 - len(seen), 0.6)
+    axis.set_title("zero crossings", loc="left", fontsize="small", pad=2.0)
 
 
 def by_unit(trace: Trace, names: list[str]) -> list[list[str]]:

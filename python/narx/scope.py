@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import IntEnum
+from os import PathLike
+from pathlib import Path
 from typing import Self
 
 import numpy as np
@@ -77,6 +79,22 @@ class Trigger:
         return cls(6)
 
 
+@dataclass(frozen=True)
+class ScopeRecording:
+    """What a scope has recorded of the inputs of every control tick."""
+
+    recording: bytes
+    """What `narx.replay` takes, and a `.narxrec` file holds."""
+    first_tick: int
+    """Number of its first tick since the drive's power-up."""
+    agrees: bool | None
+    """Whether the replay came to what the drive did itself, from its second checkpoint on; `None` where the record has none."""
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the recording as a `.narxrec` file."""
+        Path(path).write_bytes(self.recording)
+
+
 class Scope:
     """Arms, forces and reads the scope. A record survives faults and further starts until the scope is armed again."""
 
@@ -110,16 +128,28 @@ class Scope:
         chosen = [known(name) for name in signals]
         if not chosen:
             raise ParameterError("signals: must name at least one")
+        self._set_up(samples, prescaler, trigger or Trigger.forced(), before, {CHANNELS: sum({1 << SIGNALS[name][0] for name in chosen})})
+
+    def arm_inputs(self, ticks: int = 400, trigger: Trigger | None = None, before: int = 0) -> None:
+        """Sets it up to record the inputs of every control tick instead of signals, and arms it: what `download_recording` makes a recording of.
+
+        ticks: of the record, as far as the memory has room: 34 to 68 ms in 8 KiB, whatever is asked for beyond that. before: ticks from before the
+        trigger, fewer than `ticks`.
+        """
+        self._set_up(ticks, 1, trigger or Trigger.forced(), before, {INPUTS: 1})
+
+    def _set_up(self, samples: int, prescaler: int, trigger: Trigger, before: int, what: dict[int, int]) -> None:
         if self.state in (ScopeState.ARMED, ScopeState.RECORDING):
             raise RefusedError(f"the scope is {self.state.name.lower()}: force it, or wait until it is done")
-        trigger = trigger or Trigger.forced()
+        signal = None if trigger.signal is None else SIGNALS[known(trigger.signal)]
         self._parameters[INPUTS] = 0
-        self._parameters[CHANNELS] = sum({1 << SIGNALS[name][0] for name in chosen})
         self._parameters[SAMPLES] = samples
         self._parameters[PRESCALER] = prescaler
         self._parameters[BEFORE] = before
-        if trigger.signal is not None:
-            bit, _, base = SIGNALS[known(trigger.signal)]
+        for number, value in what.items():
+            self._parameters[number] = value
+        if signal is not None:
+            bit, _, base = signal
             self._parameters[TRIGGER_SIGNAL] = bit
             self._parameters[TRIGGER_LEVEL] = trigger.value / base
         self._parameters[TRIGGER] = trigger.kind
@@ -141,8 +171,7 @@ class Scope:
 
     def download(self, progress: Callable[[int, int], None] | None = None) -> Trace:
         """The record: a row per sample, `time` in s from the trigger. progress: called with words received and words in all."""
-        if self.state is not ScopeState.DONE:
-            raise RefusedError(f"the scope is {self.state.name.lower()}: it has no record")
+        self._expect_record(inputs=False)
         channels = int(self._parameters[CHANNELS])
         names = [name for name, (bit, _, _) in SIGNALS.items() if channels >> bit & 1]
         words = int(self._parameters[WORDS])
@@ -155,6 +184,15 @@ class Scope:
         units = {"time": "s"} | {name: SIGNALS[name][1] for name in names}
         return Trace(columns, units)
 
+    def download_recording(self, progress: Callable[[int, int], None] | None = None) -> ScopeRecording:
+        """The record of inputs, as a recording that `narx.replay` runs again bit for bit. progress: called with words received and words in all.
+
+        Raises RecordingError for a record of another version of narx, or one that is damaged.
+        """
+        self._expect_record(inputs=True)
+        data = download(self._link, "scope", count=int(self._parameters[WORDS]), progress=progress)
+        return ScopeRecording(*_core.scope_recording(data, "recorded by the scope"))
+
     def capture(
         self,
         signals: Iterable[str],
@@ -166,12 +204,30 @@ class Scope:
     ) -> Trace:
         """Arms it (see `arm`), waits for the trigger (without one it is forced) and downloads the record."""
         self.arm(signals, samples, prescaler, trigger, before)
+        self._await(trigger, before * self._parameters[SAMPLING_TIME], timeout)
+        return self.download()
+
+    def record(
+        self, ticks: int = 400, trigger: Trigger | None = None, before: int = 0, timeout: float = 10.0
+    ) -> ScopeRecording:
+        """Records inputs (see `arm_inputs`), waits for the trigger (without one it is forced) and downloads the recording."""
+        self.arm_inputs(ticks, trigger, before)
+        self._await(trigger, before * self._parameters[SAMPLING_TIME], timeout)
+        return self.download_recording()
+
+    def _await(self, trigger: Trigger | None, before: float, timeout: float) -> None:
         if trigger is None:
             # What goes before the trigger has to be there first.
-            self._link.wait(lambda: False, before * self._parameters[SAMPLING_TIME])
+            self._link.wait(lambda: False, before)
             self.force()
         self.wait(timeout)
-        return self.download()
+
+    def _expect_record(self, inputs: bool) -> None:
+        if (state := self.state) is not ScopeState.DONE:
+            raise RefusedError(f"the scope is {state.name.lower()}: it has no record")
+        if bool(self._parameters[INPUTS]) is not inputs:
+            kind, call = ("signals", "download") if inputs else ("inputs", "download_recording")
+            raise RefusedError(f"the scope has recorded {kind}: {call}() reads it")
 
     def _press(self) -> None:
         ask(self._link, lambda: self._link.master.request("trigger scope"))

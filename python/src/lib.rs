@@ -33,7 +33,7 @@ mod _core {
     #[pymodule_export]
     use crate::motor::{Load, Motor};
     #[pymodule_export]
-    use crate::recording::replay;
+    use crate::recording::{replay, scope_recording};
     #[pymodule_export]
     use crate::virtual_bus::VirtualBus;
 

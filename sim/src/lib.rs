@@ -22,6 +22,8 @@ pub mod random;
 pub mod random_plant;
 #[cfg(feature = "alloc")]
 pub mod recording;
+#[cfg(feature = "alloc")]
+pub mod replayed;
 #[cfg(feature = "tx-drivers")]
 pub mod sensor;
 #[cfg(feature = "alloc")]

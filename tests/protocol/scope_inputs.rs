@@ -10,7 +10,7 @@ use narx_core::motor::{
     Board, Coefficients, CurrentMode, Drive, Edge, EdgeSource, Event, Lines, Request as Mode, SampleMode,
     Samples, State,
 };
-use narx_core::recording::{Recording, Scoped, ScopedError, Tick, record_scoped, replay};
+use narx_core::recording::{LAYOUT_VERSION, Recording, Scoped, ScopedError, Tick, record_scoped, replay};
 use narx_core::scope::{Inputs, MalformedInputs, Report, Request, Setup, State as ScopeState};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::Mode as ControlMode;
@@ -178,9 +178,10 @@ fn damaged_words_are_refused() {
     for length in 0..words.len() {
         assert_eq!(error(&words[..length]), ScopedError::Words(MalformedInputs::Words), "{length} words");
     }
+    let layout = format!("the drive's state has layout 999, this version reads layout {LAYOUT_VERSION}");
     for (place, word, expected) in [
         (0, 7, "word 0 of the record is 0x0007, a recording begins with 0x4e01"),
-        (1, 999, "the drive's state has layout 999, this version reads layout 4"),
+        (1, 999, layout.as_str()),
         (5, 0, "the record ends too early or is damaged"),
         (5, 3, "the record ends too early or is damaged"),
     ] {

@@ -124,6 +124,37 @@ def test_scope_captures_what_is_asked_for(drive: narx.Drive) -> None:
     assert states[9] == narx.State.HALL_CLOSED_LOOP and states[11] == narx.State.STANDBY
 
 
+def test_scope_records_what_runs_again(bench: narx.Bench, tmp_path: Path) -> None:
+    drive = bench.drive
+    drive.start(1500)
+    drive.scope.arm_inputs(ticks=300, before=200, trigger=narx.Trigger.fault())
+    bench.run(0.1)
+    bench.inject("driver", phase="A")
+    drive.scope.wait()
+    with pytest.raises(narx.RefusedError, match=r"has recorded inputs: download_recording\(\) reads it"):
+        drive.scope.download()
+    record = drive.scope.download_recording()
+    record.save(tmp_path / "fault.narxrec")
+    again = narx.replay(tmp_path / "fault.narxrec")
+    assert again.identical and again.ticks >= 300 and record.agrees is not False
+    # The same ticks as the bench recorded.
+    whole = narx.replay(bench.run(0.0).recording())
+    assert whole.identical
+    rows = slice(record.first_tick, record.first_tick + again.ticks)
+    for name in ("state", "duty", "step", "hall"):
+        assert np.array_equal(again[name], whole[name][rows]), name
+    assert set(again["state"]) == {narx.State.HALL_CLOSED_LOOP, narx.State.FAULT}
+
+
+def test_scope_records_inputs_at_once(drive: narx.Drive) -> None:
+    drive.start(1500)
+    record = drive.scope.record(ticks=200, before=50)
+    assert narx.replay(record.recording).identical
+    drive.scope.capture(["Duty"], samples=10)
+    with pytest.raises(narx.RefusedError, match=r"has recorded signals: download\(\) reads it"):
+        drive.scope.download_recording()
+
+
 def test_scope_refuses(drive: narx.Drive) -> None:
     with pytest.raises(narx.SignalError, match='no scope signal "Duti"; did you mean "Duty"'):
         drive.scope.arm(["Duti"])

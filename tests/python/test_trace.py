@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 import narx
+from narx.plot import CROSSINGS, crossings
 
 
 @pytest.fixture
@@ -73,6 +74,29 @@ def test_plots_have_a_panel_for_each_unit(trace: narx.Trace, tmp_path: Path) -> 
     assert (tmp_path / "run.png").stat().st_size > 10_000
     with pytest.raises(narx.SignalError, match='no signal "sped"'):
         trace.plot("sped")
+
+
+def test_zero_crossings_are_marked_by_what_became_of_them(motor: narx.Motor) -> None:
+    bench = narx.Bench(motor, supply_voltage=18.0, mode="sensorless")
+    bench.drive.start(2000, wait=False)
+    trace = bench.run(1.5)
+    time, kinds = crossings(trace)
+    # Six a turn of the magnets, all of them seen once the motor runs.
+    runs = time > 1.45
+    electrical = trace["speed"][trace.time > 1.45].mean() / 60.0 * motor.pole_pairs
+    assert np.diff(time[runs]).mean() == pytest.approx(1.0 / (6.0 * electrical), rel=0.02)
+    assert set(kinds[runs]) == {1} and set(kinds) > {1}
+    assert time[0] > trace.time[trace["state"] == narx.State.OPEN_LOOP][0]
+
+    strip = trace.plot().axes[-1]
+    assert [label.get_text() for label in strip.get_yticklabels()] == [CROSSINGS[kind][0] for kind in CROSSINGS if kind in kinds]
+    assert sum(len(np.asarray(line.get_xdata())) for line in strip.lines) == len(time)
+    assert [axis.get_ylabel() for axis in trace.plot("speed").axes] == ["speed [rpm]"]
+
+
+def test_with_sensors_there_are_no_marks(trace: narx.Trace) -> None:
+    assert len(crossings(trace)[0]) == 0 and len(trace.plot().axes) == 3
+    assert [axis.get_ylabel() for axis in trace.plot("crossing").axes] == ["crossing"]
 
 
 def test_no_peak_is_lost_in_a_plot(bench: narx.Bench) -> None:

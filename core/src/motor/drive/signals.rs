@@ -4,11 +4,23 @@ use super::Drive;
 use crate::motor::fault::FaultWord;
 use crate::motor::samples::Samples;
 use crate::motor::signal::{Signal, SpeedScale};
+use crate::motor::zero_crossing::Why;
 
 impl Drive {
     /// FAULT_WORD: what is present or latched.
     pub fn faults(&self) -> FaultWord {
         self.protection.word()
+    }
+
+    /// What became of the last step's zero crossing, how far the last accepted one lay behind its prediction (turn of 65 536), and how many were
+    /// accepted.
+    pub const fn crossing(&self) -> (Why, i16, u32) {
+        self.sensorless.why()
+    }
+
+    /// Sample of a signal as of the last step, Q3.12 of its base in [`DRIVE_SIGNALS`](crate::motor::signal::DRIVE_SIGNALS): what a scope would record.
+    pub fn signal(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i16 {
+        self.sample(signal, speed, samples) as i16
     }
 
     /// The last step was not one that looks at everything.
