@@ -11,6 +11,7 @@ True
 
 from narx._core import Load, Motor, State, dbc, eds, xml
 from narx.bench import Bench
+from narx.can_log import CanLog, Frames, LogError, Series, Table
 from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
 from narx.errors import (
     BusError,
@@ -23,7 +24,8 @@ from narx.errors import (
     StartError,
 )
 from narx.log import Log
-from narx.messages import Message, decode
+from narx.log_file import read_log
+from narx.messages import Message, NodeMessage, decode
 from narx.parameters import Parameters
 from narx.recording import Replay, replay
 from narx.scope import Scope, ScopeState, Trigger
@@ -32,16 +34,20 @@ from narx.trace import Trace
 __all__ = [
     "Bench",
     "BusError",
+    "CanLog",
     "Drive",
+    "Frames",
     "Info",
     "Load",
     "Log",
+    "LogError",
     "Measurement",
     "Measurements",
     "Message",
     "Motor",
     "NarxError",
     "NoAnswerError",
+    "NodeMessage",
     "ParameterError",
     "Parameters",
     "RecordingError",
@@ -49,9 +55,11 @@ __all__ = [
     "Replay",
     "Scope",
     "ScopeState",
+    "Series",
     "SignalError",
     "StartError",
     "State",
+    "Table",
     "Trace",
     "Trigger",
     "connect",
@@ -59,6 +67,7 @@ __all__ = [
     "decode",
     "devices",
     "eds",
+    "read_log",
     "replay",
     "xml",
 ]
