@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import io
 import re
 import struct
@@ -21,12 +20,12 @@ if TYPE_CHECKING:
 
 BATCH = 10_000
 """Frames that are handed on at a time."""
-CHUNK = 1 << 20
+CHUNK = 1 << 16
 """Bytes that are unpacked at a time."""
 TOLD = 200
 """Of a line that is no frame so many characters are told."""
 
-ASC_FRAME = re.compile(r"\s*\d+\.\d+\s+(?:\d+\s+[0-9a-f]+x?(?:\s+[rt]x|\s*$)|CANFD\s)", re.I)
+ASC_FRAME = re.compile(r"\s*\d+\.\d+\s+(?:\d+\s+[0-9a-f]+x?(?:\s+(?!J1939)|$)|CANFD\b)", re.I)
 ASC_OTHER = re.compile(r"\s*(?:$|//|date\b|base\b|(?:no\s+)?internal\s+events|begin\b|end\b|\d+\.\d+\s)", re.I)
 TRC_STATUS = {"Warng", "Error", "ST", "EC", "ER", "EV", "FFFFFFFF"}
 
@@ -62,16 +61,23 @@ def read_log(
 
 def contents(path: Path, errors: list[LogError]) -> bytes:
     """The bytes of a file, unpacked as far as that goes."""
+    data = path.read_bytes()
     if path.suffix.lower() != ".gz":
-        return path.read_bytes()
-    chunks = []
-    try:
-        with gzip.open(path) as file:
-            while chunk := file.read(CHUNK):
-                chunks.append(chunk)
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        errors.append(LogError(None, "", f"truncated or damaged: {error}"))
-    return b"".join(chunks)
+        return data
+    unpacked: list[bytes] = []
+    # There may be several of them, one behind the other; what follows the last one are zeros, if anything.
+    while data.strip(b"\0"):
+        member = zlib.decompressobj(zlib.MAX_WBITS | 16)
+        try:
+            unpacked.extend(member.decompress(data[at : at + CHUNK]) for at in range(0, len(data), CHUNK) if not member.eof)
+        except zlib.error as error:
+            errors.append(LogError(None, "", f"damaged: {error}"))
+            break
+        if not member.eof:
+            errors.append(LogError(None, "", "truncated: the end of the packed data is missing"))
+            break
+        data = member.unused_data
+    return b"".join(unpacked)
 
 
 Found = tuple["can.Message", int | None, str]
@@ -84,7 +90,7 @@ def frames(path: Path, ending: str, errors: list[LogError]) -> Iterator[Found]:
 
     texts: dict[str, tuple[Callable[..., Iterable[can.Message]], Callable[[str], bool]]] = {
         ".asc": (formats.ASCReader, lambda line: bool(ASC_FRAME.match(line)) or not ASC_OTHER.match(line)),
-        ".csv": (formats.CSVReader, lambda line: True),
+        ".csv": (formats.CSVReader, lambda line: not line.startswith("timestamp,")),
         ".trc": (formats.TRCReader, lambda line: line.strip()[:1] not in ("", ";") and not TRC_STATUS & {*line.split()}),
     }
     if ending in texts:
