@@ -11,7 +11,8 @@ True
 
 from narx._core import Load, Motor, State, dbc, eds, xml
 from narx.bench import Bench
-from narx.can_log import CanLog, Frames, LogError, Series, Table
+from narx.can_log import CanLog
+from narx.columns import Frames, LogError, Series, Table
 from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
 from narx.errors import (
     BusError,

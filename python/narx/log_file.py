@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from narx import _core
-from narx.can_log import FLAGS, CanLog, LogError
+from narx.can_log import CanLog
+from narx.columns import FLAGS, LogError
 from narx.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -109,8 +110,9 @@ class Lines:
         self._text = iter(text)
         self._expected = expected
         self._errors = errors
-        self._settled = True
         self._blank = False
+        self.settled = True
+        """It is known what became of the last line."""
         self.number = 0
         self.line = ""
 
@@ -124,7 +126,7 @@ class Lines:
         self.settle()
         self.line = next(self._text)
         self.number += 1
-        self._settled = False
+        self.settled = False
         return self.line
 
     def close(self) -> None:
@@ -136,14 +138,14 @@ class Lines:
 
     def settle(self, reason: str | None = None) -> None:
         """The line was read. Without a reason it was skipped, which is right for what is not expected to be a frame."""
-        if not self._settled and (reason or self._expected(self.line)):
+        if not self.settled and (reason or self._expected(self.line)):
             told = reason or "python-can makes no frame of it"
             self._errors.append(LogError(self.number, self.line.strip()[:TOLD], told))
-        self._settled = True
+        self.settled = True
 
     def take(self) -> None:
         """The line was a frame."""
-        self._settled = True
+        self.settled = True
 
 
 def text_frames(
@@ -167,7 +169,7 @@ def text_frames(
             lines.settle()
             return
         except (ValueError, LookupError, TypeError) as error:
-            if lines._settled:
+            if lines.settled:
                 errors.append(LogError(None, "", f"not such a log: {error}"))
                 return
             lines.settle(str(error) or type(error).__name__)

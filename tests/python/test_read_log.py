@@ -26,7 +26,7 @@ def folder() -> Iterator[Path]:
 
 
 @given(frames=st.lists(drive_frames(), min_size=1, max_size=40))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_columns_are_what_cantools_decodes(folder: Path, frames: list[can.Message]) -> None:
     log = narx.read_log(write(folder / "drive.log", stamped(frames)))
     assert not log.errors and len(log) == len(frames)
@@ -47,7 +47,7 @@ def test_columns_are_what_cantools_decodes(folder: Path, frames: list[can.Messag
 
 
 @given(frames=st.lists(any_frames(), max_size=30))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_frames_are_what_python_can_reads(folder: Path, frames: list[can.Message]) -> None:
     path = write(folder / "any.log", stamped(frames))
     with can.CanutilsLogReader(path) as reader:
@@ -110,7 +110,7 @@ def impossible(line: str, frame: can.Message) -> bool:
 
 
 @given(lines=st.lists(ODD, min_size=1, max_size=12))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_odd_lines_are_read_as_python_can_does_or_told(folder: Path, lines: list[str]) -> None:
     path = folder / "odd.log"
     path.write_text("".join(line + "\n" for line in lines))
@@ -170,6 +170,26 @@ def test_types_and_names(tmp_path: Path) -> None:
         log["HV Voltage"]
     with pytest.raises(narx.SignalError, match='no message or signal "HV Voltages"; did you mean "HV Voltage"'):
         log["HV Voltages"]
+
+
+def test_speed_is_what_the_control_mode_uses(tmp_path: Path) -> None:
+    path = tmp_path / "speed.log"
+    modes = {"off": "0000", "sensorless": "0201", "hall": "0301"}
+    lines: list[str] = []
+
+    def hear(opcode: str, data: str) -> None:
+        lines.append(f"({len(lines)}.0) can0 {narx_id()}{opcode}#{data.ljust(16, '0')}\n")
+
+    for mode in ("", "off", "sensorless", "hall", "sensorless"):
+        if mode:
+            hear("03", "0000" + modes[mode])
+        hear("CD", f"{5000 + len(lines):04X}")
+        hear("C9", f"{1000 + len(lines):04X}")
+    path.write_text("".join(lines))
+    speed = narx.read_log(path)["speed"]
+    assert speed.values.tolist() == [1001, 1004, 1007, 5009, 1013] and speed.time.tolist() == [1, 4, 7, 9, 13]
+    path.write_text("")
+    assert len(narx.read_log(path)["speed"]) == 0
 
 
 def narx_id() -> str:

@@ -205,27 +205,36 @@ fn seconds(text: &[u8]) -> Option<f64> {
     })
 }
 
-/// Digits with a point among them, up to 2^53 without it: then one division of exact numbers rounds once, and right.
+/// Digits with a point among them or not, up to 2^53 without it: then one division of exact numbers rounds once, and right.
 fn plain_seconds(text: &[u8]) -> Option<f64> {
     const POWERS: [f64; 10] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
-    let point = text.iter().position(|byte| *byte == b'.').unwrap_or(text.len());
-    let (whole, fraction) = text.split_at_checked(point)?;
-    let fraction = fraction.get(1..).unwrap_or(&[]);
-    if whole.is_empty() || text.len() > 18 {
+    if text.len() > 18 {
         return None;
     }
-    let number = whole.iter().chain(fraction).try_fold(0_u64, |number, byte| {
-        let digit = byte.wrapping_sub(b'0');
-        (digit < 10).then(|| number.wrapping_mul(10).wrapping_add(digit.into()))
-    })?;
-    (number <= 1 << 53).then_some(number as f64 / POWERS.get(fraction.len())?)
+    let mut number = 0_u64;
+    let mut decimals = None;
+    for byte in text {
+        match byte.wrapping_sub(b'0') {
+            digit @ 0..=9 => {
+                number = number.wrapping_mul(10).wrapping_add(digit.into());
+                decimals = decimals.map(|decimals: usize| decimals + 1);
+            }
+            _ if *byte == b'.' && decimals.is_none() && number > 0 => decimals = Some(0),
+            _ => return None,
+        }
+    }
+    let exact = number > 0 && number <= 1 << 53;
+    exact.then_some(number as f64 / POWERS.get(decimals.unwrap_or(0))?)
 }
 
 fn identifier(digits: &[u8]) -> Option<u32> {
-    if !matches!(digits.len(), 1..=8) {
-        return None;
+    let (mut raw, mut all) = (0, 0);
+    for byte in digits {
+        let value = value(*byte);
+        raw = raw << 4 | u32::from(value);
+        all |= value;
     }
-    digits.iter().try_fold(0, |raw: u32, byte| Some(raw << 4 | u32::from(digit(*byte)?)))
+    (matches!(digits.len(), 1..=8) && all < 16).then_some(raw)
 }
 
 /// Pairs of digits into bytes, and how many there are.
@@ -237,17 +246,25 @@ fn decode(digits: &[u8], bytes: &mut [u8; 8]) -> Result<u8, ParseError> {
     if pairs.len() > bytes.len() {
         return Err(ParseError::Length);
     }
+    let mut all = 0;
     for (byte, pair) in bytes.iter_mut().zip(pairs) {
-        let &[high, low] = pair else { return Err(ParseError::Data) };
-        *byte = digit(high).zip(digit(low)).map(|(high, low)| high << 4 | low).ok_or(ParseError::Data)?;
+        if let &[high, low] = pair {
+            let (high, low) = (value(high), value(low));
+            all |= high | low;
+            *byte = high << 4 | low;
+        }
     }
-    Ok((digits.len() / 2) as u8)
+    if all < 16 { Ok((digits.len() / 2) as u8) } else { Err(ParseError::Data) }
 }
 
 /// The value of a hexadecimal digit.
 fn digit(byte: u8) -> Option<u8> {
-    let value = DIGITS.get(usize::from(byte)).copied().unwrap_or(NONE);
-    (value != NONE).then_some(value)
+    Some(value(byte)).filter(|value| *value < 16)
+}
+
+/// The value of a hexadecimal digit, or [`NONE`]; several of them can be looked at together.
+fn value(byte: u8) -> u8 {
+    DIGITS.get(usize::from(byte)).copied().unwrap_or(NONE)
 }
 
 const NONE: u8 = 0xFF;

@@ -46,7 +46,11 @@ impl CanLog {
 
     fn read_lines(&mut self, part: &[u8]) {
         let mut channel = (String::new(), 0);
-        for line in part.split_inclusive(|byte| *byte == b'\n') {
+        let mut rest = part;
+        while !rest.is_empty() {
+            let end = memchr::memchr(b'\n', rest).map_or(rest.len(), |at| at + 1);
+            let (line, behind) = rest.split_at(end);
+            rest = behind;
             self.lines += 1;
             match Line::parse(line) {
                 Ok(None) => {}
