@@ -11,6 +11,8 @@ True
 
 from narx._core import Load, Motor, State, dbc, eds, xml
 from narx.bench import Bench
+from narx.can_log import CanLog
+from narx.columns import Frames, LogError, Series, Table
 from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
 from narx.errors import (
     BusError,
@@ -23,7 +25,8 @@ from narx.errors import (
     StartError,
 )
 from narx.log import Log
-from narx.messages import Message, decode
+from narx.log_file import read_log
+from narx.messages import Message, NodeMessage, decode
 from narx.parameters import Parameters
 from narx.recording import Replay, replay
 from narx.scope import Scope, ScopeRecording, ScopeState, Trigger
@@ -32,16 +35,20 @@ from narx.trace import Trace
 __all__ = [
     "Bench",
     "BusError",
+    "CanLog",
     "Drive",
+    "Frames",
     "Info",
     "Load",
     "Log",
+    "LogError",
     "Measurement",
     "Measurements",
     "Message",
     "Motor",
     "NarxError",
     "NoAnswerError",
+    "NodeMessage",
     "ParameterError",
     "Parameters",
     "RecordingError",
@@ -50,9 +57,11 @@ __all__ = [
     "Scope",
     "ScopeRecording",
     "ScopeState",
+    "Series",
     "SignalError",
     "StartError",
     "State",
+    "Table",
     "Trace",
     "Trigger",
     "connect",
@@ -60,6 +69,7 @@ __all__ = [
     "decode",
     "devices",
     "eds",
+    "read_log",
     "replay",
     "xml",
 ]

@@ -6,6 +6,7 @@ use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, Message, MessageId, Me
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Decimal, Dictionary};
 use narx_core::motor::FaultWord;
+use narx_sim::can_log::{Value, node};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyFrozenSet};
 
@@ -48,6 +49,39 @@ pub(crate) fn decode<'py>(
     let (values, units) = fields(py, message, words)?;
     let from_drive = message.kind == MessageKind::SlaveTx;
     Ok(Some((message.name, message.opcode.raw(), from_drive, id.source, id.destination, values, units)))
+}
+
+/// A decoded message of eddyCAN: name, whether the node has sent it, values and units by signal.
+type NodeDecoded<'py> = (&'static str, bool, Bound<'py, PyDict>, Bound<'py, PyDict>);
+
+/// The message of a TX-Driver or its master in a frame with an 11-bit identifier; `None` if eddyCAN has no such frame. encoder: PDOs of 8
+/// bytes have it in them.
+#[pyfunction]
+pub(crate) fn decode_node<'py>(
+    py: Python<'py>,
+    id: u32,
+    remote: bool,
+    data: &[u8],
+    encoder: bool,
+) -> PyResult<Option<NodeDecoded<'py>>> {
+    let frame = new(id, false, remote, data)?;
+    let Ok(decoded) = node::decode(&frame, encoder) else { return Ok(None) };
+    let message = &node::MESSAGES[decoded.place];
+    let (values, units) = (PyDict::new(py), PyDict::new(py));
+    for (signal, value) in node::signals(decoded.place).iter().zip(decoded.values()) {
+        // What a layout does not carry is not there.
+        match *value {
+            Value::Quantity(value) if value.is_nan() => continue,
+            Value::Quantity(value) => values.set_item(signal.name, value)?,
+            Value::Number(value) => values.set_item(signal.name, value)?,
+            Value::Code(value) => match signal.names.iter().find(|(number, _)| *number == value) {
+                Some((_, name)) => values.set_item(signal.name, name)?,
+                None => values.set_item(signal.name, value)?,
+            },
+        }
+        units.set_item(signal.name, signal.unit)?;
+    }
+    Ok(Some((message.name, message.from_node, values, units)))
 }
 
 /// The fields of a STATUS_WORD.

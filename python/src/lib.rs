@@ -2,6 +2,7 @@
 //! a user meets is made from it in the package's Python files.
 
 mod bench;
+mod can_log;
 mod dictionary;
 mod error;
 mod files;
@@ -23,11 +24,13 @@ mod _core {
     #[pymodule_export]
     use crate::bench::{Bench, number};
     #[pymodule_export]
+    use crate::can_log::{LogReader, fault_bits, frame_flags, frame_kinds};
+    #[pymodule_export]
     use crate::dictionary::{from_raw, log_records, measurement_signals, parameters, scope_signals, to_raw};
     #[pymodule_export]
     use crate::files::{dbc, eds, xml};
     #[pymodule_export]
-    use crate::frame::decode;
+    use crate::frame::{decode, decode_node};
     #[pymodule_export]
     use crate::master::Master;
     #[pymodule_export]

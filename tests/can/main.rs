@@ -1,8 +1,10 @@
-//! The CAN bus model: bits, arbitration, errors and load.
+//! The CAN bus model: bits, arbitration, errors and load; and logs of a bus.
 
 mod arbitration;
 mod bits;
+mod candump;
 mod errors;
+mod log;
 mod slcan;
 
 use narx_core::bus::{Frame, Id};

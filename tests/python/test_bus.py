@@ -165,6 +165,6 @@ def decoded(bus: can.BusABC, seconds: float) -> list[narx.Message]:
     while (left := end - time.monotonic()) > 0:
         frame = bus.recv(left)
         message = None if frame is None else narx.decode(frame)
-        if message is not None:
+        if isinstance(message, narx.Message):
             messages.append(message)
     return messages

@@ -80,6 +80,26 @@ def test_a_log_is_decoded(tmp_path: Path) -> None:
     assert len(lines) == 50 and {line["message"] for line in lines} >= {"STATUS_WORD", "FAULT_WORD"}
 
 
+def test_a_log_is_summed_up_and_its_errors_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "bus.log"
+    file.write_text("(1.5) can0 1552A8CA#0708000100020003\n(2.0) can0 1552A8\n(2.5) can0 1552A8CA#0708000000000000\n(3.5) can0 182#00000008\n")
+    rows = run("decode", "--csv", str(file), virtual=False)
+    assert rows.returncode == 1
+    assert rows.stdout.splitlines()[:3] == ["time,message,signal,value,unit", "1.5,MEASUREMENT_2,HV Voltage,18.0,V", "1.5,MEASUREMENT_2,HV Current,0.001,A"]
+    assert rows.stdout.splitlines()[-1] == "3.5,PDO1,Position 1,1.0,mm"
+    assert rows.stderr == f"narx: {file}:2: no # between identifier and data: (2.0) can0 1552A8\n"
+    told = run("decode", str(file), virtual=False)
+    assert told.stdout.splitlines()[-1] == "3.500000 <- PDO1: Node 2, Position 1 1.0 mm" and told.returncode == 1
+    summary = run("decode", "--summary", str(file), virtual=False)
+    assert "4" not in summary.stdout.split("frames")[0] and "MEASUREMENT_2" in summary.stdout and "1.0" in summary.stdout
+    counted = json.loads(run("decode", "--summary", "--json", str(file), virtual=False).stdout)
+    assert counted == {
+        "frames": 3, "messages": {"MEASUREMENT_2": 2, "PDO1": 1}, "unknown": 0, "malformed": 0, "error frames": 0, "errors": 1,
+    }  # fmt: skip
+    file.write_text("(1.5) can0 1552A8CA#0708000100020003\n")
+    assert run("decode", str(file), virtual=False).returncode == 0
+
+
 REFUSED = [
     (["params", "get", "motor pair pole"], 'narx: there is no parameter "motor pair pole"; did you mean'),
     (["params", "set", "78", "99"], 'narx: parameter 78 "Motor pair poles": 99 is outside 1 to 50'),

@@ -47,13 +47,16 @@ def test_any_frame_is_decoded_or_is_none(number: int, extended: bool, remote: bo
         data=None if remote else data,
     )  # fmt: skip
     message = narx.decode(frame)
-    assert message is None or (extended and not remote and len(data) == 8 and message.opcode == number & 0x1FF)
+    if isinstance(message, narx.Message):
+        assert extended and not remote and len(data) == 8 and message.opcode == number & 0x1FF
+    elif message is not None:
+        assert not extended and (number < 0x81 or message.node == number & 0x7F)
 
 
 def test_values_have_names_and_units() -> None:
     measurement = next(message for message in MESSAGES if message.name == "MEASUREMENT_2")
     decoded = narx.decode(measurement.frame_id, (1802).to_bytes(2, "big") + (1500).to_bytes(2, "big") + bytes(4))
-    assert decoded is not None and decoded.from_drive and (decoded.source, decoded.destination) == (170, 85)
+    assert isinstance(decoded, narx.Message) and decoded.from_drive and (decoded.source, decoded.destination) == (170, 85)
     assert decoded["HV Voltage"] == 18.02 and decoded["HV Current"] == 1.5
     assert decoded.units["HV Voltage"] == "V"
     faults = next(message for message in MESSAGES if message.name == "FAULT_WORD")

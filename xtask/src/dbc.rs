@@ -5,6 +5,7 @@ use crate::steps::{self, Outcome};
 use narx_core::bus::narmotion::{Addresses, Field, MESSAGES, Meaning, Message, MessageKind};
 use narx_core::dictionary::{Decimal, Dictionary, Kind, Parameter};
 use narx_core::motor::fault::FaultWord;
+use narx_sim::can_log::{identifier, message_name};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -188,25 +189,6 @@ impl Signal {
             scaled(*max)
         )
     }
-}
-
-/// The printed name as an identifier; with its type, where several messages have the name.
-fn message_name(message: &Message) -> String {
-    let name = identifier(message.name);
-    let shared = MESSAGES.iter().filter(|other| other.name == message.name).count() > 1;
-    match message.kind {
-        MessageKind::DataSet if shared => name + "_SET",
-        MessageKind::DataRequest if shared => name + "_REQUEST",
-        _ => name,
-    }
-}
-
-/// Letters and digits of a name, joined by `_`.
-fn identifier(name: &str) -> String {
-    let words: Vec<&str> =
-        name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
-    let joined = words.join("_");
-    if joined.starts_with(|c: char| c.is_ascii_digit()) { format!("_{joined}") } else { joined }
 }
 
 fn quoted(text: &str) -> String {

@@ -2,9 +2,9 @@
 //! database, xmlschema the description, python-canopen the EDS of the TX-Driver, with which it commands TX-Drivers on the virtual drive's bus.
 
 use crate::steps::{self, Outcome};
-use crate::{candump, dbc, decoded, install};
+use crate::{dbc, decoded, install};
 use narx_core::bus::narmotion::{Addresses, MESSAGES, ToDrive, Words, XmlCommand};
-use narx_core::bus::{Frame, Id};
+use narx_core::bus::{Frame, Id, candump};
 use narx_core::dictionary::Parameters;
 use narx_core::motor::Board;
 use narx_core::node::{Identity, Node};

@@ -2,7 +2,6 @@
 
 pub mod bench;
 pub mod callgrind;
-pub mod candump;
 pub mod commutations;
 pub mod coverage;
 pub mod cross;

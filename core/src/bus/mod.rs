@@ -1,5 +1,6 @@
 //! CAN frames and the wire formats: bytes to meaning and back, nothing else.
 
+pub mod candump;
 mod confinement;
 pub mod eddycan;
 pub mod frame;

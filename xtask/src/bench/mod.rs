@@ -3,6 +3,7 @@
 
 mod case;
 mod cost;
+mod decoding;
 mod efficiency;
 mod faults;
 mod load_step;
@@ -91,6 +92,7 @@ fn measure(arguments: &Arguments) -> io::Result<bool> {
         ("efficiency", efficiency::rows),
         ("faults", faults::rows),
         ("speed of simulation", speed::rows),
+        ("logs in Python", decoding::rows),
     ] {
         let begun = Instant::now();
         println!("{name}");

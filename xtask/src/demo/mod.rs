@@ -7,10 +7,11 @@ mod request;
 pub use request::Arguments;
 
 use crate::commutations::Commutations;
+use crate::csv;
 use crate::plot::{self, Caption};
-use crate::{candump, csv};
 use displacement::Displacement;
 use figures::Figures;
+use narx_core::bus::candump;
 use narx_core::motor::{Drive, State};
 use narx_core::recording::{Recording, replay};
 use narx_sim::session::{Session, SessionConfig};

@@ -9,14 +9,8 @@ use std::process::Command;
 /// What is run, in order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
-        Step::new("Python environment", move || {
-            install::python_environment(&directory(root), &tests(root).join("requirements.txt"))?;
-            Ok(Vec::new())
-        }),
-        Step::new("Python package", move || {
-            let pip = ["pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
-            module(root, &pip, &[root.join("python")])
-        }),
+        Step::new("Python environment", move || environment(root)),
+        Step::new("Python package", move || package(root)),
         Step::new("Python stubs", move || stubs(root)),
         Step::new("Python tests", move || {
             module(root, &["pytest", "--color=no", "-p", "no:cacheprovider"], &[tests(root)])
@@ -32,6 +26,26 @@ pub fn replayers(root: &Path) -> Vec<Replayer> {
         command.arg(&script).args(arguments);
         command
     })]
+}
+
+/// The interpreter of an environment with the package in it.
+///
+/// # Errors
+/// What Python, pip or cargo said.
+pub fn prepare(root: &Path) -> Result<PathBuf, String> {
+    environment(root)?;
+    package(root)?;
+    Ok(python(root))
+}
+
+fn environment(root: &Path) -> Outcome {
+    install::python_environment(&directory(root), &tests(root).join("requirements.txt"))?;
+    Ok(Vec::new())
+}
+
+fn package(root: &Path) -> Outcome {
+    let pip = ["pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
+    module(root, &pip, &[root.join("python")])
 }
 
 /// The stubs say what the compiled module has, and package and tests agree with them.

@@ -1,0 +1,243 @@
+"""Logs of a CAN bus as numpy columns: what `narx.read_log` returns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from narx import _core
+from narx.columns import Frames, LogError, Series, Table, folded
+from narx.errors import SignalError
+from narx.messages import Message, NodeMessage, decode_parts
+from narx.names import suggestion
+from narx.parameters import Parameters
+from narx.trace import save_table
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+UNKNOWN, MALFORMED, ERROR = _core.frame_kinds()
+FAULTS = dict(_core.fault_bits())
+
+ALIASES = {
+    "status": ("STATUS_WORD", None),
+    "setpoint": ("MOTOR_CMD_SET", "Speed"),
+    "faults": ("FAULT_WORD", "Faults"),
+    "busvoltage": ("MEASUREMENT_2", "HV Voltage"),
+    "buscurrent": ("MEASUREMENT_2", "HV Current"),
+    "temperature": ("MEASUREMENT_3", "Ambient Temperature"),
+}
+"""What a bench calls it, for what the protocol calls otherwise. `speed` is more than that: see `CanLog.speed`."""
+HALL = "Hall closed loop"
+
+
+class CanLog:
+    """A decoded log. `log["STATUS_WORD"]` is the table of a message, `log["PDO1", 2]` that of one node, `log["HV Voltage"]` a signal
+    over time wherever it comes from, or a parameter's value as the drive has told it; `log["speed"]` is what the control uses.
+    Names are those of the CAN data base, of `narx.decode` or of a bench; case and punctuation do not matter.
+    """
+
+    def __init__(self, reader: _core.LogReader, errors: Iterable[LogError] = (), encoders: Iterable[int] = ()) -> None:
+        columns, channels, tables, refused, lines = reader.finish()
+        self.frames = Frames(**columns, channels=tuple(channels))
+        """Every frame of the log, decoded or not."""
+        self.errors = [*(LogError(*error) for error in refused), *errors]
+        """What is no frame, in the order of the lines: it was skipped."""
+        self.lines = lines
+        """Lines of a candump log; 0 of other formats."""
+        self._raw = tables
+        self._places = {folded(name): place for place, (name, *_) in enumerate(tables)}
+        self._tables: dict[int, Table] = {}
+        self._encoders = frozenset(encoders)
+
+    @cached_property
+    def unknown(self) -> Frames:
+        """Frames of no protocol that is known here, CAN FD among them, or between other addresses."""
+        return self.frames[self.frames.message == UNKNOWN]
+
+    @cached_property
+    def malformed(self) -> Frames:
+        """Frames with the identifier of a message, but not its shape: length, remote, or a value without a meaning."""
+        return self.frames[self.frames.message == MALFORMED]
+
+    @cached_property
+    def error_frames(self) -> Frames:
+        """Errors that the adapter has seen on the bus; `id` is the class of the error."""
+        return self.frames[self.frames.message == ERROR]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Frames by message, in the order of the protocol: those that came."""
+        return {name: len(time) for name, _, time, _ in self._raw if len(time)}
+
+    @property
+    def signals(self) -> dict[str, str]:
+        """Signals of the messages that came: name -> unit."""
+        return {
+            signal: unit for _, _, time, columns in self._raw if len(time) for (signal, unit, _), _ in columns
+        }
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the messages that came."""
+        return iter(self.counts)
+
+    def __contains__(self, key: object) -> bool:
+        return isinstance(key, str) and folded(key) in map(folded, (*self.counts, *self.signals))
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self.frames)
+
+    def __repr__(self) -> str:
+        rows = [f"  {name}: {count}" for name, count in self.counts.items()]
+        others = {"unknown": self.unknown, "malformed": self.malformed, "error frames": self.error_frames}
+        rows += [f"  {name}: {len(frames)}" for name, frames in others.items() if len(frames)]
+        return "\n".join([f"<narx.CanLog of {len(self)} frames, {len(self.errors)} errors", *rows, ">"])
+
+    def __getitem__(self, key: str | tuple[str, int]) -> Any:
+        if isinstance(key, tuple):
+            name, node = key
+            table = self.table(name)
+            if "Node" not in table:
+                raise SignalError(f"{table.name} is no message of a node")
+            return table.select(table["Node"] == node)
+        name = folded(key)
+        if name == "speed":
+            return self.speed
+        if name in self._places:
+            return self.table(key)
+        if name in ALIASES:
+            message, signal = ALIASES[name]
+            return self.table(message) if signal is None else self.table(message).series(signal)
+        return self._signal(key)
+
+    def table(self, message: str) -> Table:
+        """Every message of this name; none if none came."""
+        try:
+            place = self._places[folded(message)]
+        except KeyError:
+            names = [name for name, *_ in self._raw]
+            raise SignalError(f'there is no message "{message}"{suggestion(message, names)}') from None
+        if place not in self._tables:
+            self._tables[place] = table_of(*self._raw[place])
+        return self._tables[place]
+
+    @property
+    def speed(self) -> Series:
+        """Mechanical speed, rpm, as estimated by what the control mode uses: the hall sensors in hall closed loop, else back-EMF."""
+        hall, sensorless, status = map(self.table, ("MEASUREMENT_5", "MEASUREMENT_1", "STATUS_WORD"))
+        modes = status.names["Control mode"]
+        control = np.array([modes.get(int(mode)) == HALL for mode in status["Control mode"]], bool)
+        told = self._rows(status)
+        times, values, rows = [], [], []
+        for table, signal, is_hall in (
+            (hall, "Mechanical estimated speed HES", True),
+            (sensorless, "Mechanical estimated speed SL", False),
+        ):
+            row = self._rows(table)
+            # The last status before the measurement; before the first one it is not hall.
+            last = np.searchsorted(told, row) - 1
+            mode = np.zeros(len(row), bool)
+            mode[last >= 0] = control[last[last >= 0]]
+            used = mode == is_hall
+            times.append(table.time[used])
+            values.append(table[signal][used])
+            rows.append(row[used])
+        order = np.argsort(np.concatenate(rows))
+        return Series("speed", "rpm", np.concatenate(times)[order], np.concatenate(values)[order], {})
+
+    def messages(self) -> Iterator[tuple[float, Message | NodeMessage]]:
+        """Time and content of every decoded message, in the order of the log."""
+        frames = self.frames[self.frames.message < ERROR]
+        extended, remote = frames.flag("extended"), frames.flag("remote")
+        for row in range(len(frames)):
+            number, length = int(frames.id[row]), int(frames.dlc[row])
+            encoder = not extended[row] and number & 0x7F in self._encoders
+            data = frames.data[row, :length].tobytes()
+            message = decode_parts(number, bool(extended[row]), bool(remote[row]), data, encoder)
+            if message is not None:
+                yield float(frames.time[row]), message
+
+    def to_pandas(self, *signals: str, period: float | None = None) -> DataFrame:
+        """Signals side by side, each held from one message to the next, NaN before its first one; without names all that are in one
+        message only. A row for every time at which one of them came, or every `period` seconds.
+        """
+        from pandas import DataFrame
+
+        chosen = {name: self[name] for name in signals} if signals else self._all()
+        for name, series in chosen.items():
+            if not isinstance(series, Series):
+                raise SignalError(f'"{name}" is a message: its table has a to_pandas of its own')
+        times = [series.time for series in chosen.values()]
+        time = np.unique(np.concatenate(times)) if times else np.zeros(0)
+        if period is not None and len(time):
+            time = np.arange(time[0], time[-1] + period / 2, period)
+        return DataFrame({"time": time} | {name: series.at(time) for name, series in chosen.items()})
+
+    def save(self, path: str | PathLike[str], *signals: str, period: float | None = None) -> None:
+        """Writes the table of `to_pandas`: `.csv`, `.parquet` or `.xlsx`."""
+        save_table(lambda: self.to_pandas(*signals, period=period), path)
+
+    def _rows(self, table: Table) -> NDArray[np.intp]:
+        """Rows of a table's messages among the frames."""
+        return np.flatnonzero(self.frames.message == self._places[folded(table.name)])
+
+    def _holders(self, signal: str) -> list[str]:
+        """Messages that came and have this signal: if devices sent some of them, those."""
+        holders = [
+            (name, from_device)
+            for name, from_device, time, columns in self._raw
+            if len(time) and any(folded(own) == signal for (own, _, _), _ in columns)
+        ]
+        return [name for name, from_device in holders if from_device] or [name for name, _ in holders]
+
+    def _all(self) -> dict[str, Series]:
+        holders = {signal: self._holders(folded(signal)) for signal in self.signals}
+        return {signal: self.table(names[0]).series(signal) for signal, names in holders.items() if len(names) == 1}
+
+    def _signal(self, key: str) -> Series:
+        name = folded(key)
+        holders = self._holders(name)
+        if len(holders) > 1:
+            raise SignalError(f'"{key}" is a signal of {", ".join(holders)}: take it from one of them')
+        if holders:
+            return self.table(holders[0]).series(key)
+        fault = next((fault for fault in FAULTS if folded(fault) == name), None)
+        if fault is not None:
+            return self.table("FAULT_WORD").series(fault)
+        row = next((row for row in Parameters.rows.values() if folded(row.name) == name), None)
+        if row is not None:
+            return self._parameter(row.number, row.name, row.unit)
+        known = [signal for _, _, _, columns in self._raw for (signal, _, _), _ in columns]
+        if name in map(folded, known):
+            raise SignalError(f'no message with a signal "{key}" came')
+        names = [*known, *(name for name, *_ in self._raw), *FAULTS, *(row.name for row in Parameters.rows.values())]
+        raise SignalError(f'there is no message or signal "{key}"{suggestion(key, names)}')
+
+    def _parameter(self, number: int, name: str, unit: str) -> Series:
+        """A parameter as the drive has answered it."""
+        answers = self.table("PARAMETER")
+        answers = answers.select((answers["Number"] == number) & (answers["Status"] == 0))
+        return Series(name, unit, answers.time, answers["Value"], {})
+
+
+def table_of(
+    name: str,
+    from_device: bool,
+    time: NDArray[np.float64],
+    columns: list[tuple[tuple[str, str, list[tuple[int, str]]], NDArray[Any]]],
+) -> Table:
+    """A table from the reader's columns; a fault word becomes a column for each fault, too, as in the data base."""
+    arrays: dict[str, NDArray[Any]] = {"time": time}
+    units, names = {"time": "s"}, {}
+    for (signal, unit, values), array in columns:
+        arrays[signal], units[signal], names[signal] = array, unit, dict(values)
+        if signal == "Faults":
+            arrays |= {fault: (array & bit) != 0 for fault, bit in FAULTS.items()}
+            units |= dict.fromkeys(FAULTS, "")
+    return Table(name, from_device, arrays, units, names)

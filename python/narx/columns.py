@@ -1,0 +1,160 @@
+"""Columns of a log: frames, tables of messages, and signals over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from narx import _core
+from narx.trace import Trace
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+FLAGS = dict(_core.frame_flags())
+
+
+def folded(name: str) -> str:
+    """Letters and digits of a name: "HV Voltage", "hv voltage" and the data base's "HV_Voltage" are one signal."""
+    return "".join(filter(str.isalnum, name)).casefold()
+
+
+class LogError(NamedTuple):
+    """A part of a log that is no frame."""
+
+    line: int | None
+    """Line of the file, from 1; `None` where it has no lines."""
+    text: str
+    """The line, or its beginning."""
+    reason: str
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Frames as they stand in the log, a row each."""
+
+    time: NDArray[np.float64]
+    """s, as stamped."""
+    id: NDArray[np.uint32]
+    flags: NDArray[np.uint8]
+    """What else they are, a bit each; `flag` tells them apart."""
+    dlc: NDArray[np.uint8]
+    """Data bytes; of a remote frame those that it asks for."""
+    data: NDArray[np.uint8]
+    """Shape (frames, 8), zeros behind the last byte; wider where CAN FD frames are."""
+    message: NDArray[np.uint8]
+    channel: NDArray[np.uint16]
+    """Place in `channels`."""
+    channels: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __getitem__(self, rows: Any) -> Frames:
+        """Some of the frames: by a slice, a mask or an array of rows."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "channels"}
+        return replace(self, **{name: column[rows] for name, column in columns.items()})
+
+    def flag(self, name: str) -> NDArray[np.bool_]:
+        """Whether each is "extended", "remote", "error", "fd", "received", "bitrate_switch", "error_state"."""
+        found: NDArray[np.bool_] = (self.flags & FLAGS[name]) != 0
+        return found
+
+    def __repr__(self) -> str:
+        return f"<narx.Frames: {len(self)}>"
+
+    def to_pandas(self) -> DataFrame:
+        """A row per frame, its data as bytes."""
+        from pandas import DataFrame
+
+        data = [row[:length].tobytes() for row, length in zip(self.data, self.dlc, strict=True)]
+        channel = [self.channels[place] for place in self.channel]
+        flags = {name: self.flag(name) for name in FLAGS}
+        columns = {"time": self.time, "channel": channel, "id": self.id, **flags, "dlc": self.dlc, "data": data}
+        return DataFrame(columns)
+
+
+class Series:
+    """One signal over time; numpy takes it for its values."""
+
+    def __init__(
+        self, name: str, unit: str, time: NDArray[np.float64], values: NDArray[Any], names: Mapping[int, str]
+    ) -> None:
+        self.name = name
+        self.unit = unit
+        """SI unit, rpm, degrees or mm; "" for plain numbers."""
+        self.time = time
+        """s, as stamped."""
+        self.values = values
+        """float64 of quantities, int64 of plain numbers, bool of flags, uint16 of what has names, uint32 of fault bits."""
+        self.names = dict(names)
+        """What a value is called, where it is."""
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.values, dtype, copy=copy)
+
+    def __getitem__(self, rows: Any) -> Any:
+        return self.values[rows]
+
+    def __repr__(self) -> str:
+        return f"<narx.Series {self.name}{f' [{self.unit}]' if self.unit else ''}: {len(self)} values>"
+
+    def text(self) -> list[str]:
+        """Every value by its name, or as a number where it has none."""
+        return [self.names.get(int(value), str(value)) for value in self.values]
+
+    def at(self, time: NDArray[np.float64] | Iterable[float]) -> NDArray[Any]:
+        """The last value heard at each time; NaN (of numbers) before the first one."""
+        order = np.argsort(self.time, kind="stable")
+        place = np.searchsorted(self.time[order], np.asarray(time), side="right") - 1
+        held: NDArray[Any] = np.full(place.shape, np.nan)
+        if len(order):
+            held[place >= 0] = self.values[order][place[place >= 0]]
+        return held
+
+
+class Table(Trace):
+    """Every message of one kind: `time` in s, and a column for each signal."""
+
+    def __init__(
+        self,
+        name: str,
+        from_device: bool,
+        columns: Mapping[str, NDArray[Any]],
+        units: Mapping[str, str],
+        names: Mapping[str, Mapping[int, str]],
+    ) -> None:
+        super().__init__(columns, units)
+        self.name = name
+        self.from_device = from_device
+        """A drive or node has sent it, else its master."""
+        self.names = names
+        """By signal: what its values are called."""
+        self._folded = {folded(signal): signal for signal in columns}
+
+    def __getitem__(self, signal: str) -> NDArray[Any]:
+        return super().__getitem__(self._folded.get(folded(signal), signal))
+
+    def __contains__(self, signal: object) -> bool:
+        return isinstance(signal, str) and folded(signal) in self._folded
+
+    def __repr__(self) -> str:
+        return f"<narx.Table {self.name} of {len(self)} rows: {', '.join(self)}>"
+
+    def series(self, signal: str) -> Series:
+        """One signal with its time."""
+        values = self[signal]
+        name = self._folded[folded(signal)]
+        return Series(name, self.signals[name], self.time, values, self.names.get(name, {}))
+
+    def select(self, rows: Any) -> Table:
+        """Some of the messages: by a slice, a mask or an array of rows."""
+        columns = {name: column[rows] for name, column in self._columns.items()}
+        return Table(self.name, self.from_device, columns, self._units, self.names)

@@ -1,0 +1,263 @@
+"""Reading log files: candump text by our own reader, every other format by those of python-can."""
+
+from __future__ import annotations
+
+import io
+import re
+import struct
+import zlib
+from collections.abc import Callable, Iterable, Iterator
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from narx import _core
+from narx.can_log import CanLog
+from narx.columns import FLAGS, LogError
+from narx.errors import ParameterError
+
+if TYPE_CHECKING:
+    import can
+
+BATCH = 10_000
+"""Frames that are handed on at a time."""
+CHUNK = 1 << 16
+"""Bytes that are unpacked at a time."""
+TOLD = 200
+"""Of a line that is no frame so many characters are told."""
+
+ASC_FRAME = re.compile(r"\s*\d+\.\d+\s+(?:\d+\s+[0-9a-f]+x?(?:\s+(?!J1939)|$)|CANFD\b)", re.I)
+ASC_OTHER = re.compile(r"\s*(?:$|//|date\b|base\b|(?:no\s+)?internal\s+events|begin\b|end\b|\d+\.\d+\s)", re.I)
+TRC_STATUS = {"Warng", "Error", "ST", "EC", "ER", "EV", "FFFFFFFF"}
+
+
+def read_log(
+    path: str | PathLike[str],
+    *,
+    slave: int | None = 170,
+    monitor: int | None = 85,
+    encoders: Iterable[int] = (),
+) -> CanLog:
+    """Reads and decodes a log of a CAN bus. Its format is told by its ending, as `can.LogReader` has them: `.log` (candump), `.asc`,
+    `.blf`, `.csv`, `.trc`, `.db`, `.mf4`; all but the last two also with `.gz` behind it.
+
+    slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers with two channels whose PDOs
+    have the encoder's value in them. What is no frame is skipped and told in `errors`, a truncated file, too. Formats beside candump
+    need python-can.
+    """
+    path = Path(path)
+    nodes = list(encoders)
+    reader = _core.LogReader(slave, monitor, nodes)
+    errors: list[LogError] = []
+    *_, ending, packing = ["", "", *(suffix.lower() for suffix in path.suffixes)]
+    if packing != ".gz":
+        ending = packing
+    if ending == ".log":
+        reader.candump(contents(path, errors))
+        return CanLog(reader, errors, nodes)
+    for batch in batches(frames(path, ending, errors), errors):
+        reader.frames(batch)
+    return CanLog(reader, errors, nodes)
+
+
+def contents(path: Path, errors: list[LogError]) -> bytes:
+    """The bytes of a file, unpacked as far as that goes."""
+    data = path.read_bytes()
+    if path.suffix.lower() != ".gz":
+        return data
+    unpacked: list[bytes] = []
+    # There may be several of them, one behind the other; what follows the last one are zeros, if anything.
+    while data.strip(b"\0"):
+        member = zlib.decompressobj(zlib.MAX_WBITS | 16)
+        try:
+            unpacked.extend(member.decompress(data[at : at + CHUNK]) for at in range(0, len(data), CHUNK) if not member.eof)
+        except zlib.error as error:
+            errors.append(LogError(None, "", f"damaged: {error}"))
+            break
+        if not member.eof:
+            errors.append(LogError(None, "", "truncated: the end of the packed data is missing"))
+            break
+        data = member.unused_data
+    return b"".join(unpacked)
+
+
+Found = tuple["can.Message", int | None, str]
+"""A message of python-can, with its line if there is one."""
+
+
+def frames(path: Path, ending: str, errors: list[LogError]) -> Iterator[Found]:
+    """Messages of a file in a format that python-can reads."""
+    from can import io as formats
+
+    texts: dict[str, tuple[Callable[..., Iterable[can.Message]], Callable[[str], bool]]] = {
+        ".asc": (formats.ASCReader, lambda line: bool(ASC_FRAME.match(line)) or not ASC_OTHER.match(line)),
+        ".csv": (formats.CSVReader, lambda line: not line.startswith("timestamp,")),
+        ".trc": (formats.TRCReader, lambda line: line.strip()[:1] not in ("", ";") and not TRC_STATUS & {*line.split()}),
+    }
+    if ending in texts:
+        read, expected = texts[ending]
+        yield from text_frames(contents(path, errors), read, expected, errors)
+    elif ending == ".blf":
+        yield from blf_frames(contents(path, errors), errors)
+    else:
+        yield from other_frames(path, errors)
+
+
+class Lines:
+    """Lines for a reader of python-can, one of which makes at most one message: what it skips and what it stumbles over is known."""
+
+    def __init__(self, text: Iterable[str], expected: Callable[[str], bool], errors: list[LogError]) -> None:
+        self._text = iter(text)
+        self._expected = expected
+        self._errors = errors
+        self._blank = False
+        self.settled = True
+        """It is known what became of the last line."""
+        self.number = 0
+        self.line = ""
+
+    def __iter__(self) -> Lines:
+        return self
+
+    def __next__(self) -> str:
+        if self._blank:
+            self._blank = False
+            return "\n"
+        self.settle()
+        self.line = next(self._text)
+        self.number += 1
+        self.settled = False
+        return self.line
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def insert_blank(self) -> None:
+        """A blank line comes next: readers take the first line that they are given for a header, or the end of one."""
+        self._blank = True
+
+    def settle(self, reason: str | None = None) -> None:
+        """The line was read. Without a reason it was skipped, which is right for what is not expected to be a frame."""
+        if not self.settled and (reason or self._expected(self.line)):
+            told = reason or "python-can makes no frame of it"
+            self._errors.append(LogError(self.number, self.line.strip()[:TOLD], told))
+        self.settled = True
+
+    def take(self) -> None:
+        """The line was a frame."""
+        self.settled = True
+
+
+def text_frames(
+    data: bytes,
+    read: Callable[..., Iterable[can.Message]],
+    expected: Callable[[str], bool],
+    errors: list[LogError],
+) -> Iterator[Found]:
+    """Messages of a text; a reader that stumbles is set on its feet behind the line."""
+    text = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", errors="replace")
+    lines = Lines(text, expected, errors)
+    if re.match(rb"\s*\d+\.\d+[\s,]", data):
+        # No header: the first line is a frame.
+        lines.insert_blank()
+    reader = read(lines)
+    while True:
+        try:
+            for message in reader:
+                lines.take()
+                yield message, lines.number, lines.line
+            lines.settle()
+            return
+        except (ValueError, LookupError, TypeError) as error:
+            if lines.settled:
+                errors.append(LogError(None, "", f"not such a log: {error}"))
+                return
+            lines.settle(str(error) or type(error).__name__)
+            lines.insert_blank()
+
+
+def blf_frames(data: bytes, errors: list[LogError]) -> Iterator[Found]:
+    """Messages of a binary log as far as it goes."""
+    from can import io as formats
+    from can.io.blf import BLFParseError
+
+    reader = None
+    reason = ""
+    try:
+        reader = formats.BLFReader(io.BytesIO(data))
+        for message in reader:
+            yield message, None, ""
+    except (BLFParseError, struct.error, zlib.error, ValueError) as error:
+        reason = str(error) or "not where an object should be"
+    announced = reader.file_size if reader is not None else None
+    if announced is not None and announced > len(data):
+        errors.append(LogError(None, "", f"truncated: {len(data)} of {announced} bytes"))
+    elif reason:
+        errors.append(LogError(None, "", f"damaged: {reason}" if reader else f"not such a log: {reason}"))
+
+
+def other_frames(path: Path, errors: list[LogError]) -> Iterator[Found]:
+    """Messages of any other format that python-can knows."""
+    import can
+
+    path.stat()
+    try:
+        reader = can.LogReader(path)
+    except (ValueError, NotImplementedError) as error:
+        raise ParameterError(f'path "{path}": {error}') from None
+    count = 0
+    try:
+        for message in reader:
+            count += 1
+            yield message, None, ""
+    except Exception as error:  # noqa: BLE001 - its readers raise what their libraries do
+        errors.append(LogError(None, "", f"reading ended after {count} frames: {error}"))
+
+
+Given = tuple[float, str, int, int, int, bytes]
+
+
+def batches(found: Iterator[Found], errors: list[LogError]) -> Iterator[list[Given]]:
+    """Frames for the reader; what cannot be one is an error."""
+    batch: list[Given] = []
+    for message, line, text in found:
+        reason = flaw(message)
+        if reason:
+            errors.append(LogError(line, text.strip()[:TOLD], reason))
+            continue
+        batch.append(given(message))
+        if len(batch) == BATCH:
+            yield batch
+            batch = []
+    yield batch
+
+
+def flaw(message: Any) -> str | None:
+    """Why there is no such frame on any bus."""
+    if message.is_error_frame:
+        return None
+    bits = 29 if message.is_extended_id else 11
+    if not 0 <= message.arbitration_id < 1 << bits:
+        return f"identifier {message.arbitration_id:#x}: must have {bits} bits"
+    most = 64 if message.is_fd else 8
+    if not 0 <= message.dlc <= most:
+        return f"{message.dlc} data bytes: must be at most {most}"
+    if not message.is_remote_frame and len(message.data) != message.dlc:
+        return f"{len(message.data)} data bytes where there should be {message.dlc}"
+    return None
+
+
+def given(message: can.Message) -> Given:
+    """A message as our reader takes it."""
+    flags = (
+        FLAGS["extended"] * message.is_extended_id
+        | FLAGS["remote"] * message.is_remote_frame
+        | FLAGS["error"] * message.is_error_frame
+        | FLAGS["fd"] * message.is_fd
+        | FLAGS["received"] * message.is_rx
+        | FLAGS["bitrate_switch"] * message.bitrate_switch
+        | FLAGS["error_state"] * message.error_state_indicator
+    )
+    channel = "" if message.channel is None else str(message.channel)
+    number, data = message.arbitration_id & 0x1FFF_FFFF, bytes(message.data or b"")
+    return message.timestamp, channel, flags, number, min(message.dlc, 64), data[:64]

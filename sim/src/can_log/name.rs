@@ -1,0 +1,25 @@
+//! Names of the drive's messages and signals that every tool takes: those of the CAN database, too.
+
+use alloc::borrow::ToOwned;
+use alloc::string::String;
+use alloc::vec::Vec;
+use narx_core::bus::narmotion::{MESSAGES, Message, MessageKind};
+
+/// The printed name of a message as an identifier; with its type, where several messages have the name.
+pub fn message_name(message: &Message) -> String {
+    let name = identifier(message.name);
+    let shared = MESSAGES.iter().filter(|other| other.name == message.name).count() > 1;
+    match message.kind {
+        MessageKind::DataSet if shared => name + "_SET",
+        MessageKind::DataRequest if shared => name + "_REQUEST",
+        _ => name,
+    }
+}
+
+/// Letters and digits of a name, joined by `_`.
+pub fn identifier(name: &str) -> String {
+    let words: Vec<&str> =
+        name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let joined = words.join("_");
+    if joined.starts_with(|c: char| c.is_ascii_digit()) { "_".to_owned() + &joined } else { joined }
+}
