@@ -7,7 +7,6 @@ mod efficiency;
 mod faults;
 mod load_step;
 mod operating;
-mod parallel;
 mod picture;
 mod range;
 mod report;
@@ -18,8 +17,8 @@ mod steady;
 mod top_speed;
 mod trial;
 
+pub use narx_host::parallel::map;
 pub use operating::{Figures, Point};
-pub use parallel::map;
 pub use speed::command as speed;
 pub use start::{Ending, Start};
 
