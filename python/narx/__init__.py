@@ -27,7 +27,9 @@ from narx.messages import Message, decode
 from narx.parameters import Parameters
 from narx.recording import Replay, replay
 from narx.scope import Scope, ScopeState, Trigger
+from narx.sweep import Sweep, SweepInterrupted, sweep
 from narx.trace import Trace
+from narx.variants import Variant
 
 __all__ = [
     "Bench",
@@ -52,13 +54,17 @@ __all__ = [
     "SignalError",
     "StartError",
     "State",
+    "Sweep",
+    "SweepInterrupted",
     "Trace",
     "Trigger",
+    "Variant",
     "connect",
     "dbc",
     "decode",
     "devices",
     "eds",
     "replay",
+    "sweep",
     "xml",
 ]

@@ -44,6 +44,11 @@ class Bench:
         return self._bench.time
 
     @property
+    def digest(self) -> int:
+        """Digest of everything that the drive has answered since it last booted: that of its recording."""
+        return self._bench.digest
+
+    @property
     def notes(self) -> list[str]:
         """Where a limit of the drive holds the motor back, in words."""
         return self._bench.notes

@@ -7,7 +7,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from narx.errors import ParameterError, SignalError
+from narx import table
+from narx.errors import SignalError
 from narx.names import suggestion
 
 if TYPE_CHECKING:
@@ -77,18 +78,10 @@ class Trace:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`."""
-        path = Path(path)
-        match path.suffix.lower():
-            case ".csv":
-                self.to_pandas().to_csv(path, index=False)
-            case ".parquet":
-                self.to_pandas().to_parquet(path, index=False)
-            case ".xlsx":
-                self.to_pandas().to_excel(path, index=False)
-            case ".narxrec":
-                path.write_bytes(self._recording)
-            case suffix:
-                raise ParameterError(f'path "{path}": "{suffix}" must be one of .csv, .parquet, .xlsx, .narxrec')
+        if table.check(path, ".narxrec") == ".narxrec":
+            Path(path).write_bytes(self._recording)
+        else:
+            table.save(self.to_pandas(), path)
 
     def plot(self, *signals: str) -> Figure:
         """Draws the signals over time, one panel for each unit; without names speed, currents, duty and state."""

@@ -4,11 +4,13 @@
 mod bench;
 mod dictionary;
 mod error;
+mod experiment;
 mod files;
 mod frame;
 mod master;
 mod motor;
 mod recording;
+mod server;
 mod session;
 mod state;
 mod trace;
@@ -25,15 +27,19 @@ mod _core {
     #[pymodule_export]
     use crate::dictionary::{from_raw, log_records, measurement_signals, parameters, scope_signals, to_raw};
     #[pymodule_export]
+    use crate::experiment::{Experiment, experiment_figures, run_experiments};
+    #[pymodule_export]
     use crate::files::{dbc, eds, xml};
     #[pymodule_export]
     use crate::frame::decode;
     #[pymodule_export]
     use crate::master::Master;
     #[pymodule_export]
-    use crate::motor::{Load, Motor};
+    use crate::motor::{Load, Motor, restore_motor};
     #[pymodule_export]
     use crate::recording::replay;
+    #[pymodule_export]
+    use crate::server::Server;
     #[pymodule_export]
     use crate::virtual_bus::VirtualBus;
 
