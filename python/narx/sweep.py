@@ -115,7 +115,9 @@ class Sweep:
     Columns: "variant" and "seed", what was varied, "outcome", "error", and the results. What a variant has not is NaN, None or "".
     """
 
-    def __init__(self, task: Task, variants: Sequence[Variant], results: Sequence[Result], interrupted: bool = False) -> None:
+    def __init__(
+        self, task: Task, variants: Sequence[Variant], results: Sequence[Result], interrupted: bool = False
+    ) -> None:
         self._task = task
         self._variants = list(variants)
         self._results = list(results)
@@ -170,7 +172,9 @@ class Sweep:
         if len(chosen) != len(self):
             raise ParameterError(f"a mask of {len(chosen)} values for {len(self)} rows")
         rows = np.flatnonzero(chosen)
-        return Sweep(self._task, [self._variants[row] for row in rows], [self._results[row] for row in rows], self.interrupted)
+        return Sweep(
+            self._task, [self._variants[row] for row in rows], [self._results[row] for row in rows], self.interrupted
+        )
 
     def replay(self, variant: int) -> Any:
         """Runs a variant again by its number in the column "variant", bit for bit.
@@ -262,7 +266,9 @@ def sweep(
                 on_threads(task, variants, tell)
         except KeyboardInterrupt:
             places = sorted(results)
-            done = Sweep(task, [variants[place] for place in places], [results[place] for place in places], interrupted=True)
+            done = Sweep(
+                task, [variants[place] for place in places], [results[place] for place in places], interrupted=True
+            )
             raise SweepInterrupted(done) from None
     return Sweep(task, variants, [results[place] for place in range(len(variants))])
 

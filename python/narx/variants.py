@@ -20,7 +20,9 @@ from narx.parameters import Parameters
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-Grid: TypeAlias = Union[Mapping[str, Any], Mapping[int, Any], Mapping[str | int, Any], Sequence[Mapping[str, Any]], "DataFrame"]
+Grid: TypeAlias = Union[
+    Mapping[str, Any], Mapping[int, Any], Mapping[str | int, Any], Sequence[Mapping[str, Any]], "DataFrame"
+]
 """Name -> value, or values to vary, of which every combination is a variant; or the variants themselves, one by one."""
 
 
@@ -160,7 +162,9 @@ def motor_of(motor: Motor | str | None, changes: Mapping[str, Any]) -> Motor:
         try:
             return Motor(**changes)
         except TypeError as error:
-            raise ParameterError(f'"motor" is missing, a preset or a narx.Motor, or all of its figures: {error}') from None
+            raise ParameterError(
+                f'"motor" is missing, a preset or a narx.Motor, or all of its figures: {error}'
+            ) from None
     whole = Motor.preset(motor) if isinstance(motor, str) else motor
     return whole.replace(**changes) if changes else whole
 

@@ -20,7 +20,11 @@ def again(value: Any) -> Any:
 def test_motors(motor: narx.Motor) -> None:
     back = again(motor)
     assert back == motor and hash(back) == hash(motor) and repr(back) == repr(motor)
-    assert (back.name, back.rated_current, back.nominal_voltage) == (motor.name, motor.rated_current, motor.nominal_voltage)
+    assert (back.name, back.rated_current, back.nominal_voltage) == (
+        motor.name,
+        motor.rated_current,
+        motor.nominal_voltage,
+    )
     # What no argument says, such as cogging, is the same, too.
     digests = []
     for each in (motor, back):
@@ -46,7 +50,11 @@ def test_motors_differ_by_what_they_are() -> None:
 def test_loads_and_states() -> None:
     load = narx.Load(constant=0.01, viscous=1e-5, quadratic=1e-8, inertia=1e-6)
     assert again(load) == load and hash(again(load)) == hash(load) and again(load).quadratic == 1e-8
-    assert load != narx.Load(constant=0.01) and narx.Load() == narx.Load(-0.0) and hash(narx.Load()) == hash(narx.Load(-0.0))
+    assert (
+        load != narx.Load(constant=0.01)
+        and narx.Load() == narx.Load(-0.0)
+        and hash(narx.Load()) == hash(narx.Load(-0.0))
+    )
     assert again(narx.State.FAULT) is narx.State.FAULT
 
 

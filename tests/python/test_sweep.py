@@ -147,7 +147,14 @@ def test_the_experiment_is_what_a_user_would_run(inside: narx.Sweep) -> None:
 
 def test_a_start_that_fails_is_a_result() -> None:
     swept = narx.sweep(
-        BENCH | {"rpm": 1500, "fault": [None, "open-phase"], "fault_phase": "B", "mode": ["hall", "sensorless"], "seconds": 1.5}
+        BENCH
+        | {
+            "rpm": 1500,
+            "fault": [None, "open-phase"],
+            "fault_phase": "B",
+            "mode": ["hall", "sensorless"],
+            "seconds": 1.5,
+        }
     )
     # The names vary in their order, the last one fastest.
     assert list(zip(swept["mode"], swept["fault"], strict=True)) == [
@@ -208,16 +215,26 @@ def test_grids_become_variants(grid: Any, points: list[tuple[Any, ...]]) -> None
 
 def test_motors_and_loads_are_varied_as_a_whole_and_by_figure() -> None:
     motor = narx.Motor.preset("ec45-flat-50w-18v")
-    grid = BENCH | {"motor": [motor, motor.replace(resistance=2.0)], "load": [narx.Load(constant=0.01)], "rpm": 1000, "seconds": 0.1}
+    grid = BENCH | {
+        "motor": [motor, motor.replace(resistance=2.0)],
+        "load": [narx.Load(constant=0.01)],
+        "rpm": 1000,
+        "seconds": 0.1,
+    }
     whole = narx.sweep(grid)
-    figures = narx.sweep(BENCH | {"resistance": [motor.resistance, 2.0], "load_constant": 0.01, "rpm": 1000, "seconds": 0.1})
+    figures = narx.sweep(
+        BENCH | {"resistance": [motor.resistance, 2.0], "load_constant": 0.01, "rpm": 1000, "seconds": 0.1}
+    )
     assert whole["digest"].tolist() == figures["digest"].tolist() and len(set(whole["digest"])) == 2
     assert whole["motor"][0] == "ec45-flat-50w-18v" and "2 ohm" in whole["motor"][1]
 
 
 REFUSALS: list[tuple[Callable[[], object], str]] = [
     (lambda: narx.sweep({"resistence": [1, 2]}), 'there is no "resistence" to vary; did you mean "resistance"'),
-    (lambda: narx.sweep({"Motor pair pole": 1}), 'there is no "Motor pair pole" to vary; did you mean "Motor pair poles"'),
+    (
+        lambda: narx.sweep({"Motor pair pole": 1}),
+        'there is no "Motor pair pole" to vary; did you mean "Motor pair poles"',
+    ),
     (lambda: narx.sweep({"rpm": []}), '"rpm" has no values to vary'),
     (lambda: narx.sweep([]), "the grid has no variant"),
     (lambda: narx.sweep([3]), "variant 3: must be a mapping"),  # type: ignore[list-item]
