@@ -3,110 +3,32 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from itertools import islice
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narx import _core, table
-from narx._core import Load, Motor
 from narx.errors import ParameterError, SignalError
 from narx.names import suggestion
 from narx.parameters import Parameters
-from narx.trace import Trace
-from narx.variants import EXPERIMENT, Grid, Variant, arguments, check, expand
+from narx.tasks import Call, Function, Result, Start, Task, failure, run_chunk
+from narx.variants import Grid, Variant, check, expand
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from pandas import DataFrame
 
-Function: TypeAlias = Callable[[Variant], Any]
-Result: TypeAlias = dict[str, Any]
-
 IN_FLIGHT = 256
 """Messages to an executor that are not answered yet, at most: they bound the memory of a sweep of any length."""
 CHUNK_MAX = 64
 """Variants of a message at most."""
-EXACT = 2**53
-"""Whole numbers up to this are floats, too."""
 GOOD = ("ok", "running")
 """Outcomes that are no failures."""
-
-
-class Task(Protocol):
-    """What is done with a variant. It goes to other processes."""
-
-    def chunk(self, variants: Sequence[Variant]) -> list[Result]:
-        """The results of some variants."""
-
-    def replay(self, variant: Variant) -> Any:
-        """One of them again, for a closer look."""
-
-
-class Start:
-    """The built-in experiment: a start, and its figures."""
-
-    def chunk(self, variants: Sequence[Variant]) -> list[Result]:
-        results: list[Result] = [{}] * len(variants)
-        self.run(variants, results.__setitem__, threads=1)
-        return results
-
-    def run(self, variants: Sequence[Variant], tell: Callable[[int, Result], None], threads: int | None = None) -> None:
-        """Runs variants on threads without Python's lock; `tell` gets place and result of each as it ends."""
-        places, experiments = [], []
-        for place, variant in enumerate(variants):
-            try:
-                experiments.append(self.experiment(variant))
-                places.append(place)
-            except Exception as error:  # A variant that cannot be must not end the others.
-                tell(place, failure(error))
-
-        def ended(number: int, figures: Result | str) -> None:
-            tell(places[number], {"outcome": "error", "error": figures} if isinstance(figures, str) else figures)
-
-        _core.run_experiments(experiments, ended, threads)
-
-    def replay(self, variant: Variant) -> Trace:
-        return Trace(*self.experiment(variant).run())
-
-    @staticmethod
-    def experiment(variant: Variant) -> _core.Experiment:
-        return _core.Experiment(**arguments(variant.point, variant.seed, EXPERIMENT))
-
-
-class Call:
-    """A function of the user's."""
-
-    def __init__(self, function: Function) -> None:
-        self.function = function
-
-    def chunk(self, variants: Sequence[Variant]) -> list[Result]:
-        return [self.call(variant) for variant in variants]
-
-    def call(self, variant: Variant) -> Result:
-        try:
-            found = self.function(variant)
-        except Exception as error:  # As above.
-            return failure(error)
-        named = found if isinstance(found, Mapping) else {} if found is None else {"result": found}
-        return {"outcome": "ok"} | dict(named)
-
-    def replay(self, variant: Variant) -> Any:
-        return self.function(variant)
-
-
-def failure(error: BaseException) -> Result:
-    """What a variant that raised leaves."""
-    return {"outcome": "error", "error": f"{type(error).__name__}: {error}"}
-
-
-def run_chunk(task: Task, variants: Sequence[Variant]) -> list[Result]:
-    """What an executor runs."""
-    return task.chunk(variants)
 
 
 class Sweep:
@@ -327,34 +249,8 @@ def columns_of(variants: Sequence[Variant], results: Sequence[Result]) -> dict[s
     for row, (variant, result) in enumerate(zip(variants, results, strict=True)):
         named = {str(name): value for name, value in variant.point.items()}
         for name, value in (named | {"outcome": "", "error": ""} | result).items():
-            values.setdefault(name, [None] * len(variants))[row] = plain(value)
-    return columns | {name: column(found) for name, found in values.items() if name not in columns}
-
-
-def plain(value: Any) -> Any:
-    """What stands in a table: motors and loads by what they are called."""
-    if isinstance(value, Motor):
-        return value.name or repr(value)
-    return repr(value) if isinstance(value, Load) else value
-
-
-def column(values: list[Any]) -> NDArray[Any]:
-    """An array of numbers where all are, else of objects; a text that is missing is empty."""
-    known = [value for value in values if value is not None]
-    complete = len(known) == len(values)
-    if all(isinstance(value, str) for value in known):
-        return np.array(["" if value is None else value for value in values], object)
-    if complete and all(isinstance(value, bool | np.bool_) for value in known):
-        return np.array(values, bool)
-    if all(isinstance(value, int | float | np.number) and not isinstance(value, bool) for value in known):
-        if complete:
-            return np.array(values)
-        # A digest is no float.
-        if all(isinstance(value, float) or abs(int(value)) <= EXACT for value in known):
-            return np.array([np.nan if value is None else value for value in values])
-    whole = np.empty(len(values), object)
-    whole[:] = values
-    return whole
+            values.setdefault(name, [None] * len(variants))[row] = table.plain(value)
+    return columns | {name: table.column(found) for name, found in values.items() if name not in columns}
 
 
 @contextmanager

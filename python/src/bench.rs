@@ -23,7 +23,8 @@ pub(crate) type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, P
 #[pymethods]
 impl Bench {
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1))]
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1,
+                        recording=true))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         motor: &Motor,
@@ -33,9 +34,11 @@ impl Bench {
         parameters: Option<&Bound<'_, PyMapping>>,
         ambient: f64,
         seed: i128,
+        recording: bool,
     ) -> PyResult<Self> {
         let config = config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
-        Ok(Self(Shared::new(Session::new(&config).map_err(error::parameter)?)))
+        let session = Session::new(&config).map_err(error::parameter)?;
+        Ok(Self(Shared::new(if recording { session } else { session.without_recording() })))
     }
 
     /// The master on this bench's bus.
@@ -62,11 +65,14 @@ impl Bench {
         self.0.with(py, |session| session.commissioning().notes.iter().map(ToString::to_string).collect())
     }
 
-    /// Lets `seconds` pass, to the nearest control tick.
-    fn advance(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
+    /// Lets `seconds` pass, to the nearest control tick, and keeps a row of each tick or forgets all rows.
+    #[pyo3(signature = (seconds, trace=true))]
+    fn advance(&self, py: Python<'_>, seconds: f64, trace: bool) -> PyResult<()> {
         let seconds = error::magnitude("seconds", seconds, "s")?;
-        let ticks =
-            self.0.with(py, |session| (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64);
+        let ticks = self.0.with(py, |session| {
+            session.bench_mut().set_trace(trace);
+            (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64
+        });
         self.0.run(py, ticks)
     }
 

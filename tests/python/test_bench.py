@@ -123,6 +123,23 @@ def test_notes_name_what_limits() -> None:
     assert any("ripple" in note for note in narx.Bench(motor, supply_voltage=36.0, mode="hall").notes)
 
 
+def test_what_is_not_kept_changes_no_bit(motor: narx.Motor) -> None:
+    def bench(recording: bool) -> narx.Bench:
+        bench = narx.Bench(motor, supply_voltage=24.0, mode="hall", recording=recording)
+        bench.drive.start(1500)
+        return bench
+
+    recorded, bare = bench(True), bench(False)
+    whole, nothing = recorded.run(0.3), bare.run(0.3, trace=False)
+    assert (len(whole), len(nothing)) == (3000, 0) and nothing.signals == whole.signals
+    assert bare.digest == 0 and nothing.recording() == b"" and recorded.digest == narx.replay(whole.recording()).digest
+    # Without rows the drive is the same: the next run shows.
+    assert recorded.run(0.1, trace=False).recording() != whole.recording()
+    bare.run(0.1)
+    first, second = recorded.run(0.1), bare.run(0.1)
+    assert all(np.array_equal(first[name], second[name]) for name in first) and len(first) == 1000
+
+
 def test_other_threads_run_while_the_bench_does(bench: narx.Bench) -> None:
     """A thread that only counts must get on while this one is in `run` and `replay`."""
     bench.drive.start(2000)

@@ -15,7 +15,7 @@ from rich.table import Table
 import narx
 from narx import table
 from narx.cli.app import JSON, MODE, MOTOR, SUPPLY, app, err, examples, out
-from narx.sweep import Start
+from narx.tasks import Start
 from narx.variants import check, expand, points_of
 
 SHOWN = 10

@@ -8,6 +8,7 @@ mod faults;
 mod load_step;
 mod operating;
 mod picture;
+mod python;
 mod range;
 mod report;
 mod speed;
@@ -90,6 +91,7 @@ fn measure(arguments: &Arguments) -> io::Result<bool> {
         ("efficiency", efficiency::rows),
         ("faults", faults::rows),
         ("speed of simulation", speed::rows),
+        ("speed from Python", python::rows),
     ] {
         let begun = Instant::now();
         println!("{name}");
