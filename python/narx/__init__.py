@@ -30,7 +30,9 @@ from narx.messages import Message, NodeMessage, decode
 from narx.parameters import Parameters
 from narx.recording import Replay, replay
 from narx.scope import Scope, ScopeRecording, ScopeState, Trigger
+from narx.sweep import Sweep, SweepInterrupted, sweep
 from narx.trace import Trace
+from narx.variants import Variant
 
 __all__ = [
     "Bench",
@@ -61,9 +63,12 @@ __all__ = [
     "SignalError",
     "StartError",
     "State",
+    "Sweep",
+    "SweepInterrupted",
     "Table",
     "Trace",
     "Trigger",
+    "Variant",
     "connect",
     "dbc",
     "decode",
@@ -71,5 +76,6 @@ __all__ = [
     "eds",
     "read_log",
     "replay",
+    "sweep",
     "xml",
 ]

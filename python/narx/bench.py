@@ -17,7 +17,7 @@ class Bench:
 
     The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`. supply_voltage: V. mode: "sensorless",
     "hall" or "open-loop". parameters: of the drive by name or number, in their units; they win over those of commissioning. ambient:
-    degrees Celsius. seed: of all noise.
+    degrees Celsius. seed: of all noise. recording: without it the bench is faster, but nothing can be replayed and there is no digest.
     """
 
     def __init__(
@@ -29,8 +29,9 @@ class Bench:
         parameters: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float] | None = None,
         ambient: float = 25.0,
         seed: int = 1,
+        recording: bool = True,
     ) -> None:
-        self._bench = _core.Bench(motor, supply_voltage, load, mode, parameters, ambient, seed)
+        self._bench = _core.Bench(motor, supply_voltage, load, mode, parameters, ambient, seed, recording)
         self._drive = Drive(BenchLink(self._bench))
 
     @property
@@ -44,15 +45,20 @@ class Bench:
         return self._bench.time
 
     @property
+    def digest(self) -> int:
+        """Digest of everything that the drive has answered since it last booted: that of its recording, 0 without one."""
+        return self._bench.digest
+
+    @property
     def notes(self) -> list[str]:
         """Where a limit of the drive holds the motor back, in words."""
         return self._bench.notes
 
-    def run(self, seconds: float) -> Trace:
-        """Lets `seconds` pass, to the nearest control tick, and returns the rows of this run, one per tick."""
+    def run(self, seconds: float, trace: bool = True) -> Trace:
+        """Lets `seconds` pass, to the nearest control tick, and returns the rows of this run, one per tick; without `trace` none, which is faster."""
         # Rows of calls that waited belong to no run.
         self._bench.drop_rows()
-        self._bench.advance(seconds)
+        self._bench.advance(seconds, trace)
         columns, units, recording = self._bench.take_run()
         return Trace(columns, units, recording)
 

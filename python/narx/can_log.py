@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from narx import _core
+from narx import _core, table
 from narx.columns import Frames, LogError, Series, Table, folded
 from narx.errors import SignalError
 from narx.messages import Message, NodeMessage, decode_parts
 from narx.names import suggestion
 from narx.parameters import Parameters
-from narx.trace import save_table
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -181,7 +180,8 @@ class CanLog:
 
     def save(self, path: str | PathLike[str], *signals: str, period: float | None = None) -> None:
         """Writes the table of `to_pandas`: `.csv`, `.parquet` or `.xlsx`."""
-        save_table(lambda: self.to_pandas(*signals, period=period), path)
+        table.check(path)
+        table.save(self.to_pandas(*signals, period=period), path)
 
     def _rows(self, table: Table) -> NDArray[np.intp]:
         """Rows of a table's messages among the frames."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 PANELS = [
     ["setpoint", "speed"],
     ["electrical_setpoint", "electrical_speed_hall", "electrical_speed_sensorless"],
-    ["current_a", "current_b", "current_c", "bus_current"],
+    ["current_a", "current_b", "current_c", "bus_current", "bus_current_measured"],
     ["duty"],
 ]
 """What is drawn of a run when nothing is chosen."""

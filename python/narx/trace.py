@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping
+from collections.abc import ItemsView, Iterator, KeysView, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from narx.errors import ParameterError, SignalError
+from narx import table
+from narx.errors import SignalError
 from narx.names import suggestion
 
 if TYPE_CHECKING:
@@ -77,11 +78,10 @@ class Trace:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`."""
-        path = Path(path)
-        if path.suffix.lower() == ".narxrec":
-            path.write_bytes(self._recording)
+        if table.check(path, ".narxrec") == ".narxrec":
+            Path(path).write_bytes(self._recording)
         else:
-            save_table(self.to_pandas, path, ".narxrec")
+            table.save(self.to_pandas(), path)
 
     def plot(self, *signals: str) -> Figure:
         """Draws the signals over time, one panel for each unit; without names speed, currents, duty and state."""
@@ -93,18 +93,3 @@ class Trace:
         """What the drive was given since it last booted, up to the end of this trace: what `narx.replay` takes, and a
         `.narxrec` file holds. Empty for what is no run of a bench."""
         return self._recording
-
-
-def save_table(table: Callable[[], DataFrame], path: str | PathLike[str], *others: str) -> None:
-    """Writes a table: `.csv`, `.parquet` or `.xlsx`; `others` are the endings that the caller takes itself."""
-    path = Path(path)
-    match path.suffix.lower():
-        case ".csv":
-            table().to_csv(path, index=False)
-        case ".parquet":
-            table().to_parquet(path, index=False)
-        case ".xlsx":
-            table().to_excel(path, index=False)
-        case suffix:
-            allowed = ", ".join([".csv", ".parquet", ".xlsx", *others])
-            raise ParameterError(f'path "{path}": "{suffix}" must be one of {allowed}')

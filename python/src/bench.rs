@@ -9,6 +9,7 @@ use crate::tx_driver;
 use narx_core::dictionary::Dictionary;
 use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
 use narx_sim::session::{Session, SessionConfig};
+use narx_sim::trace::Trace;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyMapping};
 
@@ -17,12 +18,13 @@ use pyo3::types::{PyBytes, PyDict, PyMapping};
 pub(crate) struct Bench(Shared);
 
 /// What a run leaves: columns by name, units by name, and the recording.
-type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyBytes>);
+pub(crate) type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyBytes>);
 
 #[pymethods]
 impl Bench {
     #[new]
-    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1))]
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1,
+                        recording=true))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         motor: &Motor,
@@ -32,9 +34,11 @@ impl Bench {
         parameters: Option<&Bound<'_, PyMapping>>,
         ambient: f64,
         seed: i128,
+        recording: bool,
     ) -> PyResult<Self> {
         let config = config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
-        Ok(Self(Shared::new(Session::new(&config).map_err(error::parameter)?)))
+        let session = Session::new(&config).map_err(error::parameter)?;
+        Ok(Self(Shared::new(if recording { session } else { session.without_recording() })))
     }
 
     /// The master on this bench's bus.
@@ -49,26 +53,34 @@ impl Bench {
         self.0.with(py, |session| session.bench().time())
     }
 
+    /// Digest of everything that the drive has answered since it last booted.
+    #[getter]
+    fn digest(&self, py: Python<'_>) -> u64 {
+        self.0.with(py, |session| session.bench().digest())
+    }
+
     /// Where a limit of the drive holds the motor back, in words.
     #[getter]
     fn notes(&self, py: Python<'_>) -> Vec<String> {
         self.0.with(py, |session| session.commissioning().notes.iter().map(ToString::to_string).collect())
     }
 
-    /// Lets `seconds` pass, to the nearest control tick.
-    fn advance(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
+    /// Lets `seconds` pass, to the nearest control tick, and keeps a row of each tick or forgets all rows.
+    #[pyo3(signature = (seconds, trace=true))]
+    fn advance(&self, py: Python<'_>, seconds: f64, trace: bool) -> PyResult<()> {
         let seconds = error::magnitude("seconds", seconds, "s")?;
-        let ticks =
-            self.0.with(py, |session| (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64);
+        let ticks = self.0.with(py, |session| {
+            session.bench_mut().set_trace(trace);
+            (seconds * 1e9 / session.bench().period_ns() as f64).round() as u64
+        });
         self.0.run(py, ticks)
     }
 
     /// The rows since this was last called, and the recording since the drive booted.
     fn take_run<'py>(&self, py: Python<'py>) -> PyResult<Run<'py>> {
-        let (table, recording) =
+        let taken =
             self.0.with(py, |session| (session.bench_mut().take_trace(), session.bench().recording()));
-        let (columns, units) = trace::columns(py, table)?;
-        Ok((columns, units, PyBytes::new(py, &recording)))
+        run(py, taken)
     }
 
     /// Breaks something, or mends it (`active` false). A fault is named as `faults` has it.
@@ -81,15 +93,8 @@ impl Bench {
         phase: Option<&str>,
         high: bool,
     ) -> PyResult<()> {
-        let phases = [("A", Phase::A), ("B", Phase::B), ("C", Phase::C)];
-        let phase = phase.map(|name| error::choice("phase", name, &phases)).transpose()?;
         let value = if active { value } else { Some(Injection::some_value(fault)) };
-        let refused = |reason: InjectionError| {
-            let hint = error::suggestion(py, fault, Injection::NAMES.into_iter());
-            let hint = if reason == InjectionError::Unknown { hint } else { String::new() };
-            error::parameter(format!("fault \"{fault}\": {reason}{hint}"))
-        };
-        let injection = Injection::named(fault, InjectionOptions { value, phase, high }).map_err(refused)?;
+        let injection = injection(py, fault, value, phase, high)?;
         self.0.with(py, |session| {
             let plant = session.bench_mut().plant_mut();
             if active { plant.inject(injection) } else { plant.clear(injection) }
@@ -157,6 +162,29 @@ impl Bench {
             session.bench_mut().take_trace();
         });
     }
+}
+
+/// A trace and a recording for Python.
+pub(crate) fn run(py: Python<'_>, (table, recording): (Trace, Vec<u8>)) -> PyResult<Run<'_>> {
+    let (columns, units) = trace::columns(py, table)?;
+    Ok((columns, units, PyBytes::new(py, &recording)))
+}
+
+/// A fault by its name, as `faults` has it.
+pub(crate) fn injection(
+    py: Python<'_>,
+    fault: &str,
+    value: Option<f64>,
+    phase: Option<&str>,
+    high: bool,
+) -> PyResult<Injection> {
+    let phases = [("A", Phase::A), ("B", Phase::B), ("C", Phase::C)];
+    let phase = phase.map(|name| error::choice("phase", name, &phases)).transpose()?;
+    Injection::named(fault, InjectionOptions { value, phase, high }).map_err(|reason| {
+        let hint = error::suggestion(py, fault, Injection::NAMES.into_iter());
+        let hint = if reason == InjectionError::Unknown { hint } else { String::new() };
+        error::parameter(format!("fault \"{fault}\": {reason}{hint}"))
+    })
 }
 
 /// What a bench is made of.

@@ -5,11 +5,13 @@ mod bench;
 mod can_log;
 mod dictionary;
 mod error;
+mod experiment;
 mod files;
 mod frame;
 mod master;
 mod motor;
 mod recording;
+mod server;
 mod session;
 mod state;
 mod trace;
@@ -28,15 +30,19 @@ mod _core {
     #[pymodule_export]
     use crate::dictionary::{from_raw, log_records, measurement_signals, parameters, scope_signals, to_raw};
     #[pymodule_export]
+    use crate::experiment::{Experiment, experiment_figures, run_experiments};
+    #[pymodule_export]
     use crate::files::{dbc, eds, xml};
     #[pymodule_export]
     use crate::frame::{decode, decode_node};
     #[pymodule_export]
     use crate::master::Master;
     #[pymodule_export]
-    use crate::motor::{Load, Motor};
+    use crate::motor::{Load, Motor, restore_motor};
     #[pymodule_export]
     use crate::recording::{replay, scope_recording};
+    #[pymodule_export]
+    use crate::server::Server;
     #[pymodule_export]
     use crate::virtual_bus::VirtualBus;
 

@@ -136,7 +136,7 @@ impl Master {
 
     /// Asks for a speed, rpm, negative in reverse. On a bench it waits for the drive's self-tests.
     fn start(&self, py: Python<'_>, rpm: f64) -> PyResult<()> {
-        let rpm = error::whole("rpm", rpm, "", -RPM_MAX, RPM_MAX)? as i32;
+        let rpm = self::rpm(rpm)?;
         match &self.0 {
             Host::Bench(session) => session.with(py, |session| session.start(rpm)),
             Host::Free(_) => self.with(py, |master, _| master.start(rpm)),
@@ -429,4 +429,9 @@ fn microseconds(seconds: f64) -> u64 {
 
 fn seconds(microseconds: u64) -> f64 {
     microseconds as f64 / 1e6
+}
+
+/// A speed that can be asked for.
+pub(crate) fn rpm(rpm: f64) -> PyResult<i32> {
+    error::whole("rpm", rpm, "", -RPM_MAX, RPM_MAX).map(|rpm| rpm as i32)
 }

@@ -5,22 +5,20 @@ use narx_core::dictionary::{Access, Parameters};
 use narx_sim::commissioning::Mode;
 use narx_sim::engineering;
 use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig};
-use narx_sim::presets::{self, PRESETS};
+use narx_sim::presets::{self, PRESETS, Preset};
 use narx_sim::session::SessionConfig;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::hash::{Hash, Hasher};
 
 /// A star-connected three-phase motor with equal phases; resistance and inductance line to line, as data sheets print them.
-#[pyclass(module = "narx", frozen)]
+#[pyclass(module = "narx", frozen, eq, hash)]
+#[derive(PartialEq)]
 pub(crate) struct Motor {
     config: MotorConfig,
     hall_offset_deg: f64,
-    /// Rated DC current, A, of a preset.
-    #[pyo3(get)]
-    rated_current: Option<f64>,
-    /// Name of a preset.
-    #[pyo3(get)]
-    name: Option<&'static str>,
+    /// Where what no data sheet says comes from: rated current, cogging.
+    preset: Option<&'static str>,
 }
 
 #[pymethods]
@@ -61,7 +59,7 @@ impl Motor {
             ..MotorConfig::default()
         };
         let hall_offset_deg = error::finite("hall_offset_deg", hall_offset_deg, "degrees")?;
-        Ok(Self { config, hall_offset_deg, rated_current: None, name: None })
+        Ok(Self { config, hall_offset_deg, preset: None })
     }
 
     /// Names of the real motors that `preset` knows.
@@ -78,8 +76,35 @@ impl Motor {
             let names = Self::presets().join(", ");
             error::parameter(format!("there is no preset \"{name}\"{hint}; there are {names}"))
         })?;
-        let rated_current = preset.data.rated_current;
-        Ok(Self { config: preset.motor, hall_offset_deg: 0.0, rated_current, name: Some(preset.name) })
+        Ok(Self { config: preset.motor, hall_offset_deg: 0.0, preset: Some(preset.name) })
+    }
+
+    /// The same motor but for some arguments of the constructor. What a preset says beyond those, such as cogging, stays.
+    #[pyo3(signature = (**changes))]
+    fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let arguments = self.arguments(py)?;
+        for (name, value) in changes.into_iter().flatten() {
+            let name: String = name.extract()?;
+            if !arguments.contains(&name)? {
+                let names: Vec<String> = arguments.keys().extract()?;
+                let hint = error::suggestion(py, &name, names.iter().map(String::as_str));
+                return Err(error::parameter(format!("a motor has no \"{name}\"{hint}")));
+            }
+            arguments.set_item(name, value)?;
+        }
+        let given = py.get_type::<Self>().call((), Some(&arguments))?.cast_into::<Self>()?;
+        let Self { config, hall_offset_deg, .. } = *given.get();
+        let MotorConfig { pole_pairs, resistance, inductance, torque_constant, inertia, .. } = config;
+        let MotorConfig { static_friction, viscous_friction, back_emf, .. } = config;
+        let figures =
+            MotorConfig { pole_pairs, resistance, inductance, torque_constant, inertia, ..self.config };
+        let config = MotorConfig { static_friction, viscous_friction, back_emf, ..figures };
+        Ok(Self { config, hall_offset_deg, preset: self.preset })
+    }
+
+    /// Pickles by what makes it anew.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        Ok((py.import("narx._core")?.getattr("restore_motor")?, (self.preset, self.arguments(py)?)))
     }
 
     /// The parameters of a drive for this motor on `supply_voltage` volts by the design rules: name -> value in its unit.
@@ -93,6 +118,25 @@ impl Motor {
         let commissioning =
             self.session(supply_voltage, self::mode(mode)?).commission().map_err(error::parameter)?;
         dictionary(py, &commissioning.parameters)
+    }
+
+    /// Name of a preset; `None` of any other motor.
+    #[getter]
+    fn name(&self) -> Option<&'static str> {
+        let same = |preset: &&Preset| preset.motor == self.config && self.hall_offset_deg == 0.0;
+        self.base().filter(same).map(|preset| preset.name)
+    }
+
+    /// Rated DC current, A, of a preset.
+    #[getter]
+    fn rated_current(&self) -> Option<f64> {
+        self.base()?.data.rated_current
+    }
+
+    /// Nominal voltage, V, of a preset.
+    #[getter]
+    fn nominal_voltage(&self) -> Option<f64> {
+        Some(self.base()?.data.nominal_voltage)
     }
 
     /// Pole pairs.
@@ -152,7 +196,7 @@ impl Motor {
 
     fn __repr__(&self) -> String {
         let MotorConfig { pole_pairs, resistance, inductance, torque_constant, inertia, .. } = self.config;
-        let name = self.name.map_or_else(String::new, |name| format!(" {name}:"));
+        let name = self.name().map_or_else(String::new, |name| format!(" {name}:"));
         format!(
             "<narx.Motor{name} {pole_pairs} pole pairs, {resistance} ohm, {inductance} H, {torque_constant} N m/A, {inertia} kg m2>"
         )
@@ -163,16 +207,64 @@ impl Motor {
     /// A session with this motor, everything else at its default.
     pub(crate) fn session(&self, supply: f64, mode: Mode) -> SessionConfig {
         SessionConfig {
-            rated_current: self.rated_current,
+            rated_current: self.rated_current(),
             hall_offset_deg: self.hall_offset_deg,
-            label: format!("{}, {}", self.name.unwrap_or("motor"), mode.name()),
+            label: format!("{}, {}", self.name().unwrap_or("motor"), mode.name()),
             ..SessionConfig::new(self.config, supply, mode)
+        }
+    }
+
+    fn base(&self) -> Option<&'static Preset> {
+        presets::preset(self.preset?)
+    }
+
+    /// What the constructor makes it of.
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        arguments.set_item("pole_pairs", self.pole_pairs())?;
+        arguments.set_item("resistance", self.resistance())?;
+        arguments.set_item("inductance", self.inductance())?;
+        arguments.set_item("torque_constant", self.torque_constant())?;
+        arguments.set_item("inertia", self.inertia())?;
+        arguments.set_item("static_friction", self.static_friction())?;
+        arguments.set_item("viscous_friction", self.viscous_friction())?;
+        arguments.set_item("back_emf", self.back_emf())?;
+        arguments.set_item("hall_offset_deg", self.hall_offset_deg())?;
+        Ok(arguments)
+    }
+}
+
+/// What pickles a motor: the function that makes it anew, and its arguments.
+type Reduced<'py> = (Bound<'py, PyAny>, (Option<&'static str>, Bound<'py, PyDict>));
+
+impl Hash for Motor {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        // Motors that are equal have these equal; few others do.
+        let MotorConfig { pole_pairs, resistance, inductance, inertia, .. } = self.config;
+        (pole_pairs, resistance.to_bits(), inductance.to_bits(), inertia.to_bits()).hash(state);
+    }
+}
+
+/// A motor as it was pickled.
+#[pyfunction]
+pub(crate) fn restore_motor(
+    py: Python<'_>,
+    preset: Option<&str>,
+    arguments: &Bound<'_, PyDict>,
+) -> PyResult<Motor> {
+    match preset {
+        Some(name) => Motor::preset(py, name)?.replace(py, Some(arguments)),
+        None => {
+            let motor = py.get_type::<Motor>().call((), Some(arguments))?.cast_into::<Motor>()?;
+            let Motor { config, hall_offset_deg, preset } = *motor.get();
+            Ok(Motor { config, hall_offset_deg, preset })
         }
     }
 }
 
 /// A load on the shaft. All torques oppose the motion; the constant one also holds at standstill.
-#[pyclass(module = "narx", frozen, get_all)]
+#[pyclass(module = "narx", frozen, get_all, eq, hash)]
+#[derive(PartialEq)]
 pub(crate) struct Load {
     /// N m, like Coulomb friction.
     constant: f64,
@@ -198,6 +290,12 @@ impl Load {
         })
     }
 
+    /// Pickles by what makes it anew.
+    const fn __getnewargs__(&self) -> (f64, f64, f64, f64) {
+        let Self { constant, viscous, quadratic, inertia } = *self;
+        (constant, viscous, quadratic, inertia)
+    }
+
     fn __repr__(&self) -> String {
         let Self { constant, viscous, quadratic, inertia } = self;
         format!("<narx.Load {constant} N m, {viscous} N m s/rad, {quadratic} N m s2/rad2, {inertia} kg m2>")
@@ -209,6 +307,14 @@ impl Load {
     pub(crate) const fn config(&self) -> LoadConfig {
         let Self { constant, viscous, quadratic, inertia } = *self;
         LoadConfig { constant, viscous, quadratic, inertia }
+    }
+}
+
+impl Hash for Load {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let Self { constant, viscous, quadratic, inertia } = self;
+        // 0 and -0 are equal.
+        [constant, viscous, quadratic, inertia].map(|value| (value + 0.0).to_bits()).hash(state);
     }
 }
 

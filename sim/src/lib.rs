@@ -18,6 +18,8 @@ pub mod can_log;
 mod chip;
 pub mod commissioning;
 pub mod engineering;
+#[cfg(feature = "alloc")]
+pub mod experiment;
 #[cfg(feature = "flash")]
 pub mod flash;
 pub mod plant;

@@ -6,8 +6,8 @@ use narx_core::motor::signal::{DRIVE_SIGNALS, Signal as DriveSignal, SpeedScale}
 use narx_core::motor::{Drive, Samples, Status};
 use narx_core::recording::{Outputs, Player, Recording, ReplayError};
 
-/// Columns of a replay. Those of a bench's trace that a drive alone knows have the same names; its speeds are electrical, because a recording does
-/// not tell the pole pairs.
+/// Columns of a replay. Those of a bench's trace that a drive alone knows have the same names; what it measures is not
+/// what is, and its speeds are electrical, because a recording does not tell the pole pairs.
 pub const SIGNALS: [Signal; 17] = [
     Signal::double("time", "s"),
     Signal::single("state", ""),
@@ -17,11 +17,11 @@ pub const SIGNALS: [Signal; 17] = [
     Signal::single("limiter", ""),
     Signal::single("crossing", ""),
     Signal::single("crossing_margin", "deg"),
-    Signal::single("bus_voltage", "V"),
-    Signal::single("bus_current", "A"),
-    Signal::single("voltage_a", "V"),
-    Signal::single("voltage_b", "V"),
-    Signal::single("voltage_c", "V"),
+    Signal::single("bus_voltage_measured", "V"),
+    Signal::single("bus_current_measured", "A"),
+    Signal::single("voltage_a_measured", "V"),
+    Signal::single("voltage_b_measured", "V"),
+    Signal::single("voltage_c_measured", "V"),
     Signal::single("electrical_setpoint", "rev/s"),
     Signal::single("electrical_speed_hall", "rev/s"),
     Signal::single("electrical_speed_sensorless", "rev/s"),

@@ -158,6 +158,12 @@ impl Session {
         Ok(Self { bench, master, commissioning, start: None, ready: 0 })
     }
 
+    /// The same session whose bench records nothing, as [`Bench::without_recording`].
+    #[must_use]
+    pub fn without_recording(self) -> Self {
+        Self { bench: self.bench.without_recording(), ..self }
+    }
+
     /// Asks for a speed, rpm, negative in reverse. A drive that boots would spend the request (it takes no start from before
     /// Standby), so it is then asked once it has been in Standby for two of the master's periods.
     pub const fn start(&mut self, rpm: i32) {

@@ -41,15 +41,25 @@ def test_rows_are_those_of_the_run(bench: narx.Bench) -> None:
     assert len(bench.run(0.0)) == 0
 
 
-def test_a_replay_has_the_rows_of_the_bench(bench: narx.Bench) -> None:
+def test_a_replay_has_the_rows_of_the_bench(bench: narx.Bench, motor: narx.Motor) -> None:
     bench.drive.start(-2500, wait=False)
     trace = bench.run(1.5)
     assert trace["speed"][-1] == pytest.approx(-2500, rel=0.02)
     replay = narx.replay(trace.recording())
     assert len(replay) == len(trace) == 15_000
-    for name in replay:
-        assert np.allclose(replay[name], trace[name], rtol=1e-12, atol=0.0), name
+    shared = [name for name in replay if name in trace]
+    assert {"time", "state", "duty", "hall", "step", "limiter", "crossing", "faults"} <= set(shared)
+    for name in shared:
+        same = np.allclose(replay[name], trace[name], rtol=1e-12, atol=0.0)
+        # The bench reads the faults of the last report, a replay those of the tick.
+        assert same or name == "faults", name
         assert replay.signals[name] == trace.signals[name]
+    # What it knows besides is measured, and reported once a millisecond.
+    motor_turns = slice(12_000, None)
+    assert np.abs(replay["bus_voltage_measured"] - trace["bus_voltage"])[motor_turns].max() < 0.3
+    assert np.abs(replay["voltage_a_measured"] - trace["voltage_a"])[motor_turns].mean() < 3.0
+    rpm = replay["electrical_speed_hall"] * 60.0 / motor.pole_pairs
+    assert np.abs(rpm - trace["speed_estimated"])[motor_turns].max() < 5.0
 
 
 def test_same_arguments_same_bits(motor: narx.Motor) -> None:
@@ -121,6 +131,23 @@ def test_commissioned_parameters_are_those_of_the_bench(motor: narx.Motor) -> No
 def test_notes_name_what_limits() -> None:
     motor = narx.Motor.preset("ec4pole30-200w-36v")
     assert any("ripple" in note for note in narx.Bench(motor, supply_voltage=36.0, mode="hall").notes)
+
+
+def test_what_is_not_kept_changes_no_bit(motor: narx.Motor) -> None:
+    def bench(recording: bool) -> narx.Bench:
+        bench = narx.Bench(motor, supply_voltage=24.0, mode="hall", recording=recording)
+        bench.drive.start(1500)
+        return bench
+
+    recorded, bare = bench(True), bench(False)
+    whole, nothing = recorded.run(0.3), bare.run(0.3, trace=False)
+    assert (len(whole), len(nothing)) == (3000, 0) and nothing.signals == whole.signals
+    assert bare.digest == 0 and nothing.recording() == b"" and recorded.digest == narx.replay(whole.recording()).digest
+    # Without rows the drive is the same: the next run shows.
+    assert recorded.run(0.1, trace=False).recording() != whole.recording()
+    bare.run(0.1)
+    first, second = recorded.run(0.1), bare.run(0.1)
+    assert all(np.array_equal(first[name], second[name]) for name in first) and len(first) == 1000
 
 
 def test_other_threads_run_while_the_bench_does(bench: narx.Bench) -> None:

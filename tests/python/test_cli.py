@@ -1,9 +1,15 @@
 """The command `narx` on a virtual drive."""
 
+import csv
 import json
+import os
+import shlex
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
+from typing import Any
 
 import can
 import pytest
@@ -12,6 +18,7 @@ import narx
 
 VIRTUAL = ["-i", "narx", "-c", "cli", "-o", "motor=ec45-flat-50w-18v", "-o", "supply_voltage=18", "-o", "mode=hall"]
 VECTORS = Path(__file__).parents[1] / "vectors"
+SWEEP = ["--motor", "ec45-flat-50w-18v", "--mode", "hall", "--supply", "18", "--set", "seconds=0.2"]
 
 
 def run(*arguments: str, virtual: bool = True) -> subprocess.CompletedProcess[str]:
@@ -23,8 +30,19 @@ def run(*arguments: str, virtual: bool = True) -> subprocess.CompletedProcess[st
 def test_help_names_every_command() -> None:
     shown = run("--help", virtual=False)
     assert shown.returncode == 0
-    for command in ("devices", "monitor", "info", "params", "scope", "log", "decode", "replay"):
+    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep"):
         assert command in shown.stdout
+    assert "Exit codes: 0 done; 1 done, with a difference" in " ".join(shown.stdout.split())
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep"],
+)
+def test_help_has_examples(command: str) -> None:
+    shown = run(*command.split(), "--help", virtual=False)
+    text = " ".join(shown.stdout.split())
+    assert "Examples narx " in text and f"{command.split()[0]}" in text.split("Examples")[1]
 
 
 def test_info_and_monitor_speak_json() -> None:
@@ -106,6 +124,15 @@ REFUSED = [
     (["scope", "Duti"], 'narx: there is no scope signal "Duti"; did you mean "Duty"'),
     (["scope", "Duty", "--trigger", "sometimes"], "must be now, fault, state"),
     (["decode", "/nowhere.log"], "narx: "),
+    (["bench", "--tcp", "nowhere"], "narx: tcp 127.0.0.1:nowhere: must be a port, or HOST:PORT"),
+    (["bench", "--tcp", "0", "--speed", "1000"], "narx: speed 1000: must be a number from 0.01 to 100"),
+    (["bench", "--tx-drivers", "2,2"], "narx: tx_drivers 2,2: must be different node-ids from 1 to 127"),
+    (["bench", "--link", "x"], "x: needs --pty"),
+    (["sweep", "--set", "resistence=1"], 'narx: there is no "resistence" to vary; did you mean "resistance"'),
+    (["sweep", "--set", "rpm"], "rpm: must be NAME=VALUE,VALUE"),
+    (["sweep", "grid.yaml"], '".yaml" must be .toml or .json'),
+    (["sweep", *SWEEP, "--to", "table.txt"], '".txt" must be one of .csv, .parquet, .xlsx'),
+    (["sweep", *SWEEP, "--replay", "1"], "1: must be from 0 to 0"),
 ]
 
 
@@ -114,3 +141,163 @@ def test_an_error_is_one_line_and_exit_code_2(arguments: list[str], message: str
     refused = run(*arguments)
     assert refused.returncode == 2 and message in " ".join(refused.stderr.split()), refused.stderr
     assert "Traceback" not in refused.stderr
+
+
+class Served:
+    """`narx bench` as a process, and where its doors are."""
+
+    def __init__(self, *arguments: str) -> None:
+        command = [
+            sys.executable,
+            "-c",
+            "import narx.cli; narx.cli.main()",
+            "bench",
+            "--mode",
+            "hall",
+            "--tcp",
+            "0",
+            "--json",
+        ]
+        self.process = subprocess.Popen(
+            [*command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        assert self.process.stdout is not None
+        self.doors = json.loads(self.process.stdout.readline())
+
+    def __enter__(self) -> "Served":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.kill()
+        self.process.communicate()
+
+
+def test_bench_serves_unmodified_tools(tmp_path: Path) -> None:
+    link = tmp_path / "narx"
+    with Served("--tx-drivers", "2,5:dual", "--pty", "--link", str(link)) as served:
+        assert served.doors["pty"] == str(link) and link.is_symlink()
+        assert [note.split(", eddyCAN")[0] for note in served.doors["notes"]] == [
+            "TX-Driver: node-id 2, 1 channel of 2 mm, encoder on the shaft",
+            "TX-Driver: node-id 5, 2 channels of 2 mm, encoder on the shaft",
+        ]
+        options: dict[str, Any] = {"sleep_after_open": 0.0}
+        with (
+            can.Bus(interface="slcan", channel=str(link), bitrate=500_000, **options) as other,
+            narx.connect("slcan", served.doors["tcp"], **options) as drive,
+        ):
+            drive.start(2000)
+            assert drive.state is narx.State.HALL_CLOSED_LOOP
+            # Whoever is at the terminal overhears.
+            frames = (other.recv(1.0) for _ in range(5000))
+            messages = (narx.decode(frame) for frame in frames if frame is not None)
+            assert any(message is not None and message.name == "STATUS_WORD" for message in messages)
+        served.process.send_signal(signal.SIGTERM)
+        assert served.process.wait(10) == 0 and not link.is_symlink()
+
+
+def test_bench_ends_by_time_and_by_ctrl_c() -> None:
+    with Served("--seconds", "0.2", "--speed", "0") as served:
+        assert served.process.wait(10) == 0
+    with Served("--verbose") as served:
+        served.process.send_signal(signal.SIGINT)
+        assert served.process.wait(10) == 0
+
+
+def test_sweep_is_a_table_and_a_variant_runs_again(tmp_path: Path) -> None:
+    table, recording = tmp_path / "sweep.csv", tmp_path / "again.narxrec"
+    arguments = ["sweep", *SWEEP, "--set", "rpm=1000:2000:3", "--set", "Phase current limit=3,6", "--samples", "2"]
+    done = run(*arguments, "--to", str(table), virtual=False)
+    assert done.returncode == 0 and done.stdout.startswith("12 variants: 12 running; in"), done.stderr
+    rows = list(csv.DictReader(table.open()))
+    assert [float(row["rpm"]) for row in rows[::4]] == [1000, 1500, 2000]
+    lines = [json.loads(line) for line in run(*arguments, "--json", virtual=False).stdout.splitlines()]
+    assert [line["digest"] for line in lines] == [row["digest"] for row in rows]
+    again = run(*arguments, "--replay", "7", "--to", str(recording), virtual=False)
+    assert again.returncode == 0 and rows[7]["digest"] in again.stdout
+    assert f"{narx.replay(recording).digest:016x}" == rows[7]["digest"]
+
+
+@pytest.mark.parametrize("form", ["toml", "json", "json list"])
+def test_a_grid_is_a_file(form: str, tmp_path: Path) -> None:
+    file = tmp_path / f"grid.{form.split()[0]}"
+    file.write_text({
+        "toml": 'motor = "bly172s-24v"\nsupply_voltage = [24.0, 61.0]\nseconds = 0.1\nmode = "hall"\n',
+        "json": '{"motor": "bly172s-24v", "supply_voltage": [24.0, 61.0], "seconds": 0.1, "mode": "hall"}',
+        "json list": '[{"motor": "bly172s-24v", "supply_voltage": 24}, {"motor": "bly172s-24v", "supply_voltage": 61}]',
+    }[form])  # fmt: skip
+    options = ["--mode", "hall", "--set", "seconds=0.1"] if "list" in form else []
+    done = run("sweep", str(file), *options, virtual=False)
+    assert done.returncode == 1 and done.stdout == "2 variants: 1 error, 1 running\n"
+    assert "supply voltage 61 V" in " ".join(done.stderr.split())
+
+
+def test_ctrl_c_ends_a_sweep_with_what_it_has(tmp_path: Path) -> None:
+    table = tmp_path / "partial.csv"
+    command = [
+        sys.executable,
+        "-c",
+        "import narx.cli; narx.cli.main()",
+        "sweep",
+        *SWEEP,
+        "--set",
+        "rpm=1000",
+        "--to",
+        str(table),
+    ]
+    # The first ones are short; then it would take hours.
+    command += ["--set", "seconds=0.01,0.01,36000,36000,36000"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            wait_for_work(process)
+            process.send_signal(signal.SIGINT)
+            shown, _ = process.communicate(timeout=20)
+        finally:
+            process.kill()
+    assert process.returncode == 130 and "variants: 2 running" in shown
+    assert len(table.read_text().splitlines()) == 3
+
+
+def wait_for_work(process: "subprocess.Popen[str]") -> None:
+    """Waits until a process has worked on its threads for a while."""
+    stat = Path(f"/proc/{process.pid}/stat")
+    threads = Path(f"/proc/{process.pid}/task")
+    while len(list(threads.iterdir())) < 3:
+        assert process.poll() is None
+        time.sleep(0.05)
+    begun = int(stat.read_text().split()[13])
+    while int(stat.read_text().split()[13]) < begun + 60:
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("narx sw", "sweep"),
+        ("narx bench --motor ec90", "ec90-flat-90w-24v"),
+        ("narx params get Motor\\ pair", "Motor pair poles"),
+    ],
+)
+def test_the_shell_completes(typed: str, offered: str) -> None:
+    environment = os.environ | {
+        "_NARX_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(len(shlex.split(typed)) - 1),
+    }  # fmt: skip
+    command = [sys.executable, "-c", "import narx.cli; narx.cli.main()"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines() == [offered], done.stderr
+
+
+def test_the_shells_get_their_script() -> None:
+    command = [sys.executable, "-c", "import narx.cli; narx.cli.main()", "--show-completion"]
+    environment = os.environ | {"_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}
+    for shell in ("bash", "zsh", "fish"):
+        done = subprocess.run([*command, shell], env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0 and "_NARX_COMPLETE" in done.stdout, done.stderr
+
+
+def test_replay_and_list_speak_json() -> None:
+    vector = VECTORS / "hall-forward.narxrec"
+    assert json.loads(run("replay", str(vector), "--json", virtual=False).stdout) == {
+        "ticks": narx.replay(vector).ticks, "digest": f"{narx.replay(vector).digest:016x}", "identical": True,
+    }  # fmt: skip
+    rows = json.loads(run("params", "list", "pair poles", "--json", virtual=False).stdout)
+    assert [(row["number"], row["name"], row["max"]) for row in rows] == [(78, "Motor pair poles", 50)]

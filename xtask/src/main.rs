@@ -35,7 +35,11 @@ enum Job {
     /// Measure what narx promises of its control: every goal with its figure and verdict
     Bench(bench::Arguments),
     /// Measure how fast the bench simulates, beside a C loop: a part of `bench`
-    Speed,
+    Speed {
+        /// From Python, beside a loop in numba, motulator and gym-electric-motor
+        #[arg(long)]
+        python: bool,
+    },
     /// Test everything, or one target; installs what that needs
     Test {
         /// What to test; without a name everything
@@ -100,7 +104,7 @@ fn main() -> ExitCode {
         Job::Demo(arguments) => demo::run(&arguments),
         Job::Drive(arguments) => drive::run(&arguments),
         Job::Bench(arguments) => bench::command(&arguments),
-        Job::Speed => bench::speed(),
+        Job::Speed { python } => bench::speed(python),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Callgrind { check } => callgrind::command(root, check),

@@ -44,6 +44,12 @@ pub const SIGNALS: [Signal; 28] = [
 ];
 
 impl Bench {
+    /// Keeps rows from now on, or forgets those so far and keeps none.
+    pub fn set_trace(&mut self, keep: bool) {
+        let kept = self.trace.take();
+        self.trace = keep.then(|| kept.unwrap_or_else(|| Trace::new(&SIGNALS)));
+    }
+
     /// One row per tick so far; empty if the bench keeps none.
     pub fn trace(&self) -> Trace {
         self.trace.clone().unwrap_or_else(|| Trace::new(&SIGNALS))

@@ -1,8 +1,8 @@
 //! Efficiency at rated load against the manual's 90 % (Table 1), of the bridge and of the whole drive with its motor.
 
 use super::operating::Point;
-use super::parallel::map;
 use super::report::Row;
+use narx_host::parallel::map;
 use narx_sim::commissioning::Mode;
 use narx_sim::presets::PRESETS;
 

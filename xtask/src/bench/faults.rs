@@ -1,9 +1,9 @@
 //! The promise about faults: whatever breaks, in whatever state, the bridge is off in the tick in which the fault qualifies.
 
-use super::parallel::map;
 use super::report::Row;
 use super::trial::{TICK, Trial};
 use narx_core::motor::{Cause, State, Step};
+use narx_host::parallel::map;
 use narx_sim::can::Attachment;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::{Injection, Phase, PlantConfig};

@@ -1,10 +1,10 @@
 //! The promise about load steps: no load to rated torque at once, sensorless.
 
 use super::operating::Point;
-use super::parallel::map;
 use super::report::Row;
 use super::trial::Trial;
 use narx_core::motor::State;
+use narx_host::parallel::map;
 use narx_sim::commissioning::Mode;
 use narx_sim::plant::{LoadConfig, PlantConfig};
 use narx_sim::presets::PRESETS;

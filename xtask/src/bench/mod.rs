@@ -8,8 +8,8 @@ mod efficiency;
 mod faults;
 mod load_step;
 mod operating;
-mod parallel;
 mod picture;
+mod python;
 mod range;
 mod report;
 mod speed;
@@ -19,8 +19,8 @@ mod steady;
 mod top_speed;
 mod trial;
 
+pub use narx_host::parallel::map;
 pub use operating::{Figures, Point};
-pub use parallel::map;
 pub use speed::command as speed;
 pub use start::{Ending, Start};
 
@@ -93,6 +93,7 @@ fn measure(arguments: &Arguments) -> io::Result<bool> {
         ("faults", faults::rows),
         ("speed of simulation", speed::rows),
         ("logs in Python", decoding::rows),
+        ("speed from Python", python::rows),
     ] {
         let begun = Instant::now();
         println!("{name}");

@@ -1,11 +1,11 @@
 //! Speed range, sensorless: how far each preset reaches down from its largest set-point.
 
 use super::operating::Point;
-use super::parallel::map;
 use super::report::Row;
 use super::trial::Trial;
 use narx_core::dictionary::number;
 use narx_core::motor::State;
+use narx_host::parallel::map;
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::engineering;
 use narx_sim::plant::{LoadConfig, PlantConfig};

@@ -1,6 +1,7 @@
 //! How fast the bench is: simulated seconds a second on one thread, the real core in the loop, beside a hand-tuned C loop of
 //! a simpler plant (`xtask/floor/plant.c`) in the same run.
 
+use super::python;
 use super::report::{self, Row};
 use crate::driven;
 use crate::install;
@@ -17,9 +18,9 @@ const FLOOR_SECONDS: &str = "10";
 const RATE_MIN: f64 = 200.0;
 const RATIO_MIN: f64 = 0.6;
 
-/// Measures and prints the rates alone; exit code 1 if a goal is not reached.
-pub fn command() -> ExitCode {
-    let rows = rows(&[]);
+/// Measures and prints the rates alone, from Python if asked; exit code 1 if a goal is not reached.
+pub fn command(from_python: bool) -> ExitCode {
+    let rows = if from_python { python::rows(&[]) } else { rows(&[]) };
     report::print(&rows);
     if rows.iter().all(|row| row.met) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

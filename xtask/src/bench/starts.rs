@@ -1,10 +1,10 @@
 //! The promises about starting: how often, and how soon.
 
-use super::parallel::map;
 use super::report::Row;
 use super::start::Start;
 use super::trial::Trial;
 use narx_core::motor::State;
+use narx_host::parallel::map;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::{PRESETS, Preset};

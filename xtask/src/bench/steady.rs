@@ -1,9 +1,9 @@
 //! The promises about steady running: speed, jitter, angle of commutation.
 
 use super::operating::{Figures, Point, measure};
-use super::parallel::map;
 use super::report::Row;
 use super::trial::Trial;
+use narx_host::parallel::map;
 use narx_sim::commissioning::Mode;
 use narx_sim::presets::PRESETS;
 use narx_sim::random_plant::{RandomPlant, Spread};

@@ -1,22 +1,22 @@
-//! `--tx-drivers`: which TX-Drivers stand on the drive's bus.
+//! Which TX-Drivers stand on the drive's bus.
 
-use crate::setup::Refused;
 use narx_core::bus::eddycan::{Channels, NodeId};
 use narx_core::eddycan::{Configuration, Entry};
 use narx_sim::sensor::Encoder;
 use narx_sim::tx_driver::TxDriverConfig;
 
-/// Drivers with different node-ids: a node-id alone has one channel, `:dual` behind it makes two. Each has a rotary encoder on the shaft, whose counts are
-/// the factory's.
-pub(super) fn parse(list: &str) -> Result<Vec<TxDriverConfig>, Refused> {
+/// Drivers with different node-ids (1 to 127), with commas between: a node-id alone has one channel, `:dual` behind it makes two. Each has a rotary encoder on
+/// the shaft, whose counts are the factory's.
+///
+/// # Errors
+/// What the list must be, in words.
+pub fn parse(list: &str) -> Result<Vec<TxDriverConfig>, &'static str> {
     let mut drivers: Vec<TxDriverConfig> = Vec::new();
     for text in list.split(',') {
         let driver = driver(text.trim()).filter(|new| drivers.iter().all(|old| node(old) != node(new)));
-        drivers.push(driver.ok_or_else(|| {
-            Refused(format!(
-                "--tx-drivers {list}: must be different node-ids from 1 to 127, with commas between, and :dual behind those with two channels"
-            ))
-        })?);
+        drivers.push(driver.ok_or(
+            "must be different node-ids from 1 to 127, with commas between, and :dual behind those with two channels",
+        )?);
     }
     Ok(drivers)
 }
@@ -37,7 +37,7 @@ fn node(driver: &TxDriverConfig) -> NodeId {
 }
 
 /// One of them for people.
-pub(super) fn title(driver: &TxDriverConfig) -> String {
+pub fn title(driver: &TxDriverConfig) -> String {
     let channels = match driver.channels {
         Channels::Single => "1 channel",
         Channels::Dual => "2 channels",

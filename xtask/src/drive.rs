@@ -1,36 +1,14 @@
-//! A virtual drive for everybody's tools: the bench in step with the clock on the wall, its bus as slcan over TCP and a pseudo-terminal.
-//!
-//! ```text
-//!   TCP client  <─> reader, writer ─┐             ┌─> arbitration ─> simulated bus <─> drive, plant
-//!   TCP client  <─> reader, writer ─┼─> adapters ─┤                       │
-//!   terminal    <─> reader, writer ─┘             └──── all but its sender ┘
-//!      threads                              one thread, held back by `Pace`
-//! ```
-
-mod client;
-mod hub;
-mod pace;
-#[cfg(unix)]
-mod pty;
-mod tcp;
-#[cfg(test)]
-mod tests;
-mod tx_drivers;
+//! `drive`: a virtual drive in real time for everybody's tools.
 
 use crate::setup::{self, Refused, Setup, number};
-use client::Connection;
-use hub::Hub;
+use narx_host::serve::{Server, Speed, call, tx_drivers};
 use narx_sim::tx_driver::TxDriverConfig;
-use pace::{Pace, Speed};
 use std::io::{self, Write as _};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver};
-use std::thread;
-use std::time::{Duration, Instant};
 
 /// Arguments of `drive`, as typed.
 #[derive(clap::Args, Debug)]
@@ -61,15 +39,6 @@ pub struct Arguments {
     #[arg(long, short)]
     pub verbose: bool,
 }
-
-/// Largest factor of `--speed`.
-const SPEED_MAX: f64 = 100.0;
-/// How long to sleep when simulated time has come as far as it may: a tenth of that is a control tick.
-const SLEEP: Duration = Duration::from_millis(1);
-/// Ticks between two looks at the clock and for new clients: 10 ms of simulated time.
-const TICKS: u32 = 100;
-/// From one line of `--verbose` to the next.
-const TOLD: Duration = Duration::from_secs(1);
 
 /// Runs the drive until Ctrl-C; exit code 2 and one line for arguments that cannot be.
 pub fn run(arguments: &Arguments) -> ExitCode {
@@ -103,13 +72,17 @@ impl Request {
         let setup = arguments.bench.check()?;
         let speed = match arguments.speed.as_str() {
             "max" => Speed::Unbound,
-            text => Speed::Times(number("--speed", text, 0.01, SPEED_MAX, "or max")?),
+            text => Speed::Times(number("--speed", text, Speed::MIN, Speed::MAX, "or max")?),
         };
         let end = match &arguments.seconds {
             Some(text) => (number("--seconds", text, 0.001, 1e6, "s")? * 1e9) as u64,
             None => u64::MAX,
         };
-        let tx_drivers = arguments.tx_drivers.as_deref().map_or_else(|| Ok(Vec::new()), tx_drivers::parse)?;
+        let tx_drivers = match &arguments.tx_drivers {
+            Some(list) => tx_drivers::parse(list)
+                .map_err(|allowed| Refused(format!("--tx-drivers {list}: {allowed}")))?,
+            None => Vec::new(),
+        };
         Ok(Self { setup, tx_drivers, speed, end })
     }
 }
@@ -136,73 +109,25 @@ fn serve(arguments: &Arguments, request: Request) -> Result<(), String> {
         say(&format!("  {}", tx_drivers::title(driver)));
     }
 
-    let (door, connections) = mpsc::channel();
+    let mut server = Server::new(bench, speed, end);
     let address =
-        tcp::listen(arguments.tcp, door).map_err(|error| format!("--tcp {}: {error}", arguments.tcp))?;
-    say(&format!("tcp  can.Bus(interface=\"slcan\", channel=\"socket://{address}\", bitrate=500000)"));
-    let mut hub = Hub::new(bench.without_recording());
-    // The terminal's path is taken back when this ends.
-    let _terminal = terminal(arguments, &mut hub)?;
-
-    run_until(&stop, end, &mut hub, Pace::new(speed), &connections, arguments.verbose);
-    Ok(())
-}
-
-#[cfg(unix)]
-fn terminal(arguments: &Arguments, hub: &mut Hub) -> Result<Option<pty::Terminal>, String> {
-    if !arguments.pty {
-        return Ok(None);
+        server.listen(arguments.tcp).map_err(|error| format!("--tcp {}: {error}", arguments.tcp))?;
+    say(&format!("tcp  {}", call(&format!("socket://{address}"))));
+    if arguments.pty {
+        let path =
+            server.open_terminal(arguments.link.as_deref()).map_err(|error| match &arguments.link {
+                Some(link) => format!("--pty --link {}: {error}", link.display()),
+                None => format!("--pty: {error}"),
+            })?;
+        say(&format!("pty  {}", call(&path.display().to_string())));
     }
-    let refused = |error: io::Error| match &arguments.link {
-        Some(link) => format!("--pty --link {}: {error}", link.display()),
-        None => format!("--pty: {error}"),
-    };
-    let (terminal, connection) = pty::open(arguments.link.as_deref()).map_err(refused)?;
-    say(&format!(
-        "pty  can.Bus(interface=\"slcan\", channel=\"{}\", bitrate=500000)",
-        terminal.path().display()
-    ));
-    hub.attach(connection);
-    Ok(Some(terminal))
-}
-
-#[cfg(not(unix))]
-fn terminal(arguments: &Arguments, _: &mut Hub) -> Result<(), String> {
-    if arguments.pty { Err("--pty: this system has no pseudo-terminals".into()) } else { Ok(()) }
-}
-
-/// Simulates until it is stopped, or until `end`.
-fn run_until(
-    stop: &AtomicBool,
-    end: u64,
-    hub: &mut Hub,
-    mut pace: Pace,
-    connections: &Receiver<Connection>,
-    verbose: bool,
-) {
-    let start = Instant::now();
-    let mut told = Duration::ZERO;
-    while !stop.load(Ordering::Relaxed) && hub.now_ns() < end {
-        connections.try_iter().for_each(|connection| hub.attach(connection));
-        let limits = pace.limits(start.elapsed(), hub.now_ns(), hub.busy_ns());
-        let mut left = TICKS;
-        while left > 0 && hub.now_ns() < limits.time.min(end) && hub.busy_ns() < limits.busy {
-            hub.step();
-            left -= 1;
-        }
-        let news = hub.take_news();
-        if verbose {
+    while !stop.load(Ordering::Relaxed) && server.step() {
+        let news = server.take_news();
+        if arguments.verbose {
             news.iter().for_each(|news| say(news));
-            if start.elapsed() >= told + TOLD {
-                told += TOLD;
-                let behind = pace.behind_ns(hub.now_ns()) as f64 / 1e6;
-                say(&format!("{}, {behind:.0} ms behind", hub.summary()));
-            }
-        }
-        if left > 0 {
-            thread::sleep(SLEEP);
         }
     }
+    Ok(())
 }
 
 /// A line for whoever started this; if he does not read it, the drive runs on.

@@ -4,11 +4,18 @@ use std::time::Duration;
 
 /// How fast simulated time passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Speed {
+pub enum Speed {
     /// So many times as fast as the clock.
     Times(f64),
     /// As fast as it can.
     Unbound,
+}
+
+impl Speed {
+    /// Smallest factor.
+    pub const MIN: f64 = 0.01;
+    /// Largest factor.
+    pub const MAX: f64 = 100.0;
 }
 
 /// Catching up is this much faster than the speed asked for. A master that commands every 50 ms is then heard every 100 ms of the

@@ -4,7 +4,6 @@ use super::client::{Connection, FRAMES, FromClient, LINES, PIECES};
 use super::hub::Hub;
 use super::pace::{Pace, Speed};
 use super::tx_drivers;
-use crate::setup::Refused;
 use narx_core::bus::eddycan::{Channels, NodeId};
 use narx_core::bus::narmotion::{Addresses, ToDrive};
 use narx_core::bus::{Frame, Id};
@@ -278,7 +277,7 @@ fn node_ids_are_different_and_from_1_to_127() {
     let read = |list| {
         let drivers = tx_drivers::parse(list)?;
         let numbers = drivers.iter().map(|driver| (driver.configuration.node().raw(), driver.channels));
-        Ok::<Vec<(u8, Channels)>, Refused>(numbers.collect())
+        Ok::<Vec<(u8, Channels)>, &str>(numbers.collect())
     };
     assert_eq!(read("2"), Ok(vec![(2, Channels::Single)]));
     assert_eq!(
@@ -288,11 +287,7 @@ fn node_ids_are_different_and_from_1_to_127() {
     for list in
         ["", "0", "128", "2,2", "2,2:dual", "2,", "two", "-1", "2:", "2:single", ":dual", "2:dual:dual"]
     {
-        let refused = read(list).unwrap_err().to_string();
-        assert!(
-            refused.starts_with(&format!("--tx-drivers {list}: must be different node-ids")),
-            "{refused}"
-        );
+        assert!(read(list).unwrap_err().starts_with("must be different node-ids"), "{list}");
     }
 }
 

@@ -1,0 +1,21 @@
+"""The command `narx`: what the package does, from a shell, a file for each group of commands."""
+
+from __future__ import annotations
+
+import sys
+
+import narx
+from narx.cli import bench, decode, live, log, params, replay, scope, sweep  # noqa: F401
+from narx.cli.app import app, err
+
+
+def main() -> None:
+    """Runs a command; an error of narx is one line and exit code 2."""
+    try:
+        app(prog_name="narx")
+    except (narx.NarxError, OSError) as error:
+        err.print(f"narx: {error}", highlight=False, markup=False, soft_wrap=True)
+        sys.exit(2)
+    except ImportError as error:
+        err.print(f"narx: {error}: pip install 'narx\\[can]'", highlight=False)
+        sys.exit(2)

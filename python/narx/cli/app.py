@@ -1,0 +1,98 @@
+"""What the commands share: the program, its two outputs, and the drive that they talk to."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+import narx
+
+HELP = "The command `narx`: what the package does, from a shell."
+EXIT_CODES = "Exit codes: 0 done; 1 done, with a difference or a failure in what was looked at; 2 an error, told in one line; 130 Ctrl-C."
+
+app = typer.Typer(
+    no_args_is_help=True, rich_markup_mode="markdown", pretty_exceptions_enable=False, help=HELP, epilog=EXIT_CODES
+)
+out, err = Console(), Console(stderr=True)
+
+JSON = typer.Option("--json", help="Print JSON for other programs.")
+
+
+def examples(*lines: str) -> str:
+    """Command lines for the end of a help text."""
+    return "\n\n".join(["**Examples**", *(f"`{line}`" for line in lines)])
+
+
+def motors(incomplete: str) -> list[str]:
+    """Presets, for completion."""
+    return [name for name in narx.Motor.presets() if name.startswith(incomplete)]
+
+
+MOTOR = typer.Option("--motor", help="A preset.", autocompletion=motors)
+MODE = typer.Option(
+    "--mode", help="sensorless, hall or open-loop.", autocompletion=lambda: ["sensorless", "hall", "open-loop"]
+)
+SUPPLY = typer.Option("--supply", help="Supply voltage, V.")
+
+
+class Connection:
+    """The drive that commands talk to: options that stand before the command."""
+
+    interface = "socketcan"
+    channel = "can0"
+    bitrate = 500_000
+    slave = 170
+    monitor = 85
+    silent = False
+    options: dict[str, Any] = {}  # noqa: RUF012
+
+
+@app.callback()
+def connection(
+    interface: Annotated[str, typer.Option("-i", "--interface", help="Interface of python-can.")] = "socketcan",
+    channel: Annotated[str, typer.Option("-c", "--channel", help="Its channel.")] = "can0",
+    bitrate: Annotated[int, typer.Option(help="Bit rate of the bus.")] = 500_000,
+    slave: Annotated[int, typer.Option(help="Address of the drive.")] = 170,
+    monitor: Annotated[int, typer.Option(help="Address of this master.")] = 85,
+    silent: Annotated[bool, typer.Option("--silent", help="Transmit nothing.")] = False,
+    option: Annotated[
+        list[str] | None, typer.Option("-o", "--option", help="Further NAME=VALUE of the interface.")
+    ] = None,
+) -> None:
+    """Operates narx drives, on any adapter that python-can knows.
+
+    The options of this help stand before the command. The virtual drive needs no adapter: `narx -i narx -c demo -o motor=ec45-flat-50w-18v -o
+    supply_voltage=18 -o mode=hall monitor`; `narx bench` serves one to other programs.
+    """
+    Connection.interface, Connection.channel, Connection.bitrate = interface, channel, bitrate
+    Connection.slave, Connection.monitor, Connection.silent = slave, monitor, silent
+    Connection.options = dict(parsed(text) for text in option or [])
+
+
+def parsed(text: str) -> tuple[str, Any]:
+    """NAME=VALUE, the value a number where it looks like one."""
+    name, found, value = text.partition("=")
+    if not found:
+        raise typer.BadParameter(f"{text}: must be NAME=VALUE", param_hint="--option")
+    try:
+        return name, json.loads(value)
+    except ValueError:
+        return name, value
+
+
+@contextmanager
+def connected() -> Iterator[narx.Drive]:
+    """The drive. It is left as it is: a motor that somebody else turns goes on turning."""
+    c = Connection
+    drive = narx.connect(
+        c.interface, c.channel, c.slave, c.monitor, c.bitrate, silent=c.silent, read_parameters=False, **c.options
+    )
+    try:
+        yield drive
+    finally:
+        drive.close(stop=False)

@@ -1,0 +1,84 @@
+"""A virtual drive for other programs."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import narx
+from narx import _core
+from narx.cli.app import JSON, MODE, MOTOR, app, examples
+
+
+@app.command(
+    epilog=examples(
+        "narx bench --mode hall",
+        "narx bench --motor bly172s-24v --supply 24 --load 0.05 --tx-drivers 2,5:dual --verbose",
+        "narx bench --tcp 0 --pty --link /tmp/narx --json",
+    )
+)
+def bench(
+    motor: Annotated[str, MOTOR] = "ec45-flat-50w-18v",
+    mode: Annotated[str, MODE] = "sensorless",
+    supply: Annotated[float | None, typer.Option(help="Supply voltage, V; else the motor's nominal one.")] = None,
+    load: Annotated[float, typer.Option(help="Load torque on the shaft, N m.")] = 0.0,
+    seed: Annotated[int, typer.Option(help="Of all noise.")] = 1,
+    tx_drivers: Annotated[
+        str | None,
+        typer.Option(
+            help="Node-ids of TX-Drivers on the same bus, with commas between, :dual behind those with two channels."
+        ),
+    ] = None,
+    tcp: Annotated[
+        str, typer.Option(help="PORT of this machine alone, or HOST:PORT; port 0 is any free one.")
+    ] = "2000",
+    pty: Annotated[bool, typer.Option("--pty", help="Offer a pseudo-terminal, too.")] = False,
+    link: Annotated[Path | None, typer.Option(help="A symbolic link to the pseudo-terminal.")] = None,
+    speed: Annotated[float, typer.Option(help="Simulated over real time; 0 is as fast as it can.")] = 1.0,
+    seconds: Annotated[float | None, typer.Option(help="Ends after so much simulated time; else at Ctrl-C.")] = None,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Tell every second what the drive does, and who comes and goes.")
+    ] = False,
+    as_json: Annotated[bool, JSON] = False,
+) -> None:
+    """Serves a virtual drive in real time: slcan over TCP and a pseudo-terminal, for as many clients as one likes.
+
+    With --json the first line says where the doors are.
+    """
+    if link is not None and not pty:
+        raise typer.BadParameter(f"{link}: needs --pty", param_hint="--link")
+    # A shell's background ignores Ctrl-C's signal, and neither may leave a link behind.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
+    with suppress(KeyboardInterrupt):
+        preset = narx.Motor.preset(motor)
+        # What the drive takes (Table 1).
+        volts = min(max(preset.nominal_voltage or 24.0, 18.0), 60.0) if supply is None else supply
+        served = _core.Server(
+            preset,
+            volts,
+            narx.Load(constant=load),
+            mode,
+            seed=seed,
+            tx_drivers=tx_drivers,
+            speed=speed,
+            seconds=seconds,
+        )
+        doors = {"tcp": served.listen(tcp)} | ({"pty": served.open_terminal(link)} if pty else {})
+        if as_json:
+            print(json.dumps({**doors, "notes": served.notes}), flush=True)
+        else:
+            lines = [f"{motor}: {mode}, {volts:g} V supply, {load:g} N m load", *(f"  {note}" for note in served.notes)]
+            lines += [f"{door}  {served.call(channel)}" for door, channel in doors.items()]
+            # In one line each, for whoever looks for them.
+            print(*lines, sep="\n", flush=True)
+        while served.step():
+            news = served.take_news()
+            if verbose and news:
+                print(*news, sep="\n", file=sys.stderr if as_json else sys.stdout, flush=True)

@@ -1,0 +1,66 @@
+"""Columns of values, and tables as files."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narx._core import Load, Motor
+from narx.errors import ParameterError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from pandas import DataFrame
+
+SUFFIXES = (".csv", ".parquet", ".xlsx")
+"""What `save` writes."""
+EXACT = 2**53
+"""Whole numbers up to this are floats, too."""
+
+
+def check(path: str | PathLike[str], *others: str) -> str:
+    """The suffix of a path, which must be one of `SUFFIXES` or of the others."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in (*SUFFIXES, *others):
+        raise ParameterError(f'path "{path}": "{suffix}" must be one of {", ".join((*SUFFIXES, *others))}')
+    return suffix
+
+
+def save(frame: DataFrame, path: str | PathLike[str]) -> None:
+    """Writes a frame in the form that the suffix of the path names."""
+    match check(path):
+        case ".csv":
+            frame.to_csv(path, index=False)
+        case ".parquet":
+            frame.to_parquet(path, index=False)
+        case _:
+            frame.to_excel(path, index=False)
+
+
+def plain(value: Any) -> Any:
+    """What stands in a table: motors and loads by what they are called."""
+    if isinstance(value, Motor):
+        return value.name or repr(value)
+    return repr(value) if isinstance(value, Load) else value
+
+
+def column(values: list[Any]) -> NDArray[Any]:
+    """An array of numbers where all are, else of objects; a text that is missing is empty."""
+    known = [value for value in values if value is not None]
+    complete = len(known) == len(values)
+    if all(isinstance(value, str) for value in known):
+        return np.array(["" if value is None else value for value in values], object)
+    if complete and all(isinstance(value, bool | np.bool_) for value in known):
+        return np.array(values, bool)
+    if all(isinstance(value, int | float | np.number) and not isinstance(value, bool) for value in known):
+        if complete:
+            return np.array(values)
+        # A digest is no float.
+        if all(isinstance(value, float) or abs(int(value)) <= EXACT for value in known):
+            return np.array([np.nan if value is None else value for value in values])
+    whole = np.empty(len(values), object)
+    whole[:] = values
+    return whole

@@ -1,0 +1,129 @@
+//! Experiments: a start and its figures, many of them on every core.
+
+use crate::bench::{self, Run};
+use crate::error;
+use crate::master;
+use crate::motor::{Load, Motor};
+use narx_host::parallel;
+use narx_sim::experiment::{FIGURES, Figures, Value};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::Ordering;
+
+/// A bench that powers up, is asked for a speed and runs.
+#[pyclass(module = "narx._core", frozen)]
+pub(crate) struct Experiment(narx_sim::experiment::Experiment);
+
+#[pymethods]
+impl Experiment {
+    /// motor to seed are those of `narx.Bench`. rpm: set-point; without one the middle of what commissioning allows. seconds: from
+    /// the Drive request to the end. fault to fault_high are those of `narx.Bench.inject`; fault_time: s after the request.
+    #[new]
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, rpm=None, seconds=2.0,
+                        fault=None, fault_value=None, fault_phase=None, fault_high=false, fault_time=0.0))]
+    #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
+    fn new(
+        py: Python<'_>,
+        motor: &Motor,
+        supply_voltage: f64,
+        load: Option<&Load>,
+        mode: &str,
+        parameters: Option<&Bound<'_, PyMapping>>,
+        ambient: f64,
+        seed: i128,
+        rpm: Option<f64>,
+        seconds: f64,
+        fault: Option<&str>,
+        fault_value: Option<f64>,
+        fault_phase: Option<&str>,
+        fault_high: bool,
+        fault_time: f64,
+    ) -> PyResult<Self> {
+        let session = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
+        session.commission().map_err(error::parameter)?;
+        let fault_time = error::magnitude("fault_time", fault_time, "s")?;
+        let injection = |name| bench::injection(py, name, fault_value, fault_phase, fault_high);
+        Ok(Self(narx_sim::experiment::Experiment {
+            session,
+            rpm: rpm.map(master::rpm).transpose()?,
+            seconds: error::magnitude("seconds", seconds, "s")?,
+            fault: fault.map(injection).transpose()?.map(|injection| (injection, fault_time)),
+        }))
+    }
+
+    /// Runs it: columns by name, units by name and the recording, since power-up.
+    fn run<'py>(&self, py: Python<'py>) -> PyResult<Run<'py>> {
+        let mut interrupted = Ok(());
+        let mut goes_on = || {
+            interrupted = Python::attach(|py| py.check_signals());
+            interrupted.is_ok()
+        };
+        let run = py.detach(|| self.0.run(&mut goes_on)).map_err(error::parameter)?;
+        interrupted?;
+        let left =
+            run.map(|(_, mut session)| (session.bench_mut().take_trace(), session.bench().recording()));
+        bench::run(py, left.ok_or_else(|| error::refused("the run was interrupted"))?)
+    }
+}
+
+/// Name and unit of every figure of an experiment.
+#[pyfunction]
+pub(crate) fn experiment_figures() -> Vec<(&'static str, &'static str)> {
+    FIGURES.to_vec()
+}
+
+/// Runs experiments on so many threads, or on every core, and calls `tell` with the index and the figures of each as it ends, or with the text of an error.
+/// Only figures are kept. What `tell` raises, or Ctrl-C, ends it.
+#[pyfunction]
+#[pyo3(signature = (experiments, tell, threads=None))]
+pub(crate) fn run_experiments(
+    py: Python<'_>,
+    experiments: Vec<PyRef<'_, Experiment>>,
+    tell: Bound<'_, PyAny>,
+    threads: Option<usize>,
+) -> PyResult<()> {
+    let mut jobs: Vec<_> = experiments.iter().map(|experiment| experiment.0.clone()).collect();
+    jobs.iter_mut().for_each(|job| job.session.trace = false);
+    let tell = tell.unbind();
+    let threads = threads.unwrap_or_else(parallel::threads);
+    let mut outcome = Ok(());
+    py.detach(|| {
+        parallel::for_each(
+            &jobs,
+            threads,
+            |job, stop| {
+                let run = || job.run(|| !stop.load(Ordering::Relaxed));
+                // One that breaks down must not take the others with it.
+                let run = catch_unwind(AssertUnwindSafe(run)).map_err(|_| "the simulation broke down".into());
+                run.and_then(|run| run.map_err(|error| error.to_string()))
+            },
+            |finished| {
+                outcome = Python::attach(|py| {
+                    match finished {
+                        Some((index, Ok(Some((figures, _))))) => {
+                            drop(tell.call1(py, (index, dictionary(py, &figures)?))?)
+                        }
+                        Some((index, Err(reason))) => drop(tell.call1(py, (index, reason))?),
+                        Some((_, Ok(None))) | None => {}
+                    }
+                    py.check_signals()
+                });
+                outcome.is_ok()
+            },
+        );
+    });
+    outcome
+}
+
+fn dictionary<'py>(py: Python<'py>, figures: &Figures) -> PyResult<Bound<'py, PyDict>> {
+    let values = PyDict::new(py);
+    for ((name, _), value) in FIGURES.iter().zip(figures.values()) {
+        match value {
+            Value::Count(value) => values.set_item(name, value)?,
+            Value::Number(value) => values.set_item(name, value)?,
+            Value::Text(value) => values.set_item(name, value)?,
+        }
+    }
+    Ok(values)
+}

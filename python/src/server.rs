@@ -1,0 +1,117 @@
+//! The virtual drive that other programs reach as slcan: what `narx bench` serves.
+
+use crate::bench;
+use crate::error;
+use crate::motor::{Load, Motor};
+use narx_host::serve::{Server as Host, Speed, call, tx_drivers};
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long [`Server::step`] runs: Ctrl-C is heard that soon.
+const SLICE: Duration = Duration::from_millis(100);
+
+/// A drive on a bench, in step with the clock, that clients reach over TCP or a pseudo-terminal.
+#[pyclass(module = "narx._core", frozen)]
+pub(crate) struct Server {
+    host: Mutex<Host>,
+    /// What stands on its bus and what limits it, in words.
+    #[pyo3(get)]
+    notes: Vec<String>,
+}
+
+#[pymethods]
+impl Server {
+    /// Powers up a commissioned drive; arguments up to seed as those of `narx.Bench`. tx_drivers: node-ids with commas between, ":dual" behind those with two
+    /// channels. speed: simulated over real time, 0 being as fast as it can. seconds: simulated time after which it ends.
+    #[new]
+    #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, tx_drivers=None, speed=1.0,
+                        seconds=None))]
+    #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
+    fn new(
+        motor: &Motor,
+        supply_voltage: f64,
+        load: Option<&Load>,
+        mode: &str,
+        parameters: Option<&Bound<'_, PyMapping>>,
+        ambient: f64,
+        seed: i128,
+        tx_drivers: Option<&str>,
+        speed: f64,
+        seconds: Option<f64>,
+    ) -> PyResult<Self> {
+        let mut config = bench::config(motor, supply_voltage, load, mode, parameters, ambient, seed)?;
+        config.trace = false;
+        let (mut bench, commissioning) = config.power_up().map_err(error::parameter)?;
+        let mut notes: Vec<String> = commissioning.notes.iter().map(ToString::to_string).collect();
+        if let Some(list) = tx_drivers {
+            let refused = |allowed| error::parameter(format!("tx_drivers {list}: {allowed}"));
+            for driver in tx_drivers::parse(list).map_err(refused)? {
+                bench.add_tx_driver(&driver).map_err(error::parameter)?;
+                notes.push(tx_drivers::title(&driver));
+            }
+        }
+        let allowed = format!("a number from {} to {}, or 0 for as fast as it can", Speed::MIN, Speed::MAX);
+        let within = |speed| speed == 0.0 || (Speed::MIN..=Speed::MAX).contains(&speed);
+        let speed = match error::number("speed", speed, "", &allowed, within)? {
+            0.0 => Speed::Unbound,
+            speed => Speed::Times(speed),
+        };
+        let seconds = seconds.map(|seconds| error::magnitude("seconds", seconds, "s")).transpose()?;
+        let end = seconds.map_or(u64::MAX, |seconds| (seconds * 1e9) as u64);
+        Ok(Self { host: Mutex::new(Host::new(bench, speed, end)), notes })
+    }
+
+    /// Takes clients over TCP at "HOST:PORT", or at a port of this machine alone; port 0 is any free one. Returns python-can's channel.
+    fn listen(&self, address: &str) -> PyResult<String> {
+        let local = format!("127.0.0.1:{address}");
+        let address = if address.contains(':') { address } else { &local };
+        let refused = |reason: &dyn std::fmt::Display| error::parameter(format!("tcp {address}: {reason}"));
+        let parsed =
+            address.parse().map_err(|_| refused(&"must be a port, or HOST:PORT with a numeric host"))?;
+        let address = self.host().listen(parsed).map_err(|error| refused(&error))?;
+        Ok(format!("socket://{address}"))
+    }
+
+    /// Takes clients over a pseudo-terminal, at `link` if one is given. Returns python-can's channel.
+    #[pyo3(signature = (link=None))]
+    fn open_terminal(&self, link: Option<PathBuf>) -> PyResult<String> {
+        let opened = self.host().open_terminal(link.as_deref());
+        let name = link.map_or_else(String::new, |link| format!(" {}", link.display()));
+        opened
+            .map(|path| path.display().to_string())
+            .map_err(|error| error::parameter(format!("pty{name}: {error}")))
+    }
+
+    /// Runs for a tenth of a second by the clock; false at the end.
+    fn step(&self, py: Python<'_>) -> bool {
+        py.detach(|| {
+            let (mut host, begun) = (self.host(), Instant::now());
+            while begun.elapsed() < SLICE {
+                if !host.step() {
+                    return false;
+                }
+            }
+            true
+        })
+    }
+
+    /// Lines for people since the last call: who came and went, and every second what the drive does.
+    fn take_news(&self) -> Vec<String> {
+        self.host().take_news()
+    }
+
+    /// How python-can opens a channel.
+    #[staticmethod]
+    fn call(channel: &str) -> String {
+        call(channel)
+    }
+}
+
+impl Server {
+    fn host(&self) -> std::sync::MutexGuard<'_, Host> {
+        self.host.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
