@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 BATCH = 10_000
 """Frames that are handed on at a time."""
 CHUNK = 1 << 16
-"""Bytes that are unpacked at a time."""
+"""Bytes that are unpacked at a time: what stands before damage is kept."""
+GZIP = zlib.MAX_WBITS | 16
 TOLD = 200
 """Of a line that is no frame so many characters are told."""
 
@@ -66,18 +67,21 @@ def contents(path: Path, errors: list[LogError]) -> bytes:
     if path.suffix.lower() != ".gz":
         return data
     unpacked: list[bytes] = []
-    # There may be several of them, one behind the other; what follows the last one are zeros, if anything.
-    while data.strip(b"\0"):
-        member = zlib.decompressobj(zlib.MAX_WBITS | 16)
-        try:
-            unpacked.extend(member.decompress(data[at : at + CHUNK]) for at in range(0, len(data), CHUNK) if not member.eof)
-        except zlib.error as error:
-            errors.append(LogError(None, "", f"damaged: {error}"))
-            break
-        if not member.eof:
+    member, begun = zlib.decompressobj(GZIP), False
+    try:
+        for at in range(0, len(data), CHUNK):
+            packed = data[at : at + CHUNK]
+            # Several may stand one behind the other, and zeros between them.
+            while packed := packed if begun else packed.lstrip(b"\0"):
+                unpacked.append(member.decompress(packed))
+                packed, begun = member.unused_data, not member.eof
+                if member.eof:
+                    member = zlib.decompressobj(GZIP)
+    except zlib.error as error:
+        errors.append(LogError(None, "", f"damaged: {error}"))
+    else:
+        if begun:
             errors.append(LogError(None, "", "truncated: the end of the packed data is missing"))
-            break
-        data = member.unused_data
     return b"".join(unpacked)
 
 
@@ -194,6 +198,9 @@ def blf_frames(data: bytes, errors: list[LogError]) -> Iterator[Found]:
         errors.append(LogError(None, "", f"truncated: {len(data)} of {announced} bytes"))
     elif reason:
         errors.append(LogError(None, "", f"damaged: {reason}" if reader else f"not such a log: {reason}"))
+    elif getattr(reader, "_tail", b"").strip(b"\0"):
+        # What its reader could not make an object of, and says nothing about.
+        errors.append(LogError(None, "", "damaged: the last object is not complete"))
 
 
 def other_frames(path: Path, errors: list[LogError]) -> Iterator[Found]:

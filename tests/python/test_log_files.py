@@ -89,6 +89,28 @@ def test_a_packed_log_that_is_cut_keeps_what_was_read(tmp_path: Path) -> None:
     assert any(error.line is None and error.reason.startswith("truncated: ") for error in log.errors)
 
 
+def test_packed_logs_may_be_joined(tmp_path: Path) -> None:
+    data = write(tmp_path / "plain.log", FRAMES * 20).read_bytes()
+    path = tmp_path / "joined.log.gz"
+    path.write_bytes(gzip.compress(data, 0) + bytes(1000) + gzip.compress(data, 9) + gzip.compress(data, 0))
+    assert path.stat().st_size > 1 << 17
+    log = narx.read_log(path)
+    assert (len(log), log.errors) == (6000, [])
+    path.write_bytes(gzip.compress(data, 0)[:-40_000] + b"not packed")
+    log = narx.read_log(path)
+    assert 500 < len(log) < 2000 and log.errors
+
+
+def test_a_damaged_binary_log_says_so(tmp_path: Path) -> None:
+    path = write(tmp_path / "damaged.blf", FRAMES * 200)
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2 : len(data) // 2 + 64] = bytes(64)
+    path.write_bytes(data)
+    log = narx.read_log(path)
+    (error,) = log.errors
+    assert error.reason.startswith("damaged: ") and 0 < len(log) < 20_000
+
+
 def test_what_is_no_such_log_says_so(tmp_path: Path) -> None:
     for ending in (".blf", ".asc", ".csv", ".log", ".trc", ".db"):
         path = tmp_path / f"picture{ending}"

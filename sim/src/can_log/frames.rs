@@ -47,7 +47,7 @@ pub struct Logged<'a> {
     pub id: u32,
     /// Bytes that it has, or as a remote frame asks for.
     pub dlc: u8,
-    /// The bytes, up to 64.
+    /// The bytes, up to 64; a remote frame has none.
     pub data: &'a [u8],
 }
 

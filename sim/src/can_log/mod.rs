@@ -98,17 +98,15 @@ impl CanLog {
         if logged.flags & flag::FD != 0 {
             return Err(Kind::Unknown);
         }
-        let remote = logged.flags & flag::REMOTE != 0;
         if logged.flags & flag::EXTENDED != 0 {
             let place = self.plans.place(logged.id).ok_or(Kind::Unknown)?;
+            // A remote frame has no data.
             let data = logged.data.try_into().map_err(|_| Kind::Malformed)?;
-            if remote {
-                return Err(Kind::Malformed);
-            }
             self.plans.push(place, &mut self.tables[place], logged.time, data);
             return Ok(place);
         }
         let id = u16::try_from(logged.id).ok().and_then(Id::standard).ok_or(Kind::Unknown)?;
+        let remote = logged.flags & flag::REMOTE != 0;
         let frame = if remote { Frame::remote(id, logged.dlc) } else { Frame::data(id, logged.data) };
         let frame = frame.ok_or(Kind::Unknown)?;
         let encoder = self.config.encoders >> (logged.id & 0x7F) & 1 != 0;
