@@ -1,6 +1,6 @@
 """How fast a motor is simulated from Python: `speed.py CONTENDER` prints simulated seconds a second, then what was computed.
 
-Everybody turns the same motor (BLY172S, 24 V) at 3000 rpm under rated load, on one thread. Start and compilation come first and do not count.
+Everybody turns the same motor (BLY172S, 24 V) at about 3000 rpm under rated load, on one thread. Start and compilation come first and do not count.
 """
 
 from __future__ import annotations
@@ -160,8 +160,8 @@ def gym_motor() -> tuple[float, str]:
     )
 
 
-AMPLITUDE = 0.68
-"""Of the voltages that make some 3000 rpm under load, of half the supply."""
+AMPLITUDE = 1.0
+"""Of the phase voltages, of half the supply: nearly 3000 rpm under load."""
 CONTENDERS: dict[str, Callable[[], tuple[float, str]]] = {
     "hall": lambda: narx_bench("hall", keeps=False),
     "hall-kept": lambda: narx_bench("hall", keeps=True),

@@ -98,6 +98,9 @@ impl Motor {
         let MotorConfig { static_friction, viscous_friction, back_emf, .. } = config;
         let figures =
             MotorConfig { pole_pairs, resistance, inductance, torque_constant, inertia, ..self.config };
+        // The name alone does not say how wide a trapezoid's top is.
+        let same_shape = given.get().back_emf() == self.back_emf();
+        let back_emf = if same_shape { self.config.back_emf } else { back_emf };
         let config = MotorConfig { static_friction, viscous_friction, back_emf, ..figures };
         Ok(Self { config, hall_offset_deg, preset: self.preset })
     }

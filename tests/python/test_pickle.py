@@ -35,6 +35,12 @@ def test_motors(motor: narx.Motor) -> None:
     assert digests[0] == digests[1]
 
 
+@pytest.mark.parametrize("name", narx.Motor.presets())
+def test_every_preset_comes_back_whole(name: str) -> None:
+    motor = narx.Motor.preset(name)
+    assert again(motor) == motor == motor.replace() and again(motor).name == name
+
+
 def test_motors_differ_by_what_they_are() -> None:
     changed = PRESET.replace(resistance=1.5)
     assert changed != PRESET and changed.resistance == 1.5 and changed.inductance == PRESET.inductance
