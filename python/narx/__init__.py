@@ -9,10 +9,12 @@
 True
 """
 
-from narx._core import Load, Motor, State, dbc, eds, xml
+from narx import blocks
+from narx._core import Load, Motor, NodeState, State, dbc, eds, xml
 from narx.bench import Bench
 from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
 from narx.errors import (
+    AbortError,
     BusError,
     NarxError,
     NoAnswerError,
@@ -28,8 +30,10 @@ from narx.parameters import Parameters
 from narx.recording import Replay, replay
 from narx.scope import Scope, ScopeState, Trigger
 from narx.trace import Trace
+from narx.tx_driver import Reading, TxDriver
 
 __all__ = [
+    "AbortError",
     "Bench",
     "BusError",
     "Drive",
@@ -42,8 +46,10 @@ __all__ = [
     "Motor",
     "NarxError",
     "NoAnswerError",
+    "NodeState",
     "ParameterError",
     "Parameters",
+    "Reading",
     "RecordingError",
     "RefusedError",
     "Replay",
@@ -54,6 +60,8 @@ __all__ = [
     "State",
     "Trace",
     "Trigger",
+    "TxDriver",
+    "blocks",
     "connect",
     "dbc",
     "decode",

@@ -2,6 +2,7 @@
 //! a user meets is made from it in the package's Python files.
 
 mod bench;
+mod blocks;
 mod dictionary;
 mod error;
 mod files;
@@ -13,6 +14,7 @@ mod session;
 mod state;
 mod trace;
 mod tx_driver;
+mod tx_master;
 mod virtual_bus;
 
 /// The compiled part of the package `narx`.
@@ -22,6 +24,8 @@ mod _core {
 
     #[pymodule_export]
     use crate::bench::{Bench, number};
+    #[pymodule_export]
+    use crate::blocks::{Commutation, Hall, HallReading, Pi, Ramp, ZeroCrossing, ZeroCrossingReading};
     #[pymodule_export]
     use crate::dictionary::{from_raw, log_records, measurement_signals, parameters, scope_signals, to_raw};
     #[pymodule_export]
@@ -35,10 +39,14 @@ mod _core {
     #[pymodule_export]
     use crate::recording::replay;
     #[pymodule_export]
+    use crate::tx_master::{TxMaster, tx_objects};
+    #[pymodule_export]
     use crate::virtual_bus::VirtualBus;
 
     #[pymodule_init]
     fn add_enumerations(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("NodeState", crate::tx_master::states(module.py())?)?;
+        module.add("Step", crate::blocks::steps(module.py())?)?;
         module.add("State", crate::state::enumeration(module.py())?)
     }
 }
