@@ -106,6 +106,7 @@ class Scope:
 
         signals: names of `signals`, four in a tick. samples: of each signal, as far as the memory has room. prescaler: control ticks from one
         sample to the next. trigger: `None` is that of `force` alone. before: samples from before the trigger, fewer than `samples`.
+        Raises ParameterError and SignalError for what cannot be set up, RefusedError while it is armed or recording.
         """
         chosen = [known(name) for name in signals]
         if not chosen:
@@ -126,13 +127,13 @@ class Scope:
         self._press()
 
     def force(self) -> None:
-        """Triggers the armed scope now."""
+        """Triggers the armed scope now; RefusedError if it is not armed."""
         if self.state is not ScopeState.ARMED:
             raise RefusedError(f"the scope is {self.state.name.lower()}: only an armed one can be forced")
         self._press()
 
     def wait(self, timeout: float = 10.0) -> None:
-        """Lets time pass until the record is complete."""
+        """Lets time pass until the record is complete, or raises NoAnswerError after `timeout` s."""
         end = self._link.now + timeout
         while (state := self.state) is not ScopeState.DONE:
             if self._link.now >= end:
@@ -140,7 +141,8 @@ class Scope:
             self._link.wait(lambda: False, 0.01)
 
     def download(self, progress: Callable[[int, int], None] | None = None) -> Trace:
-        """The record: a row per sample, `time` in s from the trigger. progress: called with words received and words in all."""
+        """The record: a row per sample, `time` in s from the trigger. progress: called with words received and words in all. Raises RefusedError while there
+        is none."""
         if self.state is not ScopeState.DONE:
             raise RefusedError(f"the scope is {self.state.name.lower()}: it has no record")
         channels = int(self._parameters[CHANNELS])
@@ -164,7 +166,7 @@ class Scope:
         before: int = 0,
         timeout: float = 10.0,
     ) -> Trace:
-        """Arms it (see `arm`), waits for the trigger (without one it is forced) and downloads the record."""
+        """Arms it (see `arm`), waits for the trigger at most `timeout` s (without one it is forced) and downloads the record."""
         self.arm(signals, samples, prescaler, trigger, before)
         if trigger is None:
             # What goes before the trigger has to be there first.

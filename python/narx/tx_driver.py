@@ -131,21 +131,18 @@ class TxDriver:
     def reading(self) -> Reading | None:
         """The last positions, without asking; `None` before any was heard."""
         last = self._master.reading
-        if last is None:
-            return None
-        positions, encoder, trigger, time = last
-        return Reading(tuple(positions[: self._channels]), encoder if self._master.encoder else None, trigger, time)
+        return None if last is None else self._reading(last)
 
     def read(self) -> Reading:
         """Asks for the positions now (PDO3). Raises NoAnswerError within a second if there are none: only an Operational node sends them."""
-        before = self.reading
+        before = self._master.asked
         self._master.ask_positions()
         self._link.wake()
-        if not self._link.wait(lambda: self.reading not in (before, None), ANSWER):
+        self._link.wait(lambda: self._master.asked != before, ANSWER)
+        asked = self._master.asked
+        if asked is None or asked == before:
             raise NoAnswerError(self._silence(f"sends no positions within {ANSWER:g} s"))
-        reading = self.reading
-        assert reading is not None
-        return reading
+        return self._reading(asked)
 
     @property
     def positions(self) -> tuple[float, ...]:
@@ -214,7 +211,8 @@ class TxDriver:
         self.parameters["Reset Encoder"] = 1
 
     def set_node_id(self, node_id: int) -> None:
-        """Gives the node another address, 1 to 127, and restarts it with that; from then on this is its master."""
+        """Gives the node another address, 1 to 127, and restarts it with that; from then on this is its master. Raises NoAnswerError if it is not heard
+        within 3 s."""
         self.parameters["Node-ID"] = node_id
         self._command("reset")
         self._master.node_id = node_id
@@ -256,6 +254,10 @@ class TxDriver:
     def __repr__(self) -> str:
         state = self.state
         return f"<narx.TxDriver {self.node_id}, {'state unknown' if state is None else state.name.replace('_', ' ').lower()}>"
+
+    def _reading(self, heard: tuple[list[float], int, str, float]) -> Reading:
+        positions, encoder, trigger, time = heard
+        return Reading(tuple(positions[: self._channels]), encoder if self._master.encoder else None, trigger, time)
 
     def _configure(self, bit: int, on: bool) -> None:
         register = int(self.parameters["Can Config Register"])

@@ -47,6 +47,6 @@ mod _core {
     fn add_enumerations(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("NodeState", crate::tx_master::states(module.py())?)?;
         module.add("Step", crate::blocks::steps(module.py())?)?;
-        module.add("State", crate::state::enumeration(module.py())?)
+        module.add("State", crate::state::states(module.py())?)
     }
 }

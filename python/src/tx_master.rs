@@ -3,7 +3,7 @@
 use crate::error;
 use crate::frame;
 use narx_core::bus::Frame;
-use narx_core::bus::eddycan::{Channels, ErrorCode, Layout, NmtCommand, NmtState, NodeId, Reading};
+use narx_core::bus::eddycan::{Channels, ErrorCode, Layout, NmtCommand, NmtState, NodeId, PdoKind, Reading};
 use narx_core::eddycan::{Entry, OBJECTS, Object};
 use narx_core::master::NotTaken;
 use narx_core::master::eddycan::{Config, Request, RequestError, TxMaster as Core};
@@ -22,6 +22,8 @@ pub(crate) struct Station {
     master: Core,
     /// The last time that it was told, microseconds.
     now: u64,
+    /// The last reading that was asked for.
+    asked: Option<(Reading, PdoKind, u64)>,
     /// Every reading, if somebody wants them.
     rows: Option<Vec<(u64, Reading)>>,
     errors: BTreeSet<u16>,
@@ -35,9 +37,13 @@ impl Station {
         self.now = self.now.max(now);
         let (before, errors) = (self.master.reading(), self.master.report().errors);
         self.master.handle_frame(frame, self.now);
-        let after = self.master.reading();
-        if let (Some(rows), Some((reading, _, time))) = (&mut self.rows, after.filter(|_| after != before)) {
-            rows.push((time, reading));
+        if let Some((reading, kind, time)) = self.master.reading().filter(|now| Some(*now) != before) {
+            if kind == PdoKind::Remote {
+                self.asked = Some((reading, kind, time));
+            }
+            if let Some(rows) = &mut self.rows {
+                rows.push((time, reading));
+            }
         }
         let report = self.master.report();
         if report.errors != errors {
@@ -125,8 +131,13 @@ impl TxMaster {
     /// The last positions, mm, counts, what has triggered them ("timer", "sync", "remote") and when they came, s.
     #[getter]
     fn reading(&self) -> Option<Last> {
-        let (reading, kind, time) = self.with(|station| station.master.reading())?;
-        Some((millimetres(&reading), reading.encoder, crate::state::words(&kind), time as f64 / 1e6))
+        self.with(|station| station.master.reading()).map(last)
+    }
+
+    /// The same of the last that was asked for.
+    #[getter]
+    fn asked(&self) -> Option<Last> {
+        self.with(|station| station.asked).map(last)
     }
 
     /// Keeps every reading from now on, or no more.
@@ -216,7 +227,13 @@ impl TxMaster {
         let timeout = microseconds(error::number("timeout", timeout, "s", "from 0.003 to 10 s", within)?);
         let config = Config { timeout, ..Config::new(node(node_id)?, layout) };
         let master = Core::new(config);
-        Ok(Self(Arc::new(Mutex::new(Station { master, now: 0, rows: None, errors: BTreeSet::new() }))))
+        Ok(Self(Arc::new(Mutex::new(Station {
+            master,
+            now: 0,
+            asked: None,
+            rows: None,
+            errors: BTreeSet::new(),
+        }))))
     }
 
     pub(crate) fn station(&self) -> Arc<Mutex<Station>> {
@@ -275,11 +292,13 @@ fn object<'py>(py: Python<'py>, row: &Object) -> PyResult<Bound<'py, PyDict>> {
 
 /// `narx.NodeState`: an `IntEnum` with the numbers of Table 12.
 pub(crate) fn states(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
-    let members: Vec<(String, u8)> =
-        NmtState::ALL.iter().map(|state| (crate::state::words(state).to_uppercase(), *state as u8)).collect();
-    let options = PyDict::new(py);
-    options.set_item("module", "narx")?;
-    py.import("enum")?.getattr("IntEnum")?.call(("NodeState", members), Some(&options))
+    let members = NmtState::ALL.map(|state| (crate::state::words(&state), state as u8));
+    let doc = "States of a TX-Driver, with the numbers of its heartbeats (eddyCAN specification, Table 12).";
+    crate::state::enumeration(py, "narx", "NodeState", doc, &members)
+}
+
+fn last((reading, kind, time): (Reading, PdoKind, u64)) -> Last {
+    (millimetres(&reading), reading.encoder, crate::state::words(&kind), time as f64 / 1e6)
 }
 
 fn millimetres(reading: &Reading) -> [f64; 2] {

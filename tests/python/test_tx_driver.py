@@ -45,7 +45,9 @@ def test_it_is_configured_by_name_with_units(tx: narx.TxDriver) -> None:
     assert parameters["Update Time"] == 5, "kept over a restart"
 
 
-def test_positions_on_demand_by_sync_and_by_itself(tx: narx.TxDriver) -> None:
+def test_positions_on_demand_by_sync_and_by_itself(tx: narx.TxDriver, request: pytest.FixtureRequest) -> None:
+    # What arrives in a time of the clock depends on the machine.
+    simulated = request.node.callspec.params["tx"] != "realtime"
     tx.sends_encoder = True
     tx.parameters["Update Time"] = 10
     tx.start()
@@ -53,13 +55,14 @@ def test_positions_on_demand_by_sync_and_by_itself(tx: narx.TxDriver) -> None:
     assert reading.positions == pytest.approx((1.02,), abs=0.01) and reading.encoder is not None
     assert reading.trigger == "remote" and tx.positions == pytest.approx((1.02,), abs=0.01)
     own = tx.record(0.1)
-    assert 8 <= len(own) <= 12 and own.signals == {"time": "s", "position_1": "mm", "encoder": ""}
-    assert np.diff(own.time) == pytest.approx(0.01, abs=0.0051)
+    assert own.signals == {"time": "s", "position_1": "mm", "encoder": ""}
+    assert not simulated or (9 <= len(own) <= 11 and np.diff(own.time) == pytest.approx(0.01, abs=1e-3))
     tx.preoperational()
     tx.parameters["Update Time"] = 0
     tx.start()
     synced = tx.record(0.1, period=0.005)
-    assert 15 <= len(synced) <= 21 and synced["position_1"] == pytest.approx(1.02, abs=0.01)
+    assert synced["position_1"] == pytest.approx(1.02, abs=0.01)
+    assert not simulated or 19 <= len(synced) <= 21
     tx.preoperational()
     assert len(tx.record(0.02, period=0.005)) == 0
 
@@ -153,6 +156,19 @@ def test_a_run_out_is_recorded_beside_the_turning_motor(bench: narx.Bench) -> No
     counts = np.diff(np.unwrap(trace["encoder"], period=1024))
     assert np.abs(counts).mean() == pytest.approx(51.2, rel=0.02)
     assert trace["position_1"].max() - trace["position_1"].min() == pytest.approx(0.04, abs=0.03)
+
+
+def test_what_a_node_complains_of() -> None:
+    with (
+        can.Bus(channel="complaints", realtime=False, tx_drivers=[2], **BUS) as bus,
+        narx.TxDriver(bus, 2) as tx,
+    ):
+        # An NMT command that does not exist.
+        bus.send(can.Message(arbitration_id=0, data=[0x99, 2], is_extended_id=False))
+        assert tx.wait_for(lambda: bool(tx.errors), 0.1)
+        assert tx.errors == {"protocol error"}
+        tx.clear_errors()
+        assert tx.errors == set()
 
 
 def test_canopen_sees_what_was_configured() -> None:

@@ -18,7 +18,6 @@ use narx_core::motor::gain::Gain;
 use narx_core::motor::{Direction, Step};
 use numpy::{AllowTypeChange, PyArrayLike1};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 /// A column of numbers, or what numpy makes one of.
 pub(crate) type Column<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
@@ -103,11 +102,9 @@ fn step(number: u8) -> PyResult<Step> {
 
 /// `narx.blocks.Step`: an `IntEnum` with core's numbers.
 pub(crate) fn steps(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
-    let members: Vec<(String, u8)> =
-        Step::ALL.iter().map(|step| (format!("{step:?}").to_uppercase(), *step as u8)).collect();
-    let options = PyDict::new(py);
-    options.set_item("module", "narx.blocks")?;
-    py.import("enum")?.getattr("IntEnum")?.call(("Step", members), Some(&options))
+    let members = Step::ALL.map(|step| (format!("{step:?}"), step as u8));
+    let doc = "Switch patterns: the first letter's phase is switched, the second's held low, the third floats; COAST is all off, LOCKs hold the rotor.";
+    crate::state::enumeration(py, "narx.blocks", "Step", doc, &members)
 }
 
 /// The member of `narx.blocks.Step` for a pattern.
