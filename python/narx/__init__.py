@@ -9,12 +9,14 @@
 True
 """
 
-from narx._core import Load, Motor, State, dbc, eds, xml
+from narx import blocks
+from narx._core import Load, Motor, NodeState, State, dbc, eds, xml
 from narx.bench import Bench
 from narx.can_log import CanLog
 from narx.columns import Frames, LogError, Series, Table
 from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
 from narx.errors import (
+    AbortError,
     BusError,
     NarxError,
     NoAnswerError,
@@ -32,9 +34,11 @@ from narx.recording import Replay, replay
 from narx.scope import Scope, ScopeRecording, ScopeState, Trigger
 from narx.sweep import Sweep, SweepInterrupted, sweep
 from narx.trace import Trace
+from narx.tx_driver import Reading, TxDriver
 from narx.variants import Variant
 
 __all__ = [
+    "AbortError",
     "Bench",
     "BusError",
     "CanLog",
@@ -51,8 +55,10 @@ __all__ = [
     "NarxError",
     "NoAnswerError",
     "NodeMessage",
+    "NodeState",
     "ParameterError",
     "Parameters",
+    "Reading",
     "RecordingError",
     "RefusedError",
     "Replay",
@@ -68,7 +74,9 @@ __all__ = [
     "Table",
     "Trace",
     "Trigger",
+    "TxDriver",
     "Variant",
+    "blocks",
     "connect",
     "dbc",
     "decode",

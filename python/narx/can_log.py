@@ -116,7 +116,7 @@ class CanLog:
         return self._signal(key)
 
     def table(self, message: str) -> Table:
-        """Every message of this name; none if none came."""
+        """Every message of this name; none if none came. Raises SignalError for a name that no message has."""
         try:
             place = self._places[folded(message)]
         except KeyError:
@@ -151,7 +151,7 @@ class CanLog:
         return Series("speed", "rpm", np.concatenate(times)[order], np.concatenate(values)[order], {})
 
     def messages(self) -> Iterator[tuple[float, Message | NodeMessage]]:
-        """Time and content of every decoded message, in the order of the log."""
+        """Time, s, and content of every decoded message, in the order of the log."""
         frames = self.frames[self.frames.message < ERROR]
         extended, remote = frames.flag("extended"), frames.flag("remote")
         for row in range(len(frames)):
@@ -164,7 +164,8 @@ class CanLog:
 
     def to_pandas(self, *signals: str, period: float | None = None) -> DataFrame:
         """Signals side by side, each held from one message to the next, NaN before its first one; without names all that are in one
-        message only. A row for every time at which one of them came, or every `period` seconds.
+        message only. A row for every time at which one of them came, or every `period` s. Raises SignalError for what is
+        no signal.
         """
         from pandas import DataFrame
 
@@ -179,7 +180,7 @@ class CanLog:
         return DataFrame({"time": time} | {name: series.at(time) for name, series in chosen.items()})
 
     def save(self, path: str | PathLike[str], *signals: str, period: float | None = None) -> None:
-        """Writes the table of `to_pandas`: `.csv`, `.parquet` or `.xlsx`."""
+        """Writes the table of `to_pandas`: `.csv`, `.parquet` or `.xlsx`. period: s. Raises ParameterError for any other name."""
         table.check(path)
         table.save(self.to_pandas(*signals, period=period), path)
 

@@ -79,7 +79,7 @@ class Frames:
 
 
 class Series:
-    """One signal over time; numpy takes it for its values."""
+    """One signal over time (s), in its unit; numpy takes it for its values."""
 
     def __init__(
         self, name: str, unit: str, time: NDArray[np.float64], values: NDArray[Any], names: Mapping[int, str]
@@ -111,7 +111,7 @@ class Series:
         return [self.names.get(int(value), str(value)) for value in self.values]
 
     def at(self, time: NDArray[np.float64] | Iterable[float]) -> NDArray[Any]:
-        """The last value heard at each time; NaN (of numbers) before the first one."""
+        """The last value heard at each time, s; NaN (of numbers) before the first one."""
         order = np.argsort(self.time, kind="stable")
         place = np.searchsorted(self.time[order], np.asarray(time), side="right") - 1
         held: NDArray[Any] = np.full(place.shape, np.nan)

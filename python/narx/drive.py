@@ -43,7 +43,7 @@ class Measurement:
 
 
 class Measurements(Mapping[str, float]):
-    """The measurements that the drive broadcasts, by the names of the specification's Figure 14: those that were heard."""
+    """The measurements that the drive broadcasts, by the names of the specification's Figure 14, in their units: those that were heard."""
 
     def __init__(self, signals: list[tuple[str, str, tuple[float, float] | None]], speed: float | None) -> None:
         self._known = {
@@ -59,7 +59,7 @@ class Measurements(Mapping[str, float]):
         return self.full(name).value
 
     def full(self, name: str) -> Measurement:
-        """The measurement with its unit and time."""
+        """The measurement with its unit and time. Raises SignalError for one that does not exist, or was not heard yet."""
         folded = {known.casefold(): known for known in self._known}
         try:
             return self._known[folded[name.casefold()]]
@@ -194,7 +194,7 @@ class Drive:
 
     @property
     def info(self) -> Info:
-        """BUILD_INFO and DEVICE_INFO, asked for now."""
+        """BUILD_INFO and DEVICE_INFO, asked for now. Raises NoAnswerError."""
         self._request("build info")
         self._request("device info")
         build, device = self._master.build, self._master.device
@@ -225,7 +225,7 @@ class Drive:
         return download(self._link, "description", progress=progress).rstrip(b"\0").decode()
 
     def reboot(self, wait: bool = True) -> None:
-        """Restarts a stopped drive: what is not stored is lost. With `wait`, until it is in Standby or Fault again."""
+        """Restarts a stopped drive: what is not stored is lost. With `wait`, until it is in Standby or Fault again, or NoAnswerError after 5 s."""
         self._request("reboot")
         if not wait:
             return

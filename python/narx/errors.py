@@ -27,6 +27,15 @@ class RefusedError(NarxError, RuntimeError):
     """The drive, or this master, does not do what it is asked for in its present state."""
 
 
+class AbortError(RefusedError):
+    """A TX-Driver does not read or write an entry (SDO abort, Table 10 of the eddyCAN specification)."""
+
+    def __init__(self, message: str, code: int = 0) -> None:
+        super().__init__(message)
+        self.code = code
+        """The abort code."""
+
+
 class NoAnswerError(NarxError, TimeoutError):
     """The drive does not answer: it is off, elsewhere, or has other addresses or another bit rate."""
 

@@ -79,6 +79,7 @@ class Log:
 
         values: up to 37 names of parameters or measurements; a mapping says which value of each is kept: "live", "min", "max" or
         "mean" since the record before. period: 0.001 to 3600 s. Records begin once the drive has this; `parameters.store` keeps it.
+        Raises ParameterError for a name or a period that cannot be.
         """
         chosen = dict(values) if isinstance(values, Mapping) else dict.fromkeys(values, "live")
         slots = [number_of(name) | kind_of(kind) << 16 for name, kind in chosen.items()]
@@ -98,7 +99,7 @@ class Log:
         """Records from index `first` on, to the last one or `count` of them: `index`, `time` in s since power-up, and the values.
 
         A value that a record does not have is NaN; a record that the drive cannot read any more is left out. progress: called with words
-        received and words in all.
+        received and words in all. Raises ParameterError for records that the log does not have.
         """
         last = len(self)
         count = max(last - first, 0) if count is None else count
@@ -111,7 +112,8 @@ class Log:
         return table([record for record in _core.log_records(data, size) if record is not None])
 
     def erase(self, wait: bool = True) -> None:
-        """Erases every record; refused while driving. With `wait`, until that is done: minutes for a full memory."""
+        """Erases every record; refused while driving. With `wait`, until that is done: minutes for a full memory; NoAnswerError if the drive is lost
+        meanwhile."""
         ask(self._link, lambda: self._link.master.request("erase log"))
         if not wait:
             return

@@ -71,7 +71,7 @@ def decode(
 
     29-bit identifiers are the drive's (NarMotion-X), those of 11 bits TX-Drivers' (eddyCAN). extended: whether an identifier has 29
     bits; else those up to 7FFh have 11. encoder: a PDO of 8 bytes has the encoder's value in it beside two positions of 24 bits; no
-    frame tells that.
+    frame tells that. Raises ParameterError for an identifier without data.
     """
     if isinstance(message, int):
         if data is None:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Replay(Trace):
-    """A recording that ran again: a trace of what the drive answered, and whether it was the same."""
+    """A recording that ran again: a trace of what the drive answered (numpy arrays, a row per control tick), and whether it was the same."""
 
     ticks: int
     """Ticks that ran."""

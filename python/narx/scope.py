@@ -124,6 +124,7 @@ class Scope:
 
         signals: names of `signals`, four in a tick. samples: of each signal, as far as the memory has room. prescaler: control ticks from one
         sample to the next. trigger: `None` is that of `force` alone. before: samples from before the trigger, fewer than `samples`.
+        Raises ParameterError and SignalError for what cannot be set up, RefusedError while it is armed or recording.
         """
         chosen = [known(name) for name in signals]
         if not chosen:
@@ -156,13 +157,13 @@ class Scope:
         self._press()
 
     def force(self) -> None:
-        """Triggers the armed scope now."""
+        """Triggers the armed scope now; RefusedError if it is not armed."""
         if self.state is not ScopeState.ARMED:
             raise RefusedError(f"the scope is {self.state.name.lower()}: only an armed one can be forced")
         self._press()
 
     def wait(self, timeout: float = 10.0) -> None:
-        """Lets time pass until the record is complete."""
+        """Lets time pass until the record is complete, or raises NoAnswerError after `timeout` s."""
         end = self._link.now + timeout
         while (state := self.state) is not ScopeState.DONE:
             if self._link.now >= end:
@@ -170,7 +171,8 @@ class Scope:
             self._link.wait(lambda: False, 0.01)
 
     def download(self, progress: Callable[[int, int], None] | None = None) -> Trace:
-        """The record: a row per sample, `time` in s from the trigger. progress: called with words received and words in all."""
+        """The record: a row per sample, `time` in s from the trigger. progress: called with words received and words in all. Raises RefusedError while
+        there is none."""
         self._expect_record(inputs=False)
         channels = int(self._parameters[CHANNELS])
         names = [name for name, (bit, _, _) in SIGNALS.items() if channels >> bit & 1]
@@ -202,7 +204,7 @@ class Scope:
         before: int = 0,
         timeout: float = 10.0,
     ) -> Trace:
-        """Arms it (see `arm`), waits for the trigger (without one it is forced) and downloads the record."""
+        """Arms it (see `arm`), waits for the trigger at most `timeout` s (without one it is forced) and downloads the record."""
         self.arm(signals, samples, prescaler, trigger, before)
         self._await(trigger, before * self._parameters[SAMPLING_TIME], timeout)
         return self.download()
@@ -210,7 +212,8 @@ class Scope:
     def record(
         self, ticks: int = 400, trigger: Trigger | None = None, before: int = 0, timeout: float = 10.0
     ) -> ScopeRecording:
-        """Records inputs (see `arm_inputs`), waits for the trigger (without one it is forced) and downloads the recording."""
+        """Records inputs (see `arm_inputs`), waits for the trigger at most `timeout` s (without one it is forced) and downloads
+        the recording. ticks, before: control ticks."""
         self.arm_inputs(ticks, trigger, before)
         self._await(trigger, before * self._parameters[SAMPLING_TIME], timeout)
         return self.download_recording()

@@ -90,7 +90,7 @@ class Sweep:
         return self.where(~np.isin(self["outcome"].astype(str), GOOD))
 
     def where(self, chosen: NDArray[np.bool_]) -> Sweep:
-        """The rows where a mask of shape (rows,) holds: `sweep.where(sweep["ripple"] > 0.05)`."""
+        """The rows where a mask of shape (rows,) holds: `sweep.where(sweep["ripple"] > 0.05)`. Raises ParameterError for one of another length."""
         if len(chosen) != len(self):
             raise ParameterError(f"a mask of {len(chosen)} values for {len(self)} rows")
         rows = np.flatnonzero(chosen)
@@ -102,7 +102,7 @@ class Sweep:
         """Runs a variant again by its number in the column "variant", bit for bit.
 
         Returns the trace of the built-in experiment since power-up, with its recording; or what the sweep's function returns, whose errors
-        are raised.
+        are raised. Raises ParameterError for a number that is not here.
         """
         for known in self._variants:
             if known.index == variant:
@@ -157,7 +157,7 @@ def sweep(
     (`Client.get_executor()`), ...: functions and results must pickle. chunk: variants that go to it at once. progress: a bar by tqdm; without
     an answer where it is installed and somebody sees it.
 
-    Raises SweepInterrupted at Ctrl-C.
+    Raises ParameterError for what cannot be varied or run, SweepInterrupted at Ctrl-C.
     """
     task: Task
     if callable(function_or_grid):

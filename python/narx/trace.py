@@ -77,7 +77,7 @@ class Trace:
         return DataFrame(self._columns)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`."""
+        """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`. Raises ParameterError for any other name."""
         if table.check(path, ".narxrec") == ".narxrec":
             Path(path).write_bytes(self._recording)
         else:

@@ -6,6 +6,7 @@ use crate::motor::{self, Load, Motor};
 use crate::session::Shared;
 use crate::trace;
 use crate::tx_driver;
+use crate::tx_master::TxMaster;
 use narx_core::dictionary::Dictionary;
 use narx_sim::plant::{Injection, InjectionError, InjectionOptions, Input, Phase};
 use narx_sim::session::{Session, SessionConfig};
@@ -154,6 +155,14 @@ impl Bench {
                 bench.add_tx_driver(&config).map(drop).map_err(|error| error.to_string())
             })
             .map_err(error::parameter)
+    }
+
+    /// A master of a TX-Driver at this bench's bus. timeout: s.
+    #[pyo3(signature = (node_id, channels=1, timeout=0.1))]
+    fn tx_master(&self, py: Python<'_>, node_id: i128, channels: i128, timeout: f64) -> PyResult<TxMaster> {
+        let master = TxMaster::with_station(node_id, channels, timeout)?;
+        self.0.seat(py, &master.station());
+        Ok(master)
     }
 
     /// Forgets the rows so far.

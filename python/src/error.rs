@@ -27,6 +27,15 @@ pub(crate) fn refused(message: impl Display) -> PyErr {
     raise("RefusedError", &message)
 }
 
+/// A node does not do what it is asked for: an SDO abort with its code.
+pub(crate) fn abort(py: Python<'_>, message: String, code: u32) -> PyErr {
+    let class = py.import("narx.errors").and_then(|module| module.getattr("AbortError"));
+    match class.and_then(|class| class.call1((message, code))) {
+        Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
+    }
+}
+
 /// A parameter that the drive does not read or write.
 pub(crate) fn refusal(refusal: &Refusal) -> PyErr {
     match refusal.status {

@@ -2,6 +2,7 @@
 //! a user meets is made from it in the package's Python files.
 
 mod bench;
+mod blocks;
 mod can_log;
 mod dictionary;
 mod error;
@@ -16,6 +17,7 @@ mod session;
 mod state;
 mod trace;
 mod tx_driver;
+mod tx_master;
 mod virtual_bus;
 
 /// The compiled part of the package `narx`.
@@ -25,6 +27,8 @@ mod _core {
 
     #[pymodule_export]
     use crate::bench::{Bench, number};
+    #[pymodule_export]
+    use crate::blocks::{Commutation, Hall, HallReading, Pi, Ramp, ZeroCrossing, ZeroCrossingReading};
     #[pymodule_export]
     use crate::can_log::{LogReader, fault_bits, frame_flags, frame_kinds};
     #[pymodule_export]
@@ -44,10 +48,14 @@ mod _core {
     #[pymodule_export]
     use crate::server::Server;
     #[pymodule_export]
+    use crate::tx_master::{TxMaster, tx_objects};
+    #[pymodule_export]
     use crate::virtual_bus::VirtualBus;
 
     #[pymodule_init]
     fn add_enumerations(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("State", crate::state::enumeration(module.py())?)
+        module.add("NodeState", crate::tx_master::states(module.py())?)?;
+        module.add("Step", crate::blocks::steps(module.py())?)?;
+        module.add("State", crate::state::states(module.py())?)
     }
 }

@@ -11,7 +11,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::hash::{Hash, Hasher};
 
-/// A star-connected three-phase motor with equal phases; resistance and inductance line to line, as data sheets print them.
+/// A star-connected three-phase motor with equal phases, from its data sheet.
+///
+/// pole_pairs: 1 to 255. resistance: line to line, ohm. inductance: line to line, H. torque_constant: mean torque per
+/// DC ampere in ideal six-step, N m/A = 60 / (2 pi speed constant in rpm/V). inertia: rotor, kg m2. static_friction:
+/// Coulomb, N m. viscous_friction: N m s/rad. back_emf: "trapezoidal" (flat top of 120 degrees) or "sinusoidal".
+/// hall_offset_deg: hall sensors come this much late, electrical degrees. Raises ParameterError, which names what cannot be.
 #[pyclass(module = "narx", frozen, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Motor {
@@ -23,12 +28,6 @@ pub(crate) struct Motor {
 
 #[pymethods]
 impl Motor {
-    /// A motor from its data sheet.
-    ///
-    /// pole_pairs: 1 to 255. resistance: line to line, ohm. inductance: line to line, H. torque_constant: mean torque per
-    /// DC ampere in ideal six-step, N m/A = 60 / (2 pi speed constant in rpm/V). inertia: rotor, kg m2. static_friction:
-    /// Coulomb, N m. viscous_friction: N m s/rad. back_emf: "trapezoidal" (flat top of 120 degrees) or "sinusoidal".
-    /// hall_offset_deg: hall sensors come this much late, electrical degrees.
     #[new]
     #[pyo3(signature = (pole_pairs, resistance, inductance, torque_constant, inertia, static_friction=0.0,
                         viscous_friction=0.0, back_emf="trapezoidal", hall_offset_deg=0.0))]
@@ -266,22 +265,24 @@ pub(crate) fn restore_motor(
 }
 
 /// A load on the shaft. All torques oppose the motion; the constant one also holds at standstill.
+///
+/// constant: N m, like Coulomb friction. viscous: N m s/rad. quadratic: N m s2/rad2. inertia: kg m2, rigidly coupled. Raises ParameterError for one that is not
+/// finite, or negative.
 #[pyclass(module = "narx", frozen, get_all, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Load {
-    /// N m, like Coulomb friction.
+    /// Like Coulomb friction, N m.
     constant: f64,
-    /// N m s/rad.
+    /// Grows with the speed, N m s/rad.
     viscous: f64,
-    /// N m s2/rad2.
+    /// Grows with its square, N m s2/rad2.
     quadratic: f64,
-    /// kg m2, rigidly coupled.
+    /// Rigidly coupled, kg m2.
     inertia: f64,
 }
 
 #[pymethods]
 impl Load {
-    /// constant: N m. viscous: N m s/rad. quadratic: N m s2/rad2. inertia: kg m2, rigidly coupled.
     #[new]
     #[pyo3(signature = (constant=0.0, viscous=0.0, quadratic=0.0, inertia=0.0))]
     fn new(constant: f64, viscous: f64, quadratic: f64, inertia: f64) -> PyResult<Self> {

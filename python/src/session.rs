@@ -1,25 +1,41 @@
 //! A session that the bench and its master share. It runs without Python's lock, so that other threads go on.
 
+use crate::tx_master::Station;
 use narx_sim::session::Session;
 use pyo3::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// A session with several owners.
 #[derive(Clone)]
-pub(crate) struct Shared(Arc<Mutex<Session>>);
+pub(crate) struct Shared(Arc<Mutex<Table>>);
+
+/// The session, and who else sits at its bus.
+struct Table {
+    session: Session,
+    /// Masters of TX-Drivers, as long as somebody has them.
+    stations: Vec<Weak<Mutex<Station>>>,
+}
 
 /// Ticks between two looks at Python's signals, so that Ctrl-C ends a long run: some 10 ms of work.
 const CHUNK: u64 = 1000;
 
 impl Shared {
     pub(crate) fn new(session: Session) -> Self {
-        Self(Arc::new(Mutex::new(session)))
+        Self(Arc::new(Mutex::new(Table { session, stations: Vec::new() })))
+    }
+
+    /// Another master at the host's place; it hears what passes from now on.
+    pub(crate) fn seat(&self, py: Python<'_>, station: &Arc<Mutex<Station>>) {
+        let station = Arc::downgrade(station);
+        self.with_table(py, |table| {
+            while table.session.bench_mut().overhear().is_some() {}
+            table.stations.push(station);
+        });
     }
 
     /// Does something to the session, once nobody else does.
     pub(crate) fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Session) -> T + Send) -> T {
-        // Whoever waits for the session must not hold Python's lock: its owner may need that to end.
-        py.detach(|| act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner)))
+        self.with_table(py, |table| act(&mut table.session))
     }
 
     /// Runs so many control ticks.
@@ -27,10 +43,42 @@ impl Shared {
         let mut left = ticks;
         while left > 0 {
             let chunk = left.min(CHUNK);
-            self.with(py, |session| (0..chunk).for_each(|_| session.step()));
+            self.with_table(py, |table| (0..chunk).for_each(|_| table.step()));
             left -= chunk;
             py.check_signals()?;
         }
         Ok(())
+    }
+
+    fn with_table<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Table) -> T + Send) -> T {
+        // Whoever waits for the session must not hold Python's lock: its owner may need that to end.
+        py.detach(|| act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+}
+
+impl Table {
+    /// One control tick, with the frames of all masters.
+    fn step(&mut self) {
+        if self.stations.is_empty() {
+            return self.session.step();
+        }
+        self.stations.retain(|station| station.strong_count() > 0);
+        let now = self.session.bench().now_ns() / 1000;
+        self.each(|station, session| {
+            while let Some(frame) = station.poll_frame(now) {
+                // A few commands and a request at a time do not fill a queue of 64.
+                let _ = session.bench_mut().send(frame);
+            }
+        });
+        self.session.step();
+        while let Some(heard) = self.session.bench_mut().overhear() {
+            self.each(|station, _| station.handle_frame(&heard.frame, heard.time_ns / 1000));
+        }
+    }
+
+    fn each(&mut self, mut act: impl FnMut(&mut Station, &mut Session)) {
+        for station in self.stations.iter().filter_map(Weak::upgrade) {
+            act(&mut station.lock().unwrap_or_else(PoisonError::into_inner), &mut self.session);
+        }
     }
 }

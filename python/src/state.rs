@@ -1,16 +1,31 @@
-//! The states of the drive as a Python enumeration, made from core's.
+//! Core's enumerations for Python, and the states of the drive.
 
 use narx_core::motor::State;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// `narx.State`: an `IntEnum` with the numbers of the specification (section 7).
-pub(crate) fn enumeration(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+pub(crate) fn states(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let members = State::ALL.map(|state| (words(&state), state as u8));
+    let doc = "States of the drive, with the numbers of the specification (section 7).";
+    enumeration(py, "narx", "State", doc, &members)
+}
+
+/// An `IntEnum`. Names become upper case.
+pub(crate) fn enumeration<'py>(
+    py: Python<'py>,
+    module: &str,
+    name: &str,
+    doc: &str,
+    members: &[(String, u8)],
+) -> PyResult<Bound<'py, PyAny>> {
     let members: Vec<(String, u8)> =
-        State::ALL.iter().map(|state| (words(state).to_uppercase(), *state as u8)).collect();
+        members.iter().map(|(name, number)| (name.to_uppercase(), *number)).collect();
     let options = PyDict::new(py);
-    options.set_item("module", "narx")?;
-    py.import("enum")?.getattr("IntEnum")?.call(("State", members), Some(&options))
+    options.set_item("module", module)?;
+    let class = py.import("enum")?.getattr("IntEnum")?.call((name, members), Some(&options))?;
+    class.setattr("__doc__", doc)?;
+    Ok(class)
 }
 
 /// The member of `narx.State` for a state.

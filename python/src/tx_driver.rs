@@ -1,7 +1,7 @@
 //! TX-Drivers on the bus of a bench.
 
 use crate::error;
-use narx_core::bus::eddycan::{Channels, NodeId};
+use crate::tx_master;
 use narx_core::eddycan::Entry;
 use narx_sim::sensor::{EddyCurrentConfig, Encoder, Target};
 use narx_sim::tx_driver::TxDriverConfig;
@@ -14,14 +14,7 @@ pub(crate) fn config(
     encoder: Option<i128>,
     measuring_range: f64,
 ) -> PyResult<TxDriverConfig> {
-    let node = u8::try_from(node_id).ok().and_then(NodeId::new).ok_or_else(|| {
-        error::parameter(format!("node_id {node_id}: must be a whole number from 1 to 127"))
-    })?;
-    let channels = match channels {
-        1 => Channels::Single,
-        2 => Channels::Dual,
-        _ => return Err(error::parameter(format!("channels {channels}: must be 1 or 2"))),
-    };
+    let (node, channels) = (tx_master::node(node_id)?, tx_master::channels(channels)?);
     let mut config = TxDriverConfig { channels, ..TxDriverConfig::new(node) };
     let range = error::finite("measuring_range", measuring_range, "mm")?;
     config.sensors =

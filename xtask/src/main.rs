@@ -63,6 +63,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Build the reference of the Python package from its docstrings, into target/docs/python
+    Docs,
     /// Make docs/eddycan-*.eds anew: the TX-Driver for CANopen tools
     Eds {
         /// Write nothing; fail if a file differs from the code
@@ -110,6 +112,7 @@ fn main() -> ExitCode {
         Job::Callgrind { check } => callgrind::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Dbc { check } => dbc::command(root, check),
+        Job::Docs => run_all(test::python::docs(root)),
         Job::Eds { check } => eds::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),

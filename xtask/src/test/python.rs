@@ -5,16 +5,24 @@ use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::{fs, io};
 
 /// What is run, in order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
+    let mut steps = docs(root);
+    steps.push(Step::new("Python stubs", move || stubs(root)));
+    steps.push(Step::new("Python tests", move || {
+        module(root, &["pytest", "--color=no", "-p", "no:cacheprovider"], &[tests(root)])
+    }));
+    steps
+}
+
+/// What is run to build the package's reference.
+pub fn docs(root: &Path) -> Vec<Step<'_>> {
     vec![
         Step::new("Python environment", move || environment(root)),
         Step::new("Python package", move || package(root)),
-        Step::new("Python stubs", move || stubs(root)),
-        Step::new("Python tests", move || {
-            module(root, &["pytest", "--color=no", "-p", "no:cacheprovider"], &[tests(root)])
-        }),
+        Step::new("Python reference", move || reference(root)),
     ]
 }
 
@@ -56,6 +64,22 @@ fn stubs(root: &Path) -> Outcome {
     let mypy = ["mypy", "--no-incremental", "--config-file", &settings];
     module(root, &mypy, &[package.join("narx"), tests(root)])?;
     Ok(Vec::new())
+}
+
+/// The reference from the docstrings, a page per class; a warning is an error.
+fn reference(root: &Path) -> Outcome {
+    let (settings, made) = (root.join("python/docs"), target_directory(root).join("docs/python"));
+    let source = made.join("source");
+    let failed = |error: io::Error| format!("{}: {error}", made.display());
+    // Pages of what is no more must go.
+    if made.exists() {
+        fs::remove_dir_all(&made).map_err(failed)?;
+    }
+    fs::create_dir_all(&source).map_err(failed)?;
+    fs::copy(settings.join("index.rst"), source.join("index.rst")).map_err(failed)?;
+    let sphinx = ["sphinx", "--quiet", "--fail-on-warning", "--keep-going", "--conf-dir"];
+    module(root, &sphinx, &[settings, source, made.join("html")])?;
+    Ok(vec![made.join("html/index.html").display().to_string()])
 }
 
 /// Runs a module of the environment.

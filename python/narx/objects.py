@@ -1,0 +1,116 @@
+"""The object dictionary of a TX-Driver (eddyCAN specification, Table 4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from narx import _core
+from narx.errors import ParameterError
+from narx.names import suggestion
+
+Key = str | int | tuple[int, int]
+"""An object's name, its index, or index and subindex."""
+
+
+@dataclass(frozen=True)
+class Object:
+    """Everything there is to know of one entry but its value."""
+
+    index: int
+    subindex: int
+    """Channel of an entry that each channel has; else 0."""
+    name: str
+    unit: str
+    """Of the values: "ms", "nm"; "" for numbers, and for comparators, which are fractions of the measuring range."""
+    scale: float
+    """Step of the value: what a raw 1 is."""
+    min: float
+    max: float
+    factory: float
+    """Factory value."""
+    access: str
+    """"RW", "R" or "W"."""
+    acts: str
+    """When a written value acts."""
+    description: str
+
+    def raw(self, value: float) -> int:
+        """The raw value that is nearest to `value` in the entry's unit. Raises ParameterError outside of the range."""
+        unit = f" {self.unit}" if self.unit else ""
+        try:
+            fits = self.min <= value <= self.max
+        except TypeError:
+            fits = False
+        if not fits or (self.scale == 1.0 and int(value) != value):
+            kind = "a whole number " if self.scale == 1.0 else ""
+            name = f'object {self.index:04X}h "{self.name}"'
+            raise ParameterError(f"{name} {value!r}: must be {kind}from {self.min:g} to {self.max:g}{unit}")
+        return round(value / self.scale)
+
+
+class Objects(MutableMapping[Key, float]):
+    """Entries of a node by name (case does not matter), index, or (index, subindex), in their units. Reading asks the node, writing waits for its answer;
+    the node keeps what is written over a restart by itself.
+
+    Raises ParameterError for one that does not exist or cannot have the value, AbortError when the node refuses (a node that is Operational refuses
+    everything), NoAnswerError.
+    """
+
+    rows: ClassVar[tuple[Object, ...]] = tuple(Object(**row) for row in _core.tx_objects())
+    """What each is, in the order of the table."""
+
+    def __init__(self, ask: Callable[[Object, int | None], int]) -> None:
+        self._ask = ask
+
+    def __getitem__(self, key: Key) -> float:
+        row = self.row(key)
+        raw = self._ask(row, None)
+        return raw if row.scale == 1.0 else raw * row.scale
+
+    def __setitem__(self, key: Key, value: float) -> None:
+        row = self.row(key)
+        self._ask(row, row.raw(value))
+
+    def __delitem__(self, key: Key) -> None:
+        raise ParameterError(f"object {key}: a node's objects cannot be deleted")
+
+    def __iter__(self) -> Iterator[Key]:
+        return (row.name for row in self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __contains__(self, key: object) -> bool:
+        try:
+            self.row(key)  # type: ignore[arg-type]
+        except ParameterError:
+            return False
+        return True
+
+    @classmethod
+    def row(cls, key: Key) -> Object:
+        """What an entry is."""
+        folded = key.casefold() if isinstance(key, str) else key
+        for row in cls.rows:
+            if folded in (row.name.casefold(), row.index, (row.index, row.subindex)):
+                return row
+        if isinstance(key, str):
+            raise ParameterError(f'there is no object "{key}"{suggestion(key, (row.name for row in cls.rows))}')
+        address = ", ".join(f"{part:04X}h" for part in ((key,) if isinstance(key, int) else key))
+        raise ParameterError(f"there is no object {address}")
+
+    def to_dict(self) -> dict[str, float]:
+        """Every entry that can be read and written, by name: what `load` takes."""
+        return {row.name: self[row.name] for row in self.rows if row.access == "RW"}
+
+    def load(self, values: Mapping[str, float]) -> list[str]:
+        """Writes the values that differ from the node's: the names of those. Every one is checked before the first is written; the
+        node-id and the bit rate are left as they are (`set_node_id`, `set_bitrate`)."""
+        wanted = [(row, row.raw(value)) for row, value in ((self.row(key), value) for key, value in values.items())]
+        configured = [pair for pair in wanted if pair[0].acts == "at once"]
+        different = [(row, raw) for row, raw in configured if self._ask(row, None) != raw]
+        for row, raw in different:
+            self._ask(row, raw)
+        return [row.name for row, _ in different]

@@ -1,0 +1,99 @@
+//! Six-step commutation.
+
+use super::{Column, direction, member, position, same_length, scaled, step};
+use crate::error;
+use crate::state::words;
+use narx_core::blocks::{Commutation as Core, CommutationSettings};
+use narx_core::motor::Step;
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+
+/// A step and the changes within its period: instants in periods, 0 to 1.
+type Answer<'py> = (Bound<'py, PyAny>, Vec<(f64, Bound<'py, PyAny>)>);
+
+/// Six-step commutation: from the rotor's angle and speed to the step of each period, and to the changes within it.
+///
+/// Sector s spans 30 + 60 s to 90 + 60 s electrical degrees, where 0 is the rising zero crossing of phase A's back-EMF. Forward torque takes the step of
+/// the rotor's sector (`for_sector`), reverse torque the opposite one. It is the drive's commutator (`narx_core::motor::commutator`), bit for bit.
+///
+/// tick_rate: periods a second, 1 to 1 000 000 Hz. advance: commutation ahead of its place, 0 to 30 electrical degrees (parameter 273). earliest: first
+/// instant of a period at which a new step can act, 0 to 1 period. Raises ParameterError, which names what is out of range.
+#[pyclass(module = "narx.blocks")]
+pub(crate) struct Commutation {
+    core: Core,
+    tick_rate: u32,
+}
+
+#[pymethods]
+impl Commutation {
+    #[new]
+    #[pyo3(signature = (tick_rate=10_000, advance=0.0, earliest=0.125))]
+    fn new(tick_rate: u32, advance: f64, earliest: f64) -> PyResult<Self> {
+        if !(1..=1_000_000).contains(&tick_rate) {
+            return Err(error::parameter(format!("tick_rate {tick_rate} Hz: must be from 1 to 1000000")));
+        }
+        let settings = CommutationSettings {
+            advance_cdeg: scaled("advance", advance, "degrees", 100.0)?,
+            earliest: instant("earliest", earliest)?,
+        };
+        Ok(Self { core: Core::build(&settings).map_err(error::parameter)?, tick_rate })
+    }
+
+    /// The step at the earliest instant of a period, and up to two changes later in it as (instant in periods, step). angle: electrical degrees at the
+    /// period's boundary. speed: electrical rev/s, negative in reverse. reverse: torque in reverse.
+    #[pyo3(signature = (angle, speed, reverse=false))]
+    fn step<'py>(&mut self, py: Python<'py>, angle: f64, speed: f64, reverse: bool) -> PyResult<Answer<'py>> {
+        let (step, changes) = self.core.step(position(angle, speed, self.tick_rate)?, direction(reverse));
+        let change = |instant: u16, step| Ok((f64::from(instant) / 65_536.0, member(py, step)?));
+        let changes: PyResult<_> = changes.iter().map(|c| change(c.instant, c.step)).collect();
+        Ok((member(py, step)?, changes?))
+    }
+
+    /// The step in force at the end of each period, as numbers of `Step`. angle, speed: arrays of shape (n,), as for `step`.
+    #[pyo3(signature = (angle, speed, reverse=false))]
+    fn run<'py>(
+        &mut self,
+        py: Python<'py>,
+        angle: Column<'py>,
+        speed: Column<'py>,
+        reverse: bool,
+    ) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        let (angle, speed) = (angle.as_array(), speed.as_array());
+        same_length("speed", speed.len(), "angle", angle.len())?;
+        let mut steps = Vec::with_capacity(angle.len());
+        for (angle, speed) in angle.iter().zip(&speed) {
+            let position = position(*angle, *speed, self.tick_rate)?;
+            let (step, changes) = self.core.step(position, direction(reverse));
+            steps.push(changes.last().map_or(step, |last| last.step) as u8);
+        }
+        Ok(steps.into_pyarray(py))
+    }
+
+    /// Forgets the sector: the bridge was off.
+    fn reset(&mut self) {
+        self.core.reset();
+    }
+
+    /// The step that gives torque to a rotor in `sector`, 0 to 5.
+    #[staticmethod]
+    #[pyo3(signature = (sector, reverse=false))]
+    fn for_sector(py: Python<'_>, sector: u8, reverse: bool) -> PyResult<Bound<'_, PyAny>> {
+        if sector > 5 {
+            return Err(error::parameter(format!("sector {sector}: must be a whole number from 0 to 5")));
+        }
+        member(py, Step::for_sector(sector, direction(reverse)))
+    }
+
+    /// What legs A, B and C do in a step: "floating", "low" or "switched".
+    #[staticmethod]
+    fn legs(step: u8) -> PyResult<(String, String, String)> {
+        let [a, b, c] = self::step(step)?.legs().map(|leg| words(&leg));
+        Ok((a, b, c))
+    }
+}
+
+/// An instant of a period, 1/65 536.
+pub(super) fn instant(name: &str, periods: f64) -> PyResult<u16> {
+    error::number(name, periods, "periods", "from 0 to below 1", |periods| (0.0..1.0).contains(&periods))
+        .map(|periods| (periods * 65_536.0).round().min(65_535.0) as u16)
+}

@@ -1,0 +1,182 @@
+//! Hall sensors.
+
+use super::{Column, degrees, raw, real, same_length, scaled};
+use crate::error;
+use narx_core::blocks::{Hall as Core, HallReading as Reading, HallSettings};
+use narx_core::motor::{Edge, EdgeSource};
+use narx_core::units::ElectricalSpeed;
+use numpy::{AllowTypeChange, IntoPyArray, PyArrayLike1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Hall sensors: codes and time-stamped edges to sector, electrical angle and speed.
+///
+/// A neighbouring code after a plausible interval is taken at once, anything else only if it is still there a tick later. The speed is taken over up to a
+/// revolution (valid / 6 turns over the sum of the last intervals), the angle interpolated with it. It is the drive's hall station
+/// (`narx_core::motor::hall`), bit for bit.
+///
+/// tick_rate: 1 000 to 100 000 Hz. order: which permutation of the lines, 0 to 5 (parameter 262). polarity: lines to invert, 0 to 7 (parameter 263).
+/// offset: how far the edges lie beyond their place, -180 to 180 electrical degrees (parameter 80). timeout: no edge for so long is standstill, s
+/// (parameter 113), at most 65 535 ticks. interpolation_min: slowest electrical speed that is interpolated, rev/s. captured: edges come time-stamped, else
+/// the level alone counts. Raises ParameterError, which names what is out of range.
+#[pyclass(module = "narx.blocks")]
+pub(crate) struct Hall {
+    core: Core,
+    tick_rate: u32,
+}
+
+/// What the hall sensors say after a tick.
+#[pyclass(module = "narx.blocks", frozen, get_all)]
+pub(crate) struct HallReading {
+    /// Sector, 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; `None` until the first valid code.
+    sector: Option<u8>,
+    /// Electrical angle, degrees, 0 to 360.
+    angle: f64,
+    /// Electrical speed, rev/s, negative in reverse; no more than the edge that has not come allows.
+    speed: f64,
+    /// Sectors turned in this tick, signed.
+    sectors: i8,
+    /// The code is 000 or 111.
+    invalid: bool,
+    /// A sector was skipped.
+    jump: bool,
+    /// No edge for the time-out: standstill.
+    stopped: bool,
+    /// The position is not to be believed.
+    doubtful: bool,
+}
+
+#[pymethods]
+impl Hall {
+    #[new]
+    #[pyo3(signature = (tick_rate=10_000, order=0, polarity=0, offset=0.0, timeout=0.1, interpolation_min=1.0, captured=false))]
+    fn new(
+        tick_rate: u32,
+        order: u8,
+        polarity: u8,
+        offset: f64,
+        timeout: f64,
+        interpolation_min: f64,
+        captured: bool,
+    ) -> PyResult<Self> {
+        let settings = HallSettings {
+            tick_rate,
+            order,
+            polarity,
+            offset_cdeg: scaled("offset", offset, "degrees", 100.0)?,
+            timeout_ms: scaled("timeout", timeout, "s", 1000.0)?,
+            interpolation_min: ElectricalSpeed::from_bits(raw(
+                "interpolation_min",
+                interpolation_min,
+                "rev/s",
+            )?),
+            captured,
+        };
+        Ok(Self { core: Core::build(&settings).map_err(error::parameter)?, tick_rate })
+    }
+
+    /// One tick. code: the lines now, bit 0 = A, bit 1 = B, bit 2 = C. edges: of the period that has ended, oldest first, each (instant in periods, code
+    /// after it); of more than four the first.
+    #[pyo3(signature = (code, edges=None))]
+    fn step(&mut self, code: u8, edges: Option<Vec<(f64, u8)>>) -> PyResult<HallReading> {
+        let edges: PyResult<Vec<Edge>> = edges
+            .unwrap_or_default()
+            .into_iter()
+            .map(|(instant, code)| Ok(edge(super::commutation::instant("edge", instant)?, code)))
+            .collect();
+        Ok(reading(&self.core.step(code, &edges?)))
+    }
+
+    /// A tick for each code: "sector" (255 unknown), "angle" (electrical degrees), "speed" (electrical rev/s), "stopped" and "doubtful", arrays of shape
+    /// (n,). code: shape (n,). edge_time, edge_code: of captured edges, in order, shape (m,); s since the first code was read, which ends period 0.
+    #[pyo3(signature = (code, edge_time=None, edge_code=None))]
+    fn run<'py>(
+        &mut self,
+        py: Python<'py>,
+        code: PyArrayLike1<'py, u8, AllowTypeChange>,
+        edge_time: Option<Column<'py>>,
+        edge_code: Option<PyArrayLike1<'py, u8, AllowTypeChange>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let edges = self.edges(edge_time.as_ref(), edge_code.as_ref())?;
+        let mut edges = edges.into_iter().peekable();
+        let readings: Vec<Reading> = code
+            .as_array()
+            .iter()
+            .enumerate()
+            .map(|(tick, code)| {
+                let mut passed = Vec::new();
+                while let Some((_, edge)) = edges.next_if(|(period, _)| *period <= tick as i64) {
+                    passed.push(edge);
+                }
+                self.core.step(*code, &passed)
+            })
+            .collect();
+        let columns = PyDict::new(py);
+        let sector: Vec<u8> = readings.iter().map(|reading| reading.sector.unwrap_or(255)).collect();
+        columns.set_item("sector", sector.into_pyarray(py))?;
+        let angle: Vec<f64> = readings.iter().map(|reading| degrees(reading.position.angle)).collect();
+        columns.set_item("angle", angle.into_pyarray(py))?;
+        let speed: Vec<f64> = readings.iter().map(|reading| real(reading.speed.to_bits())).collect();
+        columns.set_item("speed", speed.into_pyarray(py))?;
+        let stopped: Vec<bool> = readings.iter().map(|reading| reading.stopped).collect();
+        columns.set_item("stopped", stopped.into_pyarray(py))?;
+        let doubtful: Vec<bool> = readings.iter().map(|reading| reading.doubtful).collect();
+        columns.set_item("doubtful", doubtful.into_pyarray(py))?;
+        Ok(columns)
+    }
+
+    /// Codes 000 and 111, and skipped sectors, since it was made.
+    #[getter]
+    fn glitches(&self) -> (u16, u16) {
+        let counts = self.core.diagnostics();
+        (counts.invalid, counts.jumps)
+    }
+}
+
+impl Hall {
+    /// Edges with the tick that is given each: the one that ends its period.
+    fn edges(
+        &self,
+        time: Option<&Column<'_>>,
+        code: Option<&PyArrayLike1<'_, u8, AllowTypeChange>>,
+    ) -> PyResult<Vec<(i64, Edge)>> {
+        let (Some(time), Some(code)) = (time, code) else {
+            return match (time, code) {
+                (None, None) => Ok(Vec::new()),
+                _ => Err(error::parameter("edge_time and edge_code: one without the other")),
+            };
+        };
+        let (time, code) = (time.as_array(), code.as_array());
+        same_length("edge_code", code.len(), "edge_time", time.len())?;
+        let mut edges: Vec<(i64, Edge)> = Vec::with_capacity(time.len());
+        let mut before = f64::NEG_INFINITY;
+        for (row, (time, code)) in time.iter().zip(&code).enumerate() {
+            let name = format!("edge_time[{row}]");
+            let allowed = "a finite number, not before the last one";
+            error::number(&name, *time, "s", allowed, |time| time >= before)?;
+            before = *time;
+            let periods = *time * f64::from(self.tick_rate);
+            let period = periods.floor();
+            let instant = ((periods - period) * 65_536.0).min(65_535.0) as u16;
+            edges.push((period as i64 + 1, edge(instant, *code)));
+        }
+        Ok(edges)
+    }
+}
+
+fn edge(instant: u16, code: u8) -> Edge {
+    Edge { instant, source: EdgeSource::Hall, code: code & 7 }
+}
+
+fn reading(reading: &Reading) -> HallReading {
+    HallReading {
+        sector: reading.sector,
+        angle: degrees(reading.position.angle),
+        speed: real(reading.speed.to_bits()),
+        sectors: reading.events.sectors,
+        invalid: reading.events.invalid,
+        jump: reading.events.jump,
+        stopped: reading.stopped,
+        doubtful: reading.doubtful,
+    }
+}

@@ -1,0 +1,79 @@
+//! The PI controller.
+
+use super::{Column, gain, raw, raws, real, value_of};
+use crate::error;
+use narx_core::blocks::{Pi as Core, PiSettings};
+use narx_core::motor::gain::Gain;
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+
+/// Proportional-integral controller: u = Kp e + integral of Ki e dt, within its limits.
+///
+/// Errors and outputs are in units of your choice, from -32768 to 32768 in steps of 2^-16; the integrator has 16 fraction bits more and never holds
+/// more than brings the output to a limit. It is the controller of the drive's loops (`narx_core::motor::pi`), bit for bit.
+///
+/// proportional: Kp, output per error, 0 or more. integral: Ki, output per error and second, 0 or more. step_rate: steps a second, 1 to 1 000 000 Hz.
+/// minimum, maximum: limits of the output. Raises ParameterError, which names what is out of range.
+#[pyclass(module = "narx.blocks")]
+pub(crate) struct Pi {
+    core: Core,
+    proportional: Gain,
+    step_rate: u32,
+}
+
+#[pymethods]
+impl Pi {
+    #[new]
+    #[pyo3(signature = (proportional, integral, step_rate, minimum, maximum))]
+    fn new(proportional: f64, integral: f64, step_rate: u32, minimum: f64, maximum: f64) -> PyResult<Self> {
+        let settings = PiSettings {
+            proportional: gain("proportional", proportional)?,
+            integral: gain("integral", integral)?,
+            step_rate,
+            minimum: raw("minimum", minimum, "")?,
+            maximum: raw("maximum", maximum, "")?,
+        };
+        let core = Core::build(&settings).map_err(error::parameter)?;
+        Ok(Self { core, proportional: settings.proportional, step_rate })
+    }
+
+    /// The output for one `error`.
+    fn step(&mut self, error: f64) -> PyResult<f64> {
+        Ok(real(self.core.step(raw("error", error, "")?)))
+    }
+
+    /// The outputs for one error after the other: arrays of shape (n,).
+    fn run<'py>(&mut self, py: Python<'py>, error: Column<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let errors = raws("error", &error)?;
+        let core = &mut self.core;
+        let outputs: Vec<f64> =
+            py.detach(|| errors.into_iter().map(|error| real(core.step(error))).collect());
+        Ok(outputs.into_pyarray(py))
+    }
+
+    /// Something else decided `applied` in a step whose error was `error`: the integrator goes an eighth of the way to what would have given that
+    /// (back-calculation), so that the controller takes over again without a bump.
+    #[pyo3(signature = (applied, error))]
+    fn track(&mut self, applied: f64, error: f64) -> PyResult<()> {
+        self.core.track(raw("applied", applied, "")?, raw("error", error, "")?);
+        Ok(())
+    }
+
+    /// The integrator alone gives `output` from now on.
+    fn hold(&mut self, output: f64) -> PyResult<()> {
+        self.core.hold(raw("output", output, "")?);
+        Ok(())
+    }
+
+    /// Kp as it was taken, output per error: 30 bits.
+    #[getter]
+    fn proportional(&self) -> f64 {
+        value_of(self.proportional)
+    }
+
+    /// Ki as it is stepped, output per error and second: 30 bits of Ki x step time.
+    #[getter]
+    fn integral(&self) -> f64 {
+        value_of(self.core.gains().integral) * f64::from(self.step_rate)
+    }
+}

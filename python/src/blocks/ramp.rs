@@ -1,0 +1,64 @@
+//! The ramp.
+
+use super::{Column, raw, raws, real};
+use crate::error;
+use narx_core::blocks::{Ramp as Core, RampSettings};
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+
+/// Rate limit of a set-point: y += clamp(target - y, -rate dt, rate dt).
+///
+/// Values are in units of your choice, from -32768 to 32768 in steps of 2^-16, with 16 fraction bits more inside. It is the ramp of the drive's set-points
+/// (`narx_core::motor::ramp`), bit for bit.
+///
+/// rate: steepest change, units a second, more than 0. step_rate: steps a second, 1 to 1 000 000 Hz. value: where it begins. Raises ParameterError, which
+/// names what is out of range.
+#[pyclass(module = "narx.blocks")]
+pub(crate) struct Ramp {
+    core: Core,
+    step_rate: u32,
+}
+
+#[pymethods]
+impl Ramp {
+    #[new]
+    #[pyo3(signature = (rate, step_rate, value=0.0))]
+    fn new(rate: f64, step_rate: u32, value: f64) -> PyResult<Self> {
+        let settings = RampSettings { rate: raw("rate", rate, "")?, step_rate };
+        let mut core = Core::build(&settings).map_err(error::parameter)?;
+        core.set(raw("value", value, "")?);
+        Ok(Self { core, step_rate })
+    }
+
+    /// One step towards `target`: where it is then.
+    fn step(&mut self, target: f64) -> PyResult<f64> {
+        Ok(real(self.core.step(raw("target", target, "")?)))
+    }
+
+    /// A step towards one target after the other: arrays of shape (n,).
+    fn run<'py>(&mut self, py: Python<'py>, target: Column<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let targets = raws("target", &target)?;
+        let core = &mut self.core;
+        let values: Vec<f64> =
+            py.detach(|| targets.into_iter().map(|target| real(core.step(target))).collect());
+        Ok(values.into_pyarray(py))
+    }
+
+    /// Where it is; it can be set.
+    #[getter]
+    fn value(&self) -> f64 {
+        real(self.core.value())
+    }
+
+    #[setter]
+    fn set_value(&mut self, value: f64) -> PyResult<()> {
+        self.core.set(raw("value", value, "")?);
+        Ok(())
+    }
+
+    /// Steepest change as it is stepped, units a second.
+    #[getter]
+    fn rate(&self) -> f64 {
+        self.core.rate() as f64 / 4_294_967_296.0 * f64::from(self.step_rate)
+    }
+}

@@ -1,0 +1,217 @@
+//! Zero crossings.
+
+use super::commutation::instant;
+use super::{Column, degrees, direction, real, same_length, scaled, step};
+use crate::error;
+use crate::state::words;
+use narx_core::blocks::{
+    CommutationSettings, ZeroCrossing as Core, ZeroCrossingReading as Reading, ZeroCrossingSettings,
+};
+use narx_core::motor::front_end::Channel;
+use narx_core::motor::pwm::Commutation;
+use narx_core::motor::rails::Rail;
+use narx_core::motor::{PwmCommand, SampleMode, Samples};
+use numpy::{AllowTypeChange, IntoPyArray, PyArrayLike1, PyArrayLike2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Zero crossings of the back-EMF: terminal voltages of a driven or coasting motor to crossing, electrical angle, speed and the next commutation.
+///
+/// The floating terminal is compared with the mean of the other two; the crossing lies where 2 v_f - v_g - v_h passes 0, interpolated between samples.
+/// Crossings are the middles of the sectors (60 + 60 s degrees), the commutation lies 30 degrees less the advance behind. They are the drive's stations
+/// (`narx_core::motor::back_emf`, `zero_crossing`, `listening`), bit for bit, without its start sequence: align the rotor, `start`, and commutate as it
+/// says.
+///
+/// tick_rate: 1 000 to 100 000 Hz. volts_per_code: of the converter that the voltages are rounded to, up to 0.0625 V. noise_codes: smallest signal, 1 to
+/// 255 codes. blanking: least time after a commutation, s (parameter 86). advance: 0 to 30 electrical degrees. earliest: where in its period a step acts,
+/// periods. back_emf: line to line, V a mechanical rpm (parameter 267); 0 unknown. pole_pairs: 1 to 100. timeout: no crossing for so long is standstill, s.
+/// Raises ParameterError, which names what is out of range.
+#[pyclass(module = "narx.blocks")]
+pub(crate) struct ZeroCrossing {
+    core: Core,
+    volts_per_code: f64,
+    tick_rate: f64,
+}
+
+/// What the terminals say after a tick.
+#[pyclass(module = "narx.blocks", frozen, get_all)]
+pub(crate) struct ZeroCrossingReading {
+    /// A crossing was seen: how long before the present boundary, s (negative is after it); else `None`.
+    crossing: Option<f64>,
+    /// What became of the last step's crossing: "none", "accepted", "filtered", "blind", "demag_late" or "listened".
+    why: String,
+    /// How far the last accepted crossing lay behind its prediction, electrical degrees.
+    margin: f64,
+    /// Crossings accepted.
+    accepted: u32,
+    /// Electrical angle, degrees, 0 to 360.
+    angle: f64,
+    /// Electrical speed, rev/s, negative in reverse; 0 while it is not known.
+    speed: f64,
+    /// How long until the next commutation, s; 0 is now, `None` that it is not known.
+    commutation: Option<f64>,
+    /// Six consistent crossings: the loop may be closed.
+    running: bool,
+    /// The rotor was lost in this tick: "stall" or "desynchronised"; else `None`.
+    lost: Option<String>,
+}
+
+#[pymethods]
+impl ZeroCrossing {
+    #[new]
+    #[pyo3(signature = (tick_rate=10_000, volts_per_code=0.019_531, noise_codes=4, blanking=200e-6, advance=0.0, earliest=0.125,
+                        back_emf=0.0, pole_pairs=1, timeout=0.05))]
+    #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
+    fn new(
+        tick_rate: u32,
+        volts_per_code: f64,
+        noise_codes: u8,
+        blanking: f64,
+        advance: f64,
+        earliest: f64,
+        back_emf: f64,
+        pole_pairs: u16,
+        timeout: f64,
+    ) -> PyResult<Self> {
+        let micro_per_code = scaled("volts_per_code", volts_per_code, "V", 1e6)?;
+        let channel = Channel { zero: 0, micro_per_code };
+        let settings = ZeroCrossingSettings {
+            tick_rate,
+            terminal: channel,
+            bus_voltage: channel,
+            noise_codes,
+            blanking_us: scaled("blanking", blanking, "s", 1e6)?,
+            commutation: CommutationSettings {
+                advance_cdeg: scaled("advance", advance, "degrees", 100.0)?,
+                earliest: instant("earliest", earliest)?,
+            },
+            back_emf_uv_per_rpm: scaled("back_emf", back_emf, "V/rpm", 1e6)?,
+            pole_pairs,
+            timeout_ticks: scaled("timeout", timeout, "s", tick_rate.into())?,
+            ..ZeroCrossingSettings::default()
+        };
+        let core = Core::build(&settings).map_err(error::parameter)?;
+        Ok(Self { core, volts_per_code: f64::from(micro_per_code) / 1e6, tick_rate: tick_rate.into() })
+    }
+
+    /// The bridge is about to bring up a rotor that rests at `angle`, electrical degrees.
+    #[pyo3(signature = (angle, reverse=false))]
+    fn start(&mut self, angle: f64, reverse: bool) -> PyResult<()> {
+        let angle = error::finite("angle", angle, "degrees")?;
+        let turn = (angle / 360.0).rem_euclid(1.0) * 4_294_967_296.0;
+        self.core.start(turn as u64 as u32, direction(reverse));
+        Ok(())
+    }
+
+    /// On by a step without any evidence: the rotor that is being brought up has not moved.
+    fn force_step(&mut self) {
+        self.core.force_step();
+    }
+
+    /// One tick. phase_voltage: terminals A, B, C against ground, V. bus_voltage: V. step: the pattern that was in force in the period that has ended
+    /// (`Step`), and its changes in that period as (instant in periods, step). on_time: sampled in the on-time, else in the off-time. sample_at: where in the
+    /// period, periods. reverse: torque in reverse.
+    #[pyo3(signature = (phase_voltage, bus_voltage, step, changes=None, on_time=true, sample_at=0.0, reverse=false))]
+    #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
+    fn step(
+        &mut self,
+        phase_voltage: [f64; 3],
+        bus_voltage: f64,
+        step: u8,
+        changes: Option<Vec<(f64, u8)>>,
+        on_time: bool,
+        sample_at: f64,
+        reverse: bool,
+    ) -> PyResult<ZeroCrossingReading> {
+        let mut applied = self.applied(step, on_time)?;
+        applied.sample_at = instant("sample_at", sample_at)?;
+        for (at, step) in changes.unwrap_or_default() {
+            applied
+                .commutations
+                .push(Commutation { instant: instant("change", at)?, step: self::step(step)? });
+        }
+        let samples = self.samples("phase_voltage", phase_voltage, bus_voltage, on_time)?;
+        let reading = self.core.step(&samples, &applied, direction(reverse));
+        Ok(self.reading(&reading))
+    }
+
+    /// A tick for each row: "crossing" (s before the boundary, NaN without one), "angle" (electrical degrees), "speed" (electrical rev/s), "commutation" (s,
+    /// NaN unknown) and "running", arrays of shape (n,). phase_voltage: shape (n, 3), V. bus_voltage: shape (n,), V. step: shape (n,), the pattern in
+    /// force before each sample.
+    #[pyo3(signature = (phase_voltage, bus_voltage, step, on_time=true, reverse=false))]
+    fn run<'py>(
+        &mut self,
+        py: Python<'py>,
+        phase_voltage: PyArrayLike2<'py, f64, AllowTypeChange>,
+        bus_voltage: Column<'py>,
+        step: PyArrayLike1<'py, u8, AllowTypeChange>,
+        on_time: bool,
+        reverse: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (phases, bus, step) = (phase_voltage.as_array(), bus_voltage.as_array(), step.as_array());
+        if phases.ncols() != 3 {
+            let columns = phases.ncols();
+            return Err(error::parameter(format!("phase_voltage of {columns} columns: must have 3")));
+        }
+        same_length("bus_voltage", bus.len(), "phase_voltage", phases.nrows())?;
+        same_length("step", step.len(), "phase_voltage", phases.nrows())?;
+        let mut readings = Vec::with_capacity(phases.nrows());
+        for (row, ((phases, bus), step)) in phases.rows().into_iter().zip(&bus).zip(&step).enumerate() {
+            let applied = self.applied(*step, on_time)?;
+            let volts = [phases[0], phases[1], phases[2]];
+            let samples = self.samples(&format!("phase_voltage[{row}]"), volts, *bus, on_time)?;
+            let reading = self.core.step(&samples, &applied, direction(reverse));
+            readings.push(self.reading(&reading));
+        }
+        let columns = PyDict::new(py);
+        let column = |of: fn(&ZeroCrossingReading) -> f64| {
+            readings.iter().map(of).collect::<Vec<f64>>().into_pyarray(py)
+        };
+        columns.set_item("crossing", column(|reading| reading.crossing.unwrap_or(f64::NAN)))?;
+        columns.set_item("angle", column(|reading| reading.angle))?;
+        columns.set_item("speed", column(|reading| reading.speed))?;
+        columns.set_item("commutation", column(|reading| reading.commutation.unwrap_or(f64::NAN)))?;
+        let running: Vec<bool> = readings.iter().map(|reading| reading.running).collect();
+        columns.set_item("running", running.into_pyarray(py))?;
+        Ok(columns)
+    }
+}
+
+impl ZeroCrossing {
+    fn applied(&self, step: u8, on_time: bool) -> PyResult<PwmCommand> {
+        Ok(PwmCommand { step: self::step(step)?, sample_mode: mode(on_time), ..PwmCommand::default() })
+    }
+
+    fn samples(&self, name: &str, phases: [f64; 3], bus: f64, on_time: bool) -> PyResult<Samples> {
+        let code = |name: &str, volts: f64| {
+            let volts = error::finite(name, volts, "V")?;
+            PyResult::Ok((volts / self.volts_per_code).round().clamp(0.0, 65_535.0) as u16)
+        };
+        let [a, b, c] = phases;
+        Ok(Samples {
+            phase_voltage: [code(name, a)?, code(name, b)?, code(name, c)?],
+            bus_voltage: code("bus_voltage", bus)?,
+            sample_mode: mode(on_time),
+            ..Samples::default()
+        })
+    }
+
+    fn reading(&self, reading: &Reading) -> ZeroCrossingReading {
+        let seconds = |age: f64| age / 65_536.0 / self.tick_rate;
+        ZeroCrossingReading {
+            crossing: reading.crossing.map(|age| seconds(age.into())),
+            why: words(&reading.why),
+            margin: f64::from(reading.margin) * 360.0 / 65_536.0,
+            accepted: reading.accepted,
+            angle: degrees(reading.position.angle),
+            speed: real(reading.speed.to_bits()),
+            commutation: reading.commutation.map(|time| seconds(time.into())),
+            running: reading.running,
+            lost: (reading.lost != Rail::None).then(|| words(&reading.lost)),
+        }
+    }
+}
+
+const fn mode(on_time: bool) -> SampleMode {
+    if on_time { SampleMode::OnTime } else { SampleMode::OffTime }
+}
