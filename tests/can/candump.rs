@@ -44,6 +44,8 @@ fn what_other_writers_do_is_read() {
         ("(1436509052.249713) can0 1A2#DEAD R\r\n", 1_436_509_052.249_713, true, plain),
         ("(1436509052.249713) can0 1a2#dead T\n", 1_436_509_052.249_713, false, plain),
         ("  (1436509052.249713123)   can0\t1A2#DEAD", 1_436_509_052.249_713_2, true, plain),
+        // More digits than a float has: a division of rounded numbers gives a neighbour.
+        ("(1810185161.8982853) can0 1A2#DEAD", 1_810_185_161.898_285_3, true, plain),
         ("(0) 1 1A2#DEAD", 0.0, true, plain),
         ("(-0.5) can0 1A2#DEAD", -0.5, true, plain),
         ("(1e3) can0 1A2#DEAD", 1000.0, true, plain),
@@ -124,6 +126,13 @@ proptest! {
         prop_assert_eq!(read.content, Content::Frame(frame));
         let exact: f64 = text[1..text.find(')').unwrap()].parse().unwrap();
         prop_assert_eq!(read.time, exact);
+    }
+
+    #[test]
+    fn times_are_the_nearest_numbers(stamp in "[0-9]{1,10}(\\.[0-9]{0,10})?") {
+        let text = format!("({stamp}) can0 123#");
+        let exact: f64 = stamp.parse().unwrap();
+        prop_assert_eq!(parse(&text).unwrap().unwrap().time.to_bits(), exact.to_bits());
     }
 
     #[test]
