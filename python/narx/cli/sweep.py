@@ -25,7 +25,7 @@ SHOWN = 10
 @app.command(
     epilog=examples(
         "narx sweep --motor ec45-flat-50w-18v --mode hall --set rpm=1000:4000:7 --set load_constant=0,0.01,0.02 --to sweep.csv",
-        'narx sweep --set "Phase current limit=2,4,6" --samples 20',
+        'narx sweep --motor bly172s-24v --supply 24 --set "Phase current limit=2,4,6" --samples 20',
         "narx sweep grid.toml --json > rows.jsonl",
         "narx sweep grid.toml --replay 17 --to variant17.narxrec",
     )
