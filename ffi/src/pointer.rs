@@ -23,6 +23,15 @@ pub(crate) unsafe fn write<T: Copy>(pointer: *mut T, value: T) -> Result<(), nar
     Ok(())
 }
 
+/// The same where NULL says that nobody wants it.
+///
+/// # Safety
+/// As [`write`].
+pub(crate) unsafe fn write_unless_null<T: Copy>(pointer: *mut T, value: T) -> Result<(), narx_status_t> {
+    // SAFETY: the caller's promise.
+    if pointer.is_null() { Ok(()) } else { unsafe { write(pointer, value) } }
+}
+
 /// The bytes that `pointer` shows.
 ///
 /// # Safety

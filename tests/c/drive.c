@@ -6,22 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check.h"
 #include "narx.h"
-
-static int passed;
-static int failed;
-
-static void check(int good, int line, const char *what)
-{
-    if (good) {
-        passed++;
-    } else {
-        failed++;
-        printf("%s:%d: not so: %s\n", __FILE__, line, what);
-    }
-}
-
-#define CHECK(condition) check((condition) ? 1 : 0, __LINE__, #condition)
 
 /* Two drives, so that one can be seen to leave the other alone. */
 static narx_drive_t drives[2];
@@ -357,11 +343,11 @@ static void every_status_has_words(void)
     int32_t status;
 
     CHECK(strcmp(narx_version(), "") != 0);
-    for (status = NARX_NOTHING; status >= NARX_ERROR_STATE; status--) {
+    for (status = NARX_NOTHING; status >= NARX_ERROR_BUS_STATE; status--) {
         CHECK(strcmp(narx_status_text(status), "unknown status") != 0);
     }
     CHECK(strcmp(narx_status_text(NARX_NOTHING + 1), "unknown status") == 0);
-    CHECK(strcmp(narx_status_text(NARX_ERROR_STATE - 1), "unknown status") == 0);
+    CHECK(strcmp(narx_status_text(NARX_ERROR_BUS_STATE - 1), "unknown status") == 0);
     CHECK(strcmp(narx_status_text(INT32_MIN), "unknown status") == 0);
 }
 
@@ -375,6 +361,5 @@ int main(void)
     boards_are_checked();
     recordings_are_checked();
     every_status_has_words();
-    printf("%d passed, %d failed\n", passed, failed);
-    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return report_checks();
 }

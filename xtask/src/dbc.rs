@@ -191,7 +191,7 @@ impl Signal {
 }
 
 /// The printed name as an identifier; with its type, where several messages have the name.
-fn message_name(message: &Message) -> String {
+pub(crate) fn message_name(message: &Message) -> String {
     let name = identifier(message.name);
     let shared = MESSAGES.iter().filter(|other| other.name == message.name).count() > 1;
     match message.kind {
@@ -202,7 +202,7 @@ fn message_name(message: &Message) -> String {
 }
 
 /// Letters and digits of a name, joined by `_`.
-fn identifier(name: &str) -> String {
+pub(crate) fn identifier(name: &str) -> String {
     let words: Vec<&str> =
         name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let joined = words.join("_");
