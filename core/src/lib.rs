@@ -19,17 +19,19 @@
 //!   device      Drive, scope and Node, joined by their queues: what a shell links
 //!   master      the other end of the bus, for whatever commands a drive
 //!   eddycan     the TX-Driver, another device: eddyCAN on 11-bit identifiers
+//!   blocks      the drive's stations one by one, for whoever wants one of them alone
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
 //! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `scope`, `bus`, `storage`, `description`, `node`,
-//! `device`, `master`, `recording`; `eddycan` stands beside them on `bus` alone.
+//! `device`, `master`, `recording`; `eddycan` stands beside them on `bus` alone, `blocks` on `motor`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod blocks;
 pub mod bus;
 pub mod description;
 pub mod device;

@@ -4,6 +4,8 @@ mod acknowledgement;
 mod arithmetic;
 mod bad_signals;
 mod bench;
+mod blocks;
+mod blocks_beside_a_drive;
 mod boot;
 mod build;
 mod calm;

@@ -14,7 +14,7 @@ use super::measurement::{ChannelScale, MeasurementScales};
 use super::open_loop::OpenLoopCoefficients;
 use super::open_phase::OpenPhaseCoefficients;
 use super::pi::PiGains;
-use super::protection::{Limit, ProtectionCoefficients};
+use super::protection::{ProtectionCoefficients, Thresholds};
 use super::rails::RailCoefficients;
 use super::samples::Lines;
 use super::sensorless::SensorlessCoefficients;
@@ -131,10 +131,6 @@ const TICKS_A_REVOLUTION_MIN: i128 = 12;
 const TWO_PI_E9: i128 = 6_283_185_307;
 /// The bus may rise to this much below its over-voltage threshold before rectification turns to diodes.
 const BUS_GUARD: i32 = (1 << 16) / 2;
-/// Hysteresis of the voltage faults: 0.5 V.
-const VOLTAGE_HYSTERESIS: i32 = (1 << 16) / 2;
-/// Hysteresis of the temperature faults: 2 degrees C.
-const TEMPERATURE_HYSTERESIS: i32 = 2 << 16;
 
 struct Builder<'a> {
     parameters: &'a Parameters,
@@ -198,11 +194,6 @@ impl Builder<'_> {
     /// Ticks of a time in milliseconds, at least 1.
     fn ticks(&self, milliseconds: i128) -> u32 {
         (milliseconds * self.rate() / 1000).clamp(1, u32::MAX as i128) as u32
-    }
-
-    /// Ticks of a qualification time in microseconds, at least 1.
-    fn ticks_of_us(&self, microseconds: i128) -> u16 {
-        ((microseconds * self.rate() + 999_999) / 1_000_000).clamp(1, u16::MAX as i128) as u16
     }
 
     /// Raw I16F16 electrical rev/s of a parameter in mechanical rpm.
@@ -369,41 +360,25 @@ impl Builder<'_> {
         }
     }
 
-    fn limit(&self, trip: i32, clear: i32, microseconds: i128) -> Limit {
-        Limit { trip, clear, ticks: self.ticks_of_us(microseconds) }
-    }
-
     fn protection(&self) -> ProtectionCoefficients {
-        let quantity = |number| self.quantity(number);
-        let (over, under) = (quantity(number::OVER_VOLTAGE), quantity(number::UNDER_VOLTAGE));
-        let current = quantity(number::OVER_CURRENT);
-        let (hot, warm) = (quantity(number::OVER_TEMPERATURE), quantity(number::TEMPERATURE_WARNING));
-        let pressure = quantity(number::OVER_PRESSURE);
-        let overspeed = |number| {
-            let trip = saturate(self.speed(number) as i128 * 13 / 10);
-            self.limit(trip, self.speed(number), 10_000)
-        };
-        ProtectionCoefficients {
-            over_voltage: self.limit(over, over - VOLTAGE_HYSTERESIS, 10_000),
-            over_voltage_at_once: over.saturating_add(1 << 16),
-            under_voltage: self.limit(under, under + VOLTAGE_HYSTERESIS, 1_000),
-            over_current: self.limit(current, current - current / 16, 300),
-            over_temperature: self.limit(hot, hot - TEMPERATURE_HYSTERESIS, 100_000),
-            warning: self.limit(warm, warm - TEMPERATURE_HYSTERESIS, 100_000),
-            over_pressure: self.limit(pressure, pressure.saturating_sub(pressure.abs() / 16), 10_000),
-            overspeed_hall: overspeed(number::SPEED_MAX_HES),
-            overspeed_sensorless: overspeed(number::SPEED_MAX_SL),
+        let thresholds = Thresholds {
+            over_voltage: self.quantity(number::OVER_VOLTAGE),
+            under_voltage: self.quantity(number::UNDER_VOLTAGE),
+            over_current: self.quantity(number::OVER_CURRENT),
+            over_temperature: self.quantity(number::OVER_TEMPERATURE),
+            warning: self.quantity(number::TEMPERATURE_WARNING),
+            over_pressure: self.quantity(number::OVER_PRESSURE),
+            speed_max_hall: self.speed(number::SPEED_MAX_HES),
+            speed_max_sensorless: self.speed(number::SPEED_MAX_SL),
             shutdown_lines: match self.raw(number::SHUTDOWN_INPUT) {
                 1 => Lines::DSI1,
                 2 => Lines::DSI2,
                 _ => Lines::empty(),
             },
-            shutdown_ticks: self.ticks_of_us(1_000),
             critical_mask: self.parameters.raw_u32(number::CRITICAL_FAULT_MASK),
             hall_stall_ticks: self.ticks(self.raw(number::HALL_STALL_TIME)),
-            supply_low: 18 << 16,
-            ticks_per_ms: self.ticks(1).min(u16::MAX as u32) as u16,
-        }
+        };
+        ProtectionCoefficients::new(self.rate() as u32, &thresholds)
     }
 
     fn control(&self) -> Result<ControlCoefficients, BuildError> {

@@ -221,6 +221,26 @@ impl Commutator {
     }
 }
 
+/// How long a rotor at `angle` (u32 turn) that turns by `speed` (2^-32 turn a tick) stays within `sector`, less the advance, 1/65 536 tick: 0 if it has
+/// left it, `None` if it stands within.
+pub fn time_in(
+    c: &CommutatorCoefficients,
+    sector: u8,
+    angle: u32,
+    speed: i32,
+    torque: Direction,
+) -> Option<u32> {
+    // At rest the torque says where it is to go.
+    let heading = if speed == 0 { torque.sign() } else { speed };
+    let boundary = entry(neighbour(sector.min(5), heading < 0), heading);
+    let ahead = distance(angle, boundary, heading).wrapping_sub(c.advance);
+    if ahead > u32::MAX / 2 {
+        return Some(0);
+    }
+    let time = (u64::from(ahead) << 16).checked_div(u64::from(speed.unsigned_abs()))?;
+    Some(time.min(u32::MAX.into()) as u32)
+}
+
 /// The angle at which a rotor turning with `speed` enters `sector`.
 fn entry(sector: u8, speed: i32) -> u32 {
     let start = SIXTH.wrapping_mul(sector as u32).wrapping_add(SIXTH / 2);

@@ -155,6 +155,19 @@ impl Cause {
         row(Self::StoreVersion, 0, "parameter store of another firmware version"),
     ];
 
+    /// How long its condition must hold, in microseconds, as the table publishes it.
+    #[must_use]
+    pub const fn qualification(self) -> u32 {
+        let mut row = 0;
+        while row < Self::TABLE.len() {
+            if Self::TABLE[row].cause as u16 == self as u16 {
+                return Self::TABLE[row].qualification;
+            }
+            row += 1;
+        }
+        0
+    }
+
     /// The bit of the fault word.
     #[must_use]
     pub const fn bit(self) -> FaultWord {

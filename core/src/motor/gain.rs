@@ -19,6 +19,26 @@ impl Gain {
     /// 0.
     pub const ZERO: Self = Self { mantissa: 0, shift: 0 };
 
+    /// Largest mantissa.
+    pub const MANTISSA_MAX: i32 = (1 << MANTISSA_BITS) - 1;
+
+    /// The gain `mantissa x 2^-shift`: a Q-format with `shift` fraction bits. `None` unless the mantissa is 0 to [`Self::MANTISSA_MAX`] and the shift 0
+    /// to 62.
+    pub const fn new(mantissa: i32, shift: u8) -> Option<Self> {
+        let fits = mantissa >= 0 && mantissa <= Self::MANTISSA_MAX && shift as u32 <= SHIFT_MAX;
+        if fits { Some(Self { mantissa, shift }) } else { None }
+    }
+
+    /// The factor as an integer, in units of 2^-[`shift`](Self::shift).
+    pub const fn mantissa(self) -> i32 {
+        self.mantissa
+    }
+
+    /// Its fraction bits.
+    pub const fn shift(self) -> u8 {
+        self.shift
+    }
+
     /// The gain `numerator / denominator`, its last bit rounded down. `None` if negative, too large (2^30 and more) or too small
     /// to keep [`SIGNIFICANT_BITS`]; and for a numerator of 2^64 and more, which the arithmetic has no room for.
     pub const fn from_ratio(numerator: i128, denominator: i128) -> Option<Self> {

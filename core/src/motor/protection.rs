@@ -1,5 +1,9 @@
 //! Fault logic: limits with hysteresis and qualification, sensor plausibility, mask, latch and code.
 
+mod thresholds;
+
+pub use thresholds::Thresholds;
+
 use super::band::Band;
 use super::fault::{Cause, FaultWord};
 use super::hall::HallEvents;
@@ -125,7 +129,7 @@ impl Qualifier {
 }
 
 /// What the fault logic looks at in one tick.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Evidence {
     /// This tick's electrical measurements.
     pub measured: Measured,

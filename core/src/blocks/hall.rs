@@ -1,0 +1,118 @@
+//! Hall sensors: codes and time-stamped edges to sector, angle and speed.
+
+use super::error::{SettingError, quantity_within, within};
+use super::{Position, factory, speed_of_turns, tick_rate, ticks, turn_of_centidegrees, turns_of_speed};
+use crate::dictionary::number;
+use crate::motor::gain::Gain;
+use crate::motor::hall::{
+    Hall as Station, HallCoefficients, HallDiagnostics, HallEvents, HallWiring, sectors,
+};
+use crate::motor::samples::{EDGES_MAX, Edge, Samples};
+use crate::units::{ElectricalAngle, ElectricalSpeed};
+
+/// Settings of a [`Hall`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HallSettings {
+    /// Ticks a second, 1 000 to 100 000 Hz.
+    pub tick_rate: u32,
+    /// Which permutation of the lines, 0 to 5 (parameter 262); 0 is A, B, C.
+    pub order: u8,
+    /// Lines to invert before the permutation, 0 to 7: bit 0 = A, bit 1 = B, bit 2 = C.
+    pub polarity: u8,
+    /// How far the edges lie beyond their place, -18 000 to 18 000 in 0.01 electrical degree (parameter 80).
+    pub offset_cdeg: i32,
+    /// No edge for this long means standstill, 1 to 65 535 ms (parameter 113), and no more than 65 535 ticks.
+    pub timeout_ms: u32,
+    /// Slowest electrical speed that is interpolated between edges, rev/s; below, the middle of the sector stands for all of it.
+    pub interpolation_min: ElectricalSpeed,
+    /// Edges come time-stamped; else the level alone is looked at, once a tick.
+    pub captured: bool,
+}
+
+impl Default for HallSettings {
+    /// 10 kHz, lines as they are named, the factory's time-out, 1 rev/s, captured edges.
+    fn default() -> Self {
+        Self {
+            tick_rate: 10_000,
+            order: 0,
+            polarity: 0,
+            offset_cdeg: 0,
+            timeout_ms: factory(number::HALL_PERIOD_TIMEOUT),
+            interpolation_min: ElectricalSpeed::from_bits(1 << 16),
+            captured: true,
+        }
+    }
+}
+
+/// What the sensors say after a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HallReading {
+    /// Sector, 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees. `None` until the first valid code.
+    pub sector: Option<u8>,
+    /// Angle and speed at the present boundary, for a [`Commutation`](super::Commutation).
+    pub position: Position,
+    /// Electrical speed, signed, never more than the edge that has not come allows.
+    pub speed: ElectricalSpeed,
+    /// What happened in this tick.
+    pub events: HallEvents,
+    /// No edge for the time-out: standstill.
+    pub stopped: bool,
+    /// The rotor seems to have jumped or turned round at speed, or the code stays invalid: torque by this position could be torque in any direction.
+    pub doubtful: bool,
+}
+
+/// The hall station: sector, angle and speed. A single glitch is debounced and counted; what makes a fault of glitches is [`Fault`](super::Fault).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hall {
+    coefficients: HallCoefficients,
+    speed_of_turns: Gain,
+    station: Station,
+}
+
+impl Hall {
+    /// Sensors that nothing has been seen of.
+    ///
+    /// # Errors
+    /// The setting that is out of range.
+    pub fn build(settings: &HallSettings) -> Result<Self, SettingError> {
+        let rate = tick_rate(settings.tick_rate)?;
+        within("order", settings.order.into(), 0, 5, "")?;
+        within("polarity", settings.polarity.into(), 0, 7, "")?;
+        within("offset_cdeg", settings.offset_cdeg.into(), -18_000, 18_000, "0.01 degree")?;
+        let longest = i64::from(u16::MAX) * 1000 / i64::from(rate);
+        within("timeout_ms", settings.timeout_ms.into(), 1, longest, "ms")?;
+        let floor = settings.interpolation_min.to_bits();
+        quantity_within("interpolation_min", floor, 0, (rate as i32 / 12) << 16, "rev/s")?;
+        let wiring = HallWiring { order: settings.order, polarity: settings.polarity, offset: 0 };
+        let offset = turn_of_centidegrees(settings.offset_cdeg);
+        let coefficients = HallCoefficients {
+            sectors: sectors(wiring),
+            offset: ElectricalAngle((offset >> 16) as u16),
+            timeout: ticks(settings.timeout_ms, rate) << 16,
+            interpolation_min: turns_of_speed(rate).apply32(floor).unsigned_abs(),
+            captured: settings.captured,
+        };
+        Ok(Self { coefficients, speed_of_turns: speed_of_turns(rate), station: Station::default() })
+    }
+
+    /// One tick: the lines now (bit 0 = A, bit 1 = B, bit 2 = C), and the edges of the period that has ended, oldest first; of more than
+    /// [`EDGES_MAX`] the first.
+    pub fn step(&mut self, code: u8, edges: &[Edge]) -> HallReading {
+        let edges = edges.iter().copied().take(EDGES_MAX).collect();
+        let samples = Samples { hall: code, edges, ..Samples::default() };
+        let events = self.station.step(&self.coefficients, &samples);
+        HallReading {
+            sector: self.station.sector(),
+            position: Position { angle: self.station.angle(), speed: self.station.speed() },
+            speed: ElectricalSpeed::from_bits(self.speed_of_turns.apply32(self.station.speed_bounded())),
+            events,
+            stopped: self.station.stopped(&self.coefficients),
+            doubtful: self.station.doubtful(),
+        }
+    }
+
+    /// Invalid codes and jumps since it was built.
+    pub const fn diagnostics(&self) -> HallDiagnostics {
+        self.station.diagnostics()
+    }
+}

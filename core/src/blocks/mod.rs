@@ -1,0 +1,77 @@
+//! The stations of the drive, one by one: for teaching, for tests, and for a driver of one's own that wants one part of this one.
+//!
+//! A block is a station of [`motor`](crate::motor) together with its coefficients. Its settings are engineering figures; `build` checks them, and an
+//! error names the setting, its value and its range. `step` cannot fail. It calls the very station that the drive calls, so a block answers what a
+//! drive with the same figures answers, bit for bit.
+//!
+//! ```text
+//!  codes, edges ----> Hall ----------+                             voltages, currents, lines
+//!                                    +--> position --> Commutation            |
+//!  terminals, step -> ZeroCrossing --+     (angle,      -> step, changes    Fault --> fault word
+//!                                           speed)                            | critical
+//!  set-point -> Ramp -> error -> Pi -> voltage                     request -> StateMachine --> state
+//! ```
+//!
+//! Quantities are raw I16F16 (1 is 65 536) of the unit that is named, angles u32 turns (2^32 is a turn), speeds of a [`Position`] 2^-32 turn a tick, ages
+//! 1/65 536 tick. A block is called once a tick.
+
+mod commutation;
+mod error;
+mod fault;
+mod hall;
+mod pi;
+mod ramp;
+mod state;
+mod zero_crossing;
+
+pub use crate::motor::rotor::Position;
+pub use commutation::{Commutation, CommutationSettings};
+pub use error::SettingError;
+pub use fault::{Fault, FaultSettings};
+pub use hall::{Hall, HallReading, HallSettings};
+pub use pi::{Pi, PiSettings};
+pub use ramp::{Ramp, RampSettings};
+pub use state::{StateMachine, StateSettings};
+pub use zero_crossing::{ZeroCrossing, ZeroCrossingReading, ZeroCrossingSettings};
+
+use crate::dictionary::Dictionary;
+use crate::motor::gain::Gain;
+use crate::units::Volts;
+use error::within;
+
+/// Raw factory value of a parameter: defaults are the drive's.
+fn factory(number: u16) -> u32 {
+    Dictionary::row(number).map_or(0, |row| row.default as u32)
+}
+
+/// The same of a quantity in its unit, raw I16F16.
+fn factory_quantity(number: u16) -> i32 {
+    Dictionary::row(number).map_or(0, |row| {
+        Volts::from_ratio(row.default, 10_i64.pow(row.exponent.min(0).unsigned_abs().into())).to_bits()
+    })
+}
+
+/// The control rates that a board may have, ticks a second: those of [`Board`](crate::motor::Board).
+fn tick_rate(rate: u32) -> Result<u32, SettingError> {
+    within("tick_rate", rate.into(), 1_000, 100_000, "Hz").map(|_| rate)
+}
+
+/// Ticks of so many milliseconds, at least 1.
+fn ticks(milliseconds: u32, rate: u32) -> u32 {
+    (u64::from(milliseconds) * u64::from(rate) / 1000).clamp(1, u32::MAX.into()) as u32
+}
+
+/// Raw I16F16 rev/s of 2^-32 turn a tick.
+fn speed_of_turns(rate: u32) -> Gain {
+    Gain::from_ratio(rate.into(), 65_536).unwrap_or(Gain::ZERO)
+}
+
+/// 2^-32 turn a tick of raw I16F16 rev/s.
+fn turns_of_speed(rate: u32) -> Gain {
+    Gain::from_ratio(65_536, rate.into()).unwrap_or(Gain::ZERO)
+}
+
+/// u32 turn of an angle in 0.01 degree.
+const fn turn_of_centidegrees(angle: i32) -> u32 {
+    (((angle as i64) << 32) / 36_000) as u32
+}

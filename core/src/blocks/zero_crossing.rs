@@ -1,0 +1,283 @@
+//! Zero crossings: terminals of a driven or coasting motor to crossing, angle, speed and the next commutation.
+
+use super::commutation::{self, CommutationSettings};
+use super::error::{SettingError, within};
+use super::{Position, speed_of_turns, tick_rate};
+use crate::motor::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint};
+use crate::motor::commutation::{Direction, Step};
+use crate::motor::commutator::{CommutatorCoefficients, time_in};
+use crate::motor::front_end::{Channel, FrontEnd};
+use crate::motor::gain::Gain;
+use crate::motor::listening::Listening;
+use crate::motor::measurement::ChannelScale;
+use crate::motor::pwm::PwmCommand;
+use crate::motor::rails::Rail;
+use crate::motor::samples::Samples;
+use crate::motor::zero_crossing::{Why, ZeroCrossing as Estimator};
+use crate::units::ElectricalSpeed;
+
+/// Settings of a [`ZeroCrossing`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ZeroCrossingSettings {
+    /// Ticks a second, 1 000 to 100 000 Hz.
+    pub tick_rate: u32,
+    /// Scale of the three phase terminals.
+    pub terminal: Channel,
+    /// Scale of the bus voltage.
+    pub bus_voltage: Channel,
+    /// Smallest signal that is told from noise, 1 to 255 codes of a terminal.
+    pub noise_codes: u8,
+    /// Least blanking after a commutation, 0 to 100 000 us (parameter 86).
+    pub blanking_us: u32,
+    /// Where in its period a new step acts, 1/65 536 of it; and the advance of the next commutation.
+    pub commutation: CommutationSettings,
+    /// Comparators with captured edges take the place of samples.
+    pub comparator: bool,
+    /// Delay of a rising crossing, -10 000 to 10 000 us (parameter 100).
+    pub delay_rising_us: i32,
+    /// Delay of a falling crossing, the same.
+    pub delay_falling_us: i32,
+    /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm (parameter 267); 0 unknown, then off-time crossings are not corrected for their threshold.
+    pub back_emf_uv_per_rpm: u32,
+    /// Pole pairs, 1 to 100.
+    pub pole_pairs: u16,
+    /// No crossing for this long is standstill, 1 to 32 767 ticks (parameter 85).
+    pub timeout_ticks: u16,
+}
+
+impl Default for ZeroCrossingSettings {
+    /// 10 kHz, narx's own converter, 4 codes of noise, 200 us of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is not known.
+    fn default() -> Self {
+        Self {
+            tick_rate: 10_000,
+            terminal: FrontEnd::NARX.phase_voltage,
+            bus_voltage: FrontEnd::NARX.bus_voltage,
+            noise_codes: 4,
+            blanking_us: 200,
+            commutation: CommutationSettings { advance_cdeg: 0, earliest: 8_192 },
+            comparator: false,
+            delay_rising_us: 0,
+            delay_falling_us: 0,
+            back_emf_uv_per_rpm: 0,
+            pole_pairs: 1,
+            timeout_ticks: 500,
+        }
+    }
+}
+
+/// What the terminals say after a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ZeroCrossingReading {
+    /// A crossing that was seen in this tick: how long before the present boundary, 1/65 536 tick; negative is after it.
+    pub crossing: Option<i32>,
+    /// What became of the last step's crossing.
+    pub why: Why,
+    /// How far the last accepted crossing lay behind its prediction, 65 536 a turn.
+    pub margin: i16,
+    /// Crossings accepted since it was built, wrapping.
+    pub accepted: u32,
+    /// Angle and speed at the present boundary, for a [`Commutation`](super::Commutation).
+    pub position: Position,
+    /// Electrical speed, signed, over up to a revolution, never more than the crossing that has not come allows; 0 while none is known.
+    pub speed: ElectricalSpeed,
+    /// The next commutation, this long after the present boundary, 1/65 536 tick: 0 is now, `None` that it is not known.
+    pub commutation: Option<u32>,
+    /// Six consistent crossings of both polarities: the position may close a loop.
+    pub running: bool,
+    /// This episode is over in this tick, and why: stalled (blind, late or silent for too long), or out of step. The bridge is to go off.
+    pub lost: Rail,
+}
+
+/// What is being done with the rotor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Mode {
+    /// It coasts, if it turns at all.
+    #[default]
+    Listening,
+    /// It is brought up from rest.
+    Starting,
+    /// Its crossings are regular.
+    Running,
+}
+
+/// The back-EMF of the floating phase and the estimator behind it, without a start sequence: [`start`](Self::start) after the rotor was aligned, or let it
+/// listen to a coasting motor until it is `running`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ZeroCrossing {
+    coefficients: BackEmfCoefficients,
+    commutator: CommutatorCoefficients,
+    bus_voltage: ChannelScale,
+    emf_of_turns: Gain,
+    speed_of_turns: Gain,
+    timeout: u32,
+    back_emf: BackEmf,
+    listening: Listening,
+    estimator: Estimator,
+    mode: Mode,
+}
+
+impl ZeroCrossing {
+    /// A motor that nothing has been seen of.
+    ///
+    /// # Errors
+    /// The setting that is out of range.
+    pub fn build(s: &ZeroCrossingSettings) -> Result<Self, SettingError> {
+        let rate = tick_rate(s.tick_rate)?;
+        let scale_max = Channel::MICRO_PER_CODE_MAX.into();
+        within("terminal", s.terminal.micro_per_code.into(), 1, scale_max, "uV/code")?;
+        within("bus_voltage", s.bus_voltage.micro_per_code.into(), 1, scale_max, "uV/code")?;
+        within("noise_codes", s.noise_codes.into(), 1, 255, "codes")?;
+        within("blanking_us", s.blanking_us.into(), 0, 100_000, "us")?;
+        within("delay_rising_us", s.delay_rising_us.into(), -10_000, 10_000, "us")?;
+        within("delay_falling_us", s.delay_falling_us.into(), -10_000, 10_000, "us")?;
+        within("back_emf_uv_per_rpm", s.back_emf_uv_per_rpm.into(), 0, 1_000_000, "uV/rpm")?;
+        within("pole_pairs", s.pole_pairs.into(), 1, 100, "")?;
+        within("timeout_ticks", s.timeout_ticks.into(), 1, 32_767, "ticks")?;
+        let commutator = commutation::coefficients(&s.commutation)?;
+        // 1/65 536 tick of a time in us.
+        let time = |us: i64| ((us * i64::from(rate)) << 16) / 1_000_000;
+        // V/rpm x 10^-6 to V per electrical rev/s, and per 2^-32 turn a tick.
+        let (emf, poles) = (i128::from(s.back_emf_uv_per_rpm) * 60, i128::from(s.pole_pairs));
+        let gain = |numerator, denominator| Gain::from_ratio(numerator, denominator).unwrap_or(Gain::ZERO);
+        let code = i64::from(s.terminal.micro_per_code);
+        let coefficients = BackEmfCoefficients {
+            terminal: ChannelScale::new(s.terminal, 0),
+            noise: (((code * i64::from(s.noise_codes)) << 16) / 1_000_000) as i32,
+            discard: time(s.blanking_us.into()) as u32,
+            earliest: commutator.earliest,
+            comparator: s.comparator,
+            delay_rising: time(s.delay_rising_us.into()) as i32,
+            delay_falling: time(s.delay_falling_us.into()) as i32,
+            back_emf: gain(emf, 1_000_000 * poles),
+        };
+        Ok(Self {
+            coefficients,
+            commutator,
+            bus_voltage: ChannelScale::new(s.bus_voltage, 0),
+            emf_of_turns: gain(emf * i128::from(rate), 1_000_000 * 65_536 * poles),
+            speed_of_turns: speed_of_turns(rate),
+            timeout: u32::from(s.timeout_ticks) << 16,
+            back_emf: BackEmf::default(),
+            listening: Listening::default(),
+            estimator: Estimator::default(),
+            mode: Mode::Listening,
+        })
+    }
+
+    /// The bridge is about to bring up a rotor that rests at `angle` (u32 turn) in `direction`.
+    pub fn start(&mut self, angle: u32, direction: Direction) {
+        self.estimator.start(angle, direction);
+        self.mode = Mode::Starting;
+    }
+
+    /// On by a step without any evidence: the rotor that is being brought up has not moved.
+    pub fn force_step(&mut self) {
+        self.estimator.force_step();
+    }
+
+    /// One tick: what was sampled (phase and bus voltages with their mode, edges of comparators), and the pattern that was in force in the period that has
+    /// ended, with torque in `torque`. Of `applied` the step, the commutations and the sampling instant count.
+    pub fn step(
+        &mut self,
+        samples: &Samples,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> ZeroCrossingReading {
+        self.estimator.advance();
+        let mut crossing = None;
+        if applied.step == Step::Coast && applied.commutations.is_empty() {
+            self.listen(samples, applied);
+        } else {
+            crossing = self.observe(samples, applied, torque);
+        }
+        let lost = self.settle();
+        self.reading(crossing, lost, applied, torque)
+    }
+
+    /// The bridge is off.
+    fn listen(&mut self, samples: &Samples, applied: &PwmCommand) {
+        self.back_emf = BackEmf::default();
+        self.estimator.begin_coasting();
+        if self.mode == Mode::Starting {
+            return;
+        }
+        let voltage = self.coefficients.terminal.convert_all(&samples.phase_voltage);
+        let heard = self.listening.step(&voltage, self.coefficients.noise, applied.sample_at);
+        if let Some(heard) = heard
+            && (heard.direction == self.estimator.direction() || self.listening.agrees())
+        {
+            self.estimator.observe_coasting(heard.place, heard.age, heard.direction);
+        }
+    }
+
+    /// The bridge is on.
+    fn observe(&mut self, samples: &Samples, applied: &PwmCommand, torque: Direction) -> Option<i32> {
+        self.listening.reset();
+        let speed = self.estimator.speed().saturating_abs();
+        let emf = self.emf_of_turns.apply32(speed);
+        let point = OperatingPoint { torque, interval: self.estimator.expected(), emf };
+        let bus_voltage = self.bus_voltage.convert(samples.bus_voltage);
+        let sight = self.back_emf.step(&self.coefficients, samples, bus_voltage, applied, &point);
+        if self.mode == Mode::Listening {
+            return None;
+        }
+        if self.estimator.observe(&sight, self.emf_of_turns, self.mode == Mode::Starting) {
+            return sight.crossing;
+        }
+        self.back_emf.reject();
+        None
+    }
+
+    /// Whether the loop may be closed, or has to be opened.
+    fn settle(&mut self) -> Rail {
+        let silent = self.estimator.since() >= self.timeout;
+        match self.mode {
+            Mode::Listening if silent || !self.listening.is_turning() => {}
+            Mode::Listening | Mode::Starting => {
+                if self.estimator.is_prepared() {
+                    self.mode = Mode::Running;
+                }
+            }
+            Mode::Running => {
+                let lost = if silent || self.estimator.is_lost() {
+                    Rail::Stall
+                } else if self.estimator.is_irregular() {
+                    Rail::Desynchronised
+                } else {
+                    return Rail::None;
+                };
+                self.mode = Mode::Listening;
+                return lost;
+            }
+        }
+        Rail::None
+    }
+
+    fn reading(
+        &self,
+        crossing: Option<i32>,
+        lost: Rail,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> ZeroCrossingReading {
+        let estimator = &self.estimator;
+        let (why, margin, accepted) = estimator.why();
+        let position = Position { angle: estimator.angle(), speed: estimator.speed() };
+        let known = self.mode == Mode::Running || estimator.is_prepared() || self.listening.is_turning();
+        let speed = if known && estimator.since() < self.timeout { estimator.speed_bounded() } else { 0 };
+        let step = applied.commutations.last().map_or(applied.step, |last| last.step);
+        let sector = step.rotor_sector(torque).filter(|_| self.mode != Mode::Listening);
+        ZeroCrossingReading {
+            crossing,
+            why,
+            margin,
+            accepted,
+            position,
+            speed: ElectricalSpeed::from_bits(self.speed_of_turns.apply32(speed)),
+            commutation: sector
+                .and_then(|sector| time_in(&self.commutator, sector, position.angle, position.speed, torque)),
+            running: self.mode == Mode::Running,
+            lost,
+        }
+    }
+}
