@@ -110,9 +110,12 @@ impl ControlTick<'_, '_> {
     #[cfg(not(thread_sanitizer))]
     #[inline]
     fn heed_event(&mut self) {
+        if !self.events.ready() {
+            return;
+        }
+        // That there is one was read without any ordering: on another processor its words may be seen later.
+        fence(Ordering::Acquire);
         if let Some(event) = self.events.peek() {
-            // That there is one was read without any ordering: on another processor its words may be seen later.
-            fence(Ordering::Acquire);
             self.scope.handle_event(event);
             self.drive.handle_event(event);
             self.events.dequeue();

@@ -808,6 +808,9 @@ typedef union narx_fields_t {
     } measurement_5;
 } narx_fields_t;
 
+// Room for the name and the unit of a setting, the closing 0 included.
+#define NARX_NAME_SIZE 24
+
 // 64-bit words of a drive on any processor.
 #define NARX_DRIVE_WORDS 800
 
@@ -948,50 +951,16 @@ enum narx_status_t
     NARX_ERROR_ENTRY = -34,
     // No such state of a CAN controller.
     NARX_ERROR_BUS_STATE = -35,
+    // A block cannot be built from its settings; narx_setting_error_t says which.
+    NARX_ERROR_SETTING = -36,
+    // An argument has a value that does not exist.
+    NARX_ERROR_ARGUMENT = -37,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
 typedef enum narx_status_t narx_status_t;
 #else
 typedef int32_t narx_status_t;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// Which part of the PWM cycle the phase voltages show.
-enum narx_sample_mode_t
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint8_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // In the off-time: referred to ground or to the mean of the three phases.
-    NARX_SAMPLE_MODE_OFF_TIME,
-    // In the middle of the on-time: referred to half the bus voltage.
-    NARX_SAMPLE_MODE_ON_TIME,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum narx_sample_mode_t narx_sample_mode_t;
-#else
-typedef uint8_t narx_sample_mode_t;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// How the current of a switched leg freewheels while its high side is off.
-enum narx_rectification_t
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint8_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // Through the low side's body diode. Current cannot reverse, so the motor cannot feed the bus.
-    NARX_RECTIFICATION_DIODE,
-    // Through the low-side switch (complementary PWM with dead time): less loss, current may reverse.
-    NARX_RECTIFICATION_SYNCHRONOUS,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum narx_rectification_t narx_rectification_t;
-#else
-typedef uint8_t narx_rectification_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -1033,6 +1002,44 @@ enum narx_step_t
 typedef enum narx_step_t narx_step_t;
 #else
 typedef uint8_t narx_step_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Which part of the PWM cycle the phase voltages show.
+enum narx_sample_mode_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // In the off-time: referred to ground or to the mean of the three phases.
+    NARX_SAMPLE_MODE_OFF_TIME,
+    // In the middle of the on-time: referred to half the bus voltage.
+    NARX_SAMPLE_MODE_ON_TIME,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum narx_sample_mode_t narx_sample_mode_t;
+#else
+typedef uint8_t narx_sample_mode_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How the current of a switched leg freewheels while its high side is off.
+enum narx_rectification_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Through the low side's body diode. Current cannot reverse, so the motor cannot feed the bus.
+    NARX_RECTIFICATION_DIODE,
+    // Through the low-side switch (complementary PWM with dead time): less loss, current may reverse.
+    NARX_RECTIFICATION_SYNCHRONOUS,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum narx_rectification_t narx_rectification_t;
+#else
+typedef uint8_t narx_rectification_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -1198,41 +1205,176 @@ typedef uint8_t narx_tx_kind_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// One channel of the converter: value = (code - zero) * micro_per_code / 1 000 000.
-typedef struct narx_channel_t {
-    // Nominal code at 0 V or 0 A, 0 to 4095.
-    uint16_t zero;
-    // Micro-units (uV or uA) of one code; positive.
-    int32_t micro_per_code;
-} narx_channel_t;
-
-// What a board promises the control core.
-typedef struct narx_board_t {
-    // Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
-    uint32_t tick_rate;
-    // First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
-    // narx_drive_step has returned.
-    uint16_t earliest;
-    // Both switches of a leg stay off this long between one and the other, ns.
-    uint16_t dead_time_ns;
-    // Not 0: the hall lines have time-stamping input captures.
-    uint8_t hall_capture;
-    // Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
-    uint8_t comparator_capture;
-    // Bus voltage, uV per code.
-    struct narx_channel_t bus_voltage;
-    // Terminal voltages of the three phases against ground, uV per code.
-    struct narx_channel_t phase_voltage;
-    // DC-link current, uA per code; positive from the supply into the bridge.
-    struct narx_channel_t bus_current;
-} narx_board_t;
-
-// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is the library's own. It must
-// neither move nor be copied after narx_drive_init; to end a drive, stop calling it.
-typedef struct narx_drive_t {
+// A commutation: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_commutator_t {
     // Private.
-    uint64_t words[NARX_DRIVE_WORDS];
-} narx_drive_t;
+    uint64_t words[4];
+} narx_commutator_t;
+
+// Settings of a narx_commutator_t.
+typedef struct narx_commutation_settings_t {
+    // Commutation ahead of its place, electrical, 0 to 3 000 in 0.01 degree.
+    uint16_t advance_cdeg;
+    // First instant of a period at which a new step can act, in 1/65 536 of it: when you have the answer.
+    uint16_t earliest;
+} narx_commutation_settings_t;
+
+// A setting that no block can be built from.
+typedef struct narx_setting_error_t {
+    // What it was.
+    int64_t value;
+    // Smallest value that builds, with the other settings as they are.
+    int64_t min;
+    // Largest value that builds.
+    int64_t max;
+    // Fraction bits of the three: 16 for a Q16, 0 for a count.
+    uint8_t fraction_bits;
+    // Name of the setting, as its field is called.
+    char setting[NARX_NAME_SIZE];
+    // Its unit, empty without one.
+    char unit[NARX_NAME_SIZE];
+} narx_setting_error_t;
+
+// One pattern change.
+typedef struct narx_commutation_t {
+    // When, in 1/65 536 of the period.
+    uint16_t instant;
+    // The pattern from then on.
+    narx_step_t step;
+} narx_commutation_t;
+
+// The steps of one period.
+typedef struct narx_steps_t {
+    // The step at the earliest instant.
+    narx_step_t step;
+    // How many of `commutations` count.
+    uint8_t commutation_count;
+    // Changes later in the period, in order of time.
+    struct narx_commutation_t commutations[NARX_COMMUTATIONS_MAX];
+} narx_steps_t;
+
+// Settings of a narx_fault_t. Quantities are Q16. How long each condition must hold stands beside its NARX_CAUSE_* in PROTOCOL.md.
+typedef struct narx_fault_settings_t {
+    // Ticks a second, 1 000 to 100 000 Hz.
+    uint32_t tick_rate;
+    // Largest bus voltage, 0 to 1 000 V; cleared 0.5 V below.
+    int32_t over_voltage;
+    // Least bus voltage, 0 V to 1 V below the largest; cleared 0.5 V above.
+    int32_t under_voltage;
+    // Largest magnitude of the mean DC-link current, 0 to 1 000 A; cleared 1/16 below.
+    int32_t over_current;
+    // Temperature of the shutdown, -100 to 1 000 degrees C; cleared 2 below.
+    int32_t over_temperature;
+    // Temperature of the warning, no more than that of the shutdown.
+    int32_t warning;
+    // Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below.
+    int32_t over_pressure;
+    // Largest electrical speed that is asked for, 0 to 10 000 rev/s: 30 % above is overspeed.
+    int32_t speed_max;
+    // Which bits are critical, sum of NARX_FAULT_*; what protects the power stage is critical while driving all the same.
+    uint32_t critical_mask;
+    // Torque without a hall edge for this long is a stall, 1 to 65 535 ms.
+    uint32_t hall_stall_ms;
+    // Digital inputs that shut down: sum of NARX_LINE_*.
+    uint8_t shutdown_lines;
+} narx_fault_settings_t;
+
+// Fault logic: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_fault_t {
+    // Private.
+    uint64_t words[23];
+} narx_fault_t;
+
+// What the fault logic looks at in one tick. Quantities are Q16; flags are not 0 where they hold. Zeroed, it is a board at rest without a
+// supply.
+typedef struct narx_evidence_t {
+    // Bus voltage.
+    int32_t bus_voltage;
+    // Mean DC-link current of this tick.
+    int32_t bus_current;
+    // The same after a first-order filter of 64 ticks.
+    int32_t bus_current_filtered;
+    // Temperature of the power stage.
+    int32_t temperature;
+    // Pressure reading, V.
+    int32_t pressure;
+    // Electrical speed, magnitude, rev/s.
+    int32_t speed;
+    // Faults of a parameter store: NARX_FAULT_STORE_*.
+    uint32_t store_faults;
+    // What sensorless control has failed of: NARX_CAUSE_SENSORLESS_STALL, _DESYNCHRONISATION or _WRONG_LOCK, or 0.
+    uint16_t sensorless;
+    // Digital inputs: sum of NARX_LINE_*.
+    uint8_t lines;
+    // What is asked for: 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown.
+    uint8_t request;
+    // A self-test has failed.
+    uint8_t self_test_failed;
+    // The hall code is 000 or 111.
+    uint8_t hall_invalid;
+    // The hall sensors have jumped over a sector.
+    uint8_t hall_jump;
+    // Sectors that the hall sensors have turned in this tick, signed.
+    int8_t hall_sectors;
+    // No hall edge for the hall time-out.
+    uint8_t hall_stopped;
+    // The hall closed loop is running: its sensors are judged.
+    uint8_t hall_driving;
+    // The bridge is on, or a start is about to turn it on.
+    uint8_t driving;
+    // Sign of the torque that was applied in the last tick: 1 forward, -1 reverse, 0 none.
+    int8_t torque;
+    // A phase is open.
+    uint8_t open_phase;
+} narx_evidence_t;
+
+// What the fault logic tells.
+typedef struct narx_faults_t {
+    // What is present or latched: sum of NARX_FAULT_*.
+    uint32_t word;
+    // What is latched of it.
+    uint32_t critical;
+    // Extended code of the first critical fault, a NARX_CAUSE_*; 0 without one.
+    uint16_t cause;
+    // Not 0: a critical fault is present, the bridge is to go off.
+    uint8_t present;
+    // Not 0: none of the latched causes is present any more.
+    uint8_t causes_gone;
+} narx_faults_t;
+
+// A change of state.
+typedef struct narx_change_t {
+    // State before: a narx_state_t.
+    uint8_t from;
+    // State after.
+    uint8_t to;
+    // Not 0: no command came for the time-out.
+    uint8_t timed_out;
+} narx_change_t;
+
+// Settings of a narx_hall_t.
+typedef struct narx_hall_settings_t {
+    // Ticks a second, 1 000 to 100 000 Hz.
+    uint32_t tick_rate;
+    // How far the edges lie beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
+    int32_t offset_cdeg;
+    // No edge for this long means standstill, ms, and no more than 65 535 ticks.
+    uint32_t timeout_ms;
+    // Slowest electrical speed that is interpolated between edges, Q16 rev/s.
+    int32_t interpolation_min;
+    // Which permutation of the lines, 0 to 5; 0 is A, B, C.
+    uint8_t order;
+    // Lines to invert before the permutation: bit 0 = A, bit 1 = B, bit 2 = C.
+    uint8_t polarity;
+    // Not 0: edges come time-stamped; else the level alone is looked at, once a tick.
+    uint8_t captured;
+} narx_hall_settings_t;
+
+// A hall station: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_hall_t {
+    // Private.
+    uint64_t words[14];
+} narx_hall_t;
 
 // One time-stamped edge.
 typedef struct narx_edge_t {
@@ -1243,6 +1385,173 @@ typedef struct narx_edge_t {
     // The three lines after the edge: bit 0 = A, bit 1 = B, bit 2 = C.
     uint8_t code;
 } narx_edge_t;
+
+// What the sensors say after a tick.
+typedef struct narx_hall_reading_t {
+    // Electrical angle at the present period's boundary, 2^32 a turn; for narx_commutation_step.
+    uint32_t angle;
+    // 2^-32 turn a tick, signed; for narx_commutation_step.
+    int32_t turn_speed;
+    // Electrical speed, Q16 rev/s, signed, never more than the edge that has not come allows.
+    int32_t speed;
+    // 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; 255 until the first valid code.
+    uint8_t sector;
+    // Sectors turned in this tick, signed.
+    int8_t sectors;
+    // Not 0: the code is 000 or 111 now.
+    uint8_t invalid;
+    // Not 0: a sector was jumped over in this tick.
+    uint8_t jump;
+    // Not 0: no edge for the time-out.
+    uint8_t stopped;
+    // Not 0: torque by this position could be torque in any direction.
+    uint8_t doubtful;
+} narx_hall_reading_t;
+
+// A PI controller: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_pi_t {
+    // Private.
+    uint64_t words[5];
+} narx_pi_t;
+
+// A factor: `mantissa` x 2^-`shift`. A gain in IQ24 is {gain, 24}, one in Q15 {gain, 15}.
+typedef struct narx_gain_t {
+    // 0 to 2^30 - 1.
+    int32_t mantissa;
+    // Fraction bits, 0 to 62.
+    uint8_t shift;
+} narx_gain_t;
+
+// Settings of a narx_pi_t. Errors and outputs are Q16 in units of your choice.
+typedef struct narx_pi_settings_t {
+    // Kp: output per error.
+    struct narx_gain_t proportional;
+    // Ki: output per error and second.
+    struct narx_gain_t integral;
+    // Steps a second, 1 to 1 000 000 Hz.
+    uint32_t step_rate;
+    // Least output, Q16.
+    int32_t minimum;
+    // Largest output, Q16, not below the least.
+    int32_t maximum;
+} narx_pi_settings_t;
+
+// A ramp: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_ramp_t {
+    // Private.
+    uint64_t words[3];
+} narx_ramp_t;
+
+// Settings of a narx_ramp_t.
+typedef struct narx_ramp_settings_t {
+    // Steepest change, Q16 a second, more than 0.
+    int32_t rate;
+    // Steps a second, 1 to 1 000 000 Hz.
+    uint32_t step_rate;
+} narx_ramp_settings_t;
+
+// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; flags are not 0 where they hold.
+typedef struct narx_state_settings_t {
+    // Ticks a second, 1 000 to 100 000 Hz.
+    uint32_t tick_rate;
+    // Boot time.
+    uint32_t boot_ms;
+    // Rotor lock.
+    uint32_t lock_ms;
+    // Open loop before sensorless.
+    uint32_t open_loop_ms;
+    // Auto-restart.
+    uint32_t auto_restart_ms;
+    // Wait before a fault can be acknowledged.
+    uint32_t fault_wait_ms;
+    // No command for so long while driving is a fault.
+    uint32_t command_timeout_ms;
+    // Open loop may run the motor.
+    uint8_t open_loop;
+    // The sensorless loop may run the motor.
+    uint8_t sensorless;
+    // The hall loop may run the motor, before the others.
+    uint8_t hall;
+} narx_state_settings_t;
+
+// A state machine: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_state_machine_t {
+    // Private.
+    uint64_t words[9];
+} narx_state_machine_t;
+
+// What the machine looks at in one tick; flags are not 0 where they hold.
+typedef struct narx_state_inputs_t {
+    // A critical fault is present.
+    uint8_t critical;
+    // Self-tests or parameter store failed.
+    uint8_t unhealthy;
+    // None of the latched faults' causes is present.
+    uint8_t causes_gone;
+    // Estimated speed is 0, as the running mode judges it.
+    uint8_t stopped;
+    // A hall calibration has a result.
+    uint8_t calibrated;
+    // The present parameters fit each other.
+    uint8_t parameters_fit;
+} narx_state_inputs_t;
+
+// Where the machine stands.
+typedef struct narx_state_report_t {
+    // Ticks in this state, saturating.
+    uint32_t age;
+    // A narx_state_t.
+    uint8_t state;
+    // Direction of this start: 0 forward, 1 reverse.
+    uint8_t direction;
+    // Why the last start was refused: 0 it was not, 1 no mode is enabled, 2 parameters, 4 Standby was not requested since the last stop.
+    uint8_t refusal;
+    // Not 0: this tick turns the bridge on unless something refuses it.
+    uint8_t starting;
+} narx_state_report_t;
+
+// One channel of the converter: value = (code - zero) * micro_per_code / 1 000 000.
+typedef struct narx_channel_t {
+    // Nominal code at 0 V or 0 A, 0 to 4095.
+    uint16_t zero;
+    // Micro-units (uV or uA) of one code; positive.
+    int32_t micro_per_code;
+} narx_channel_t;
+
+// Settings of a narx_zero_crossing_t.
+typedef struct narx_zero_crossing_settings_t {
+    // Ticks a second, 1 000 to 100 000 Hz.
+    uint32_t tick_rate;
+    // Least blanking after a commutation, 0 to 100 000 us.
+    uint32_t blanking_us;
+    // Delay of a rising crossing, -10 000 to 10 000 us.
+    int32_t delay_rising_us;
+    // Delay of a falling crossing, the same.
+    int32_t delay_falling_us;
+    // Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm; 0 unknown, then crossings in the off-time are not corrected for their
+    // threshold.
+    uint32_t back_emf_uv_per_rpm;
+    // Scale of the three phase terminals.
+    struct narx_channel_t terminal;
+    // Scale of the bus voltage.
+    struct narx_channel_t bus_voltage;
+    // Where in its period a new step acts, and the advance of the next commutation.
+    struct narx_commutation_settings_t commutation;
+    // Pole pairs, 1 to 100.
+    uint16_t pole_pairs;
+    // No crossing for this long is standstill, 1 to 32 767 ticks.
+    uint16_t timeout_ticks;
+    // Smallest signal that is told from noise, 1 to 255 codes of a terminal.
+    uint8_t noise_codes;
+    // Not 0: comparators with captured edges take the place of samples.
+    uint8_t comparator;
+} narx_zero_crossing_settings_t;
+
+// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_zero_crossing_t {
+    // Private.
+    uint64_t words[36];
+} narx_zero_crossing_t;
 
 // Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the command before
 // asked for.
@@ -1273,13 +1582,72 @@ typedef struct narx_samples_t {
     struct narx_edge_t edges[NARX_EDGES_MAX];
 } narx_samples_t;
 
-// One pattern change.
-typedef struct narx_commutation_t {
-    // When, in 1/65 536 of the period.
-    uint16_t instant;
-    // The pattern from then on.
-    narx_step_t step;
-} narx_commutation_t;
+// The pattern that was in force in the period that has ended.
+typedef struct narx_applied_t {
+    // When the phases were sampled, in 1/65 536 of the period.
+    uint16_t sample_at;
+    // The step at its earliest instant: a narx_step_t.
+    uint8_t step;
+    // How many changes followed.
+    uint8_t commutation_count;
+    // Their instants, in 1/65 536 of the period.
+    uint16_t instants[NARX_COMMUTATIONS_MAX];
+    // The steps from then on.
+    uint8_t steps[NARX_COMMUTATIONS_MAX];
+} narx_applied_t;
+
+// What the terminals say after a tick.
+typedef struct narx_zero_crossing_reading_t {
+    // A crossing that was seen in this tick: how long before the present boundary, 1/65 536 tick; INT32_MIN without one.
+    int32_t crossing;
+    // The next commutation, this long after the present boundary, 1/65 536 tick: 0 is now, UINT32_MAX that it is not known.
+    uint32_t commutation;
+    // Electrical angle at the present boundary, 2^32 a turn; for narx_commutation_step.
+    uint32_t angle;
+    // 2^-32 turn a tick, signed; for narx_commutation_step.
+    int32_t turn_speed;
+    // Electrical speed, Q16 rev/s, signed; 0 while none is known.
+    int32_t speed;
+    // Crossings accepted since narx_zero_crossing_init, wrapping.
+    uint32_t accepted;
+    // How far the last accepted crossing lay behind its prediction, 65 536 a turn.
+    int16_t margin;
+    // What became of the last step's crossing: 0 none yet, 1 accepted, 2 too early, 3 not seen, 4 hidden by demagnetisation, 5 heard from a
+    // coasting motor.
+    uint8_t why;
+    // Not 0: six consistent crossings of both polarities; the position may close a loop.
+    uint8_t running;
+    // Not 0: the bridge is to go off: 1 stalled, 2 out of step.
+    uint8_t lost;
+} narx_zero_crossing_reading_t;
+
+// What a board promises the control core.
+typedef struct narx_board_t {
+    // Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
+    uint32_t tick_rate;
+    // First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
+    // narx_drive_step has returned.
+    uint16_t earliest;
+    // Both switches of a leg stay off this long between one and the other, ns.
+    uint16_t dead_time_ns;
+    // Not 0: the hall lines have time-stamping input captures.
+    uint8_t hall_capture;
+    // Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
+    uint8_t comparator_capture;
+    // Bus voltage, uV per code.
+    struct narx_channel_t bus_voltage;
+    // Terminal voltages of the three phases against ground, uV per code.
+    struct narx_channel_t phase_voltage;
+    // DC-link current, uA per code; positive from the supply into the bridge.
+    struct narx_channel_t bus_current;
+} narx_board_t;
+
+// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is the library's own. It must
+// neither move nor be copied after narx_drive_init; to end a drive, stop calling it.
+typedef struct narx_drive_t {
+    // Private.
+    uint64_t words[NARX_DRIVE_WORDS];
+} narx_drive_t;
 
 // The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k + 1.
 typedef struct narx_pwm_command_t {
@@ -1586,6 +1954,162 @@ typedef struct narx_scope_t {
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+// The step that gives torque in `towards` (0 forward, 1 reverse) to a rotor in `sector`, 0 to 5. Any context; no state.
+narx_status_t narx_commutation_step_for(uint8_t sector,
+                                        uint8_t towards,
+                                        narx_step_t *step);
+
+// What a step (a narx_step_t) does to the legs of phases A, B, C: 0 both switches off, 1 low side on, 2 switched with the duty; in
+// `legs`, 3 bytes. Any context; no state.
+narx_status_t narx_commutation_legs(uint8_t step,
+                                    uint8_t *legs);
+
+// Makes a commutation that has not seen a rotor yet. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
+// which.
+narx_status_t narx_commutation_init(struct narx_commutator_t *commutation,
+                                    size_t size,
+                                    const struct narx_commutation_settings_t *settings,
+                                    struct narx_setting_error_t *error);
+
+// The steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed` (2^-32 turn a tick, signed), both at its
+// boundary, and torque in `towards` (0 forward, 1 reverse). A rotor that seems to have fallen back by less than 15 degrees is not commutated
+// back.
+narx_status_t narx_commutation_step(struct narx_commutator_t *commutation,
+                                    uint32_t angle,
+                                    int32_t turn_speed,
+                                    uint8_t towards,
+                                    struct narx_steps_t *steps);
+
+// Forgets the sector: the bridge was off.
+narx_status_t narx_commutation_reset(struct narx_commutator_t *commutation);
+
+// The drive's factory values at 10 kHz; no speed is too high: to change what differs.
+narx_status_t narx_fault_settings_default(struct narx_fault_settings_t *settings);
+
+// Makes fault logic without a fault. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an
+// interrupt: it divides.
+narx_status_t narx_fault_init(struct narx_fault_t *fault,
+                              size_t size,
+                              const struct narx_fault_settings_t *settings,
+                              struct narx_setting_error_t *error);
+
+// One tick. A critical fault latches.
+narx_status_t narx_fault_step(struct narx_fault_t *fault,
+                              const struct narx_evidence_t *evidence,
+                              struct narx_faults_t *faults);
+
+// What the fault logic does as the state machine beside it (narx_state_step) changes its state: a time-out and a failed boot are latched,
+// leaving Fault acknowledges, and sensors are judged anew in every driven episode.
+narx_status_t narx_fault_handle_change(struct narx_fault_t *fault,
+                                       const struct narx_change_t *change,
+                                       const struct narx_evidence_t *evidence);
+
+// Clears what is latched if none of its causes is present any more; else NARX_ERROR_WRONG_STATE, and nothing is done.
+narx_status_t narx_fault_acknowledge(struct narx_fault_t *fault);
+
+// 10 kHz, lines as they are named, the factory's time-out, 1 rev/s, captured edges: to change what differs.
+narx_status_t narx_hall_settings_default(struct narx_hall_settings_t *settings);
+
+// Makes a station that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+narx_status_t narx_hall_init(struct narx_hall_t *hall,
+                             size_t size,
+                             const struct narx_hall_settings_t *settings,
+                             struct narx_setting_error_t *error);
+
+// One tick: the lines now (bit 0 = A, bit 1 = B, bit 2 = C), and the `count` edges of the period that has ended, oldest first, at most
+// NARX_EDGES_MAX; `edge` may be NULL without any.
+narx_status_t narx_hall_step(struct narx_hall_t *hall,
+                             uint8_t code,
+                             const struct narx_edge_t *edge,
+                             size_t count,
+                             struct narx_hall_reading_t *reading);
+
+// Makes a controller at rest: its integrator is 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
+// which. Not for an interrupt: it divides.
+narx_status_t narx_pi_init(struct narx_pi_t *pi,
+                           size_t size,
+                           const struct narx_pi_settings_t *settings,
+                           struct narx_setting_error_t *error);
+
+// The output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The integrator never holds more than brings the output
+// to one of them.
+narx_status_t narx_pi_step(struct narx_pi_t *pi,
+                           int32_t error,
+                           int32_t *output);
+
+// Something else decided `applied` (Q16) in this step, whose error was `error`: the integrator goes an eighth of the way to what would have
+// given that, so that the controller takes over again without a bump.
+narx_status_t narx_pi_track(struct narx_pi_t *pi,
+                            int32_t applied,
+                            int32_t error);
+
+// The integrator alone gives `output` (Q16) from now on.
+narx_status_t narx_pi_hold(struct narx_pi_t *pi, int32_t output);
+
+// Makes a ramp at 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an interrupt: it
+// divides.
+narx_status_t narx_ramp_init(struct narx_ramp_t *ramp,
+                             size_t size,
+                             const struct narx_ramp_settings_t *settings,
+                             struct narx_setting_error_t *error);
+
+// One step towards `target`; where it is then in `value`. Both Q16.
+narx_status_t narx_ramp_step(struct narx_ramp_t *ramp, int32_t target, int32_t *value);
+
+// Continues from `value`, Q16.
+narx_status_t narx_ramp_set(struct narx_ramp_t *ramp, int32_t value);
+
+// The drive's factory values at 10 kHz, with hall sensors: to change what differs.
+narx_status_t narx_state_settings_default(struct narx_state_settings_t *settings);
+
+// Makes a machine in Initialization. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+narx_status_t narx_state_init(struct narx_state_machine_t *machine,
+                              size_t size,
+                              const struct narx_state_settings_t *settings,
+                              struct narx_setting_error_t *error);
+
+// A command has arrived: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point, Q16 rev/s. It feeds the
+// time-out. Standby acknowledges a fault; Drive and Reverse start the motor if Standby was asked for before.
+narx_status_t narx_state_handle_command(struct narx_state_machine_t *machine,
+                                        uint8_t mode,
+                                        int32_t speed);
+
+// One tick: time passes, at most one transition fires: NARX_OK and what it was, or NARX_NOTHING.
+narx_status_t narx_state_step(struct narx_state_machine_t *machine,
+                              const struct narx_state_inputs_t *inputs,
+                              struct narx_change_t *change);
+
+// Where it stands.
+narx_status_t narx_state_report(struct narx_state_machine_t *machine,
+                                struct narx_state_report_t *report);
+
+// 10 kHz, narx's own converter, 4 codes of noise, 200 us of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is not
+// known: to change what differs.
+narx_status_t narx_zero_crossing_settings_default(struct narx_zero_crossing_settings_t *settings);
+
+// Makes a detector of a motor that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL,
+// says which. Not for an interrupt: it divides.
+narx_status_t narx_zero_crossing_init(struct narx_zero_crossing_t *detector,
+                                      size_t size,
+                                      const struct narx_zero_crossing_settings_t *settings,
+                                      struct narx_setting_error_t *error);
+
+// The bridge is about to bring up a rotor that rests at `angle` (2^32 a turn) in `towards` (0 forward, 1 reverse).
+narx_status_t narx_zero_crossing_start(struct narx_zero_crossing_t *detector,
+                                       uint32_t angle,
+                                       uint8_t towards);
+
+// On by a step without any evidence: the rotor that is being brought up has not moved.
+narx_status_t narx_zero_crossing_force_step(struct narx_zero_crossing_t *detector);
+
+// One tick: what was sampled (phase and bus voltages with their mode, edges of comparators), and the pattern that was in force in the
+// period that has ended, with torque in `towards` (0 forward, 1 reverse).
+narx_status_t narx_zero_crossing_step(struct narx_zero_crossing_t *detector,
+                                      const struct narx_samples_t *samples,
+                                      const struct narx_applied_t *applied,
+                                      uint8_t towards,
+                                      struct narx_zero_crossing_reading_t *reading);
 
 // The default board, to change what differs on yours: 10 kHz, a tick that takes at most 12.5 us, 500 ns dead time, 12-bit
 // converters to 80 V and +-16.4 A.

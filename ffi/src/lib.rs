@@ -13,6 +13,8 @@
 //!   scope       the memory of its virtual scope   narx_scope_*
 //!   message     NarMotion-X messages              narx_message_*
 //!   master      the master of a drive             narx_master_*
+//!   blocks      the stations of the drive alone   narx_pi_*, narx_ramp_*, narx_hall_*, narx_zero_crossing_*,
+//!                                                 narx_commutation_*, narx_fault_*, narx_state_*
 //!   eddycan     the TX-Driver and its master      narx_tx_*
 //!   recording   replay                            narx_replay*
 //! ```
@@ -22,6 +24,7 @@
 #![allow(non_camel_case_types, reason = "types have the names that C knows them by")]
 #![allow(clippy::missing_safety_doc, reason = "one rule for all pointers stands at the head of narx.h")]
 
+mod blocks;
 mod board;
 mod bus_state;
 mod device;
@@ -40,6 +43,7 @@ mod scope;
 mod status;
 mod text;
 
+pub use blocks::*;
 pub use board::{narx_board_default, narx_board_t, narx_channel_t};
 pub use bus_state::narx_bus_state_t;
 pub use device::{

@@ -45,6 +45,16 @@ pub(crate) unsafe fn bytes<'a>(pointer: *const u8, length: usize) -> Result<&'a 
     Ok(unsafe { core::slice::from_raw_parts(pointer, length) })
 }
 
+/// So many of what `pointer` shows.
+///
+/// # Safety
+/// NULL, misaligned, or readable as `count` times `T` while the result lives.
+pub(crate) unsafe fn slice<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], narx_status_t> {
+    check(pointer)?;
+    // SAFETY: neither NULL nor misaligned, so readable as the caller promises.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
+}
+
 /// Neither NULL nor misaligned.
 pub(crate) fn check<T>(pointer: *const T) -> Result<(), narx_status_t> {
     if pointer.is_null() {

@@ -83,6 +83,10 @@ pub enum narx_status_t {
     NARX_ERROR_ENTRY = -34,
     /// No such state of a CAN controller.
     NARX_ERROR_BUS_STATE = -35,
+    /// A block cannot be built from its settings; narx_setting_error_t says which.
+    NARX_ERROR_SETTING = -36,
+    /// An argument has a value that does not exist.
+    NARX_ERROR_ARGUMENT = -37,
 }
 
 use narx_status_t::*;
@@ -105,7 +109,7 @@ pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
     known.map_or(c"unknown status", |known| text(*known)).as_ptr()
 }
 
-const ALL: [narx_status_t; 37] = [
+const ALL: [narx_status_t; 39] = [
     NARX_OK,
     NARX_NOTHING,
     NARX_ERROR_NULL,
@@ -143,6 +147,8 @@ const ALL: [narx_status_t; 37] = [
     NARX_ERROR_UNKNOWN_ENTRY,
     NARX_ERROR_ENTRY,
     NARX_ERROR_BUS_STATE,
+    NARX_ERROR_SETTING,
+    NARX_ERROR_ARGUMENT,
 ];
 
 const fn text(status: narx_status_t) -> &'static CStr {
@@ -184,6 +190,8 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_UNKNOWN_ENTRY => c"no entry has this number",
         NARX_ERROR_ENTRY => c"the node refuses to read or write the entry",
         NARX_ERROR_BUS_STATE => c"no such state of a CAN controller",
+        NARX_ERROR_SETTING => c"a setting is out of its range",
+        NARX_ERROR_ARGUMENT => c"an argument has a value that does not exist",
     }
 }
 

@@ -343,11 +343,11 @@ static void every_status_has_words(void)
     int32_t status;
 
     CHECK(strcmp(narx_version(), "") != 0);
-    for (status = NARX_NOTHING; status >= NARX_ERROR_BUS_STATE; status--) {
+    for (status = NARX_NOTHING; status >= NARX_ERROR_ARGUMENT; status--) {
         CHECK(strcmp(narx_status_text(status), "unknown status") != 0);
     }
     CHECK(strcmp(narx_status_text(NARX_NOTHING + 1), "unknown status") == 0);
-    CHECK(strcmp(narx_status_text(NARX_ERROR_BUS_STATE - 1), "unknown status") == 0);
+    CHECK(strcmp(narx_status_text(NARX_ERROR_ARGUMENT - 1), "unknown status") == 0);
     CHECK(strcmp(narx_status_text(INT32_MIN), "unknown status") == 0);
 }
 

@@ -121,8 +121,7 @@ pub unsafe extern "C" fn narx_tx_driver_handle_sample(
     let positions = [position_1, position_2].map(Position::from_raw);
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(
-        unsafe { handle::object(driver) }
-            .map(|driver| driver.handle_sample(Sample { positions, counter })),
+        unsafe { handle::object(driver) }.map(|driver| driver.handle_sample(Sample { positions, counter })),
     )
 }
 
@@ -151,7 +150,10 @@ pub unsafe extern "C" fn narx_tx_driver_poll(driver: *mut narx_tx_driver_t, now:
 
 /// When to poll again at the latest if nothing is handled until then, microseconds; UINT64_MAX for never.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn narx_tx_driver_next_poll(driver: *mut narx_tx_driver_t, at: *mut u64) -> narx_status_t {
+pub unsafe extern "C" fn narx_tx_driver_next_poll(
+    driver: *mut narx_tx_driver_t,
+    at: *mut u64,
+) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe {
         handle::object(driver).and_then(|driver| pointer::write(at, driver.next_poll()))
@@ -193,7 +195,10 @@ pub unsafe extern "C" fn narx_tx_driver_poll_store(
 /// Takes whether what narx_tx_driver_poll_store handed out is stored: not 0 if it is. A board that could not read its memory at power-up says
 /// 0, too.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn narx_tx_driver_handle_store(driver: *mut narx_tx_driver_t, done: u8) -> narx_status_t {
+pub unsafe extern "C" fn narx_tx_driver_handle_store(
+    driver: *mut narx_tx_driver_t,
+    done: u8,
+) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { handle::object(driver) }.map(|driver| driver.handle_store(done != 0)))
 }

@@ -124,7 +124,9 @@ pub unsafe extern "C" fn narx_tx_message_encode(
 /// What a master sends, or `None` if a node sends it.
 fn to_node(message: &narx_tx_message_t) -> Result<Option<ToNode>, narx_status_t> {
     let &narx_tx_message_t { kind, node: number, command, index, subindex, size, value, .. } = message;
-    let sdo = |action| Ok(Some(ToNode::Sdo { node: node(number)?, request: SdoRequest { index, subindex, action } }));
+    let sdo = |action| {
+        Ok(Some(ToNode::Sdo { node: node(number)?, request: SdoRequest { index, subindex, action } }))
+    };
     match kind {
         kind if kind == Kind::Nmt as u8 => {
             let command = NmtCommand::decode(command).ok_or(NARX_ERROR_FIELD)?;
@@ -275,10 +277,9 @@ impl From<DecodeError> for narx_status_t {
     fn from(error: DecodeError) -> Self {
         match error {
             DecodeError::Value | DecodeError::NmtCommand(_) => NARX_ERROR_FIELD,
-            DecodeError::ExtendedId
-            | DecodeError::Identifier
-            | DecodeError::Remote
-            | DecodeError::Length => NARX_ERROR_NOT_A_MESSAGE,
+            DecodeError::ExtendedId | DecodeError::Identifier | DecodeError::Remote | DecodeError::Length => {
+                NARX_ERROR_NOT_A_MESSAGE
+            }
         }
     }
 }

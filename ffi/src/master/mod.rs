@@ -4,8 +4,8 @@ mod download;
 mod requests;
 
 pub use download::{
-    narx_chunk_t, narx_download_kind_t, narx_master_abort_download, narx_master_download, narx_master_poll_chunk,
-    narx_master_poll_download,
+    narx_chunk_t, narx_download_kind_t, narx_master_abort_download, narx_master_download,
+    narx_master_poll_chunk, narx_master_poll_download,
 };
 pub use requests::{
     narx_answer_t, narx_master_poll_answer, narx_master_request, narx_request_kind_t, narx_request_t,
@@ -107,8 +107,7 @@ pub unsafe extern "C" fn narx_master_init(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {
-        let config =
-            if config.is_null() { Config::default() } else { Config::from(pointer::read(config)?) };
+        let config = if config.is_null() { Config::default() } else { Config::from(pointer::read(config)?) };
         handle::init(master, size, || Ok(Master::new(config)))
     };
     pointer::status(run())

@@ -42,8 +42,10 @@ const NUMBERS: &str = "core/src/dictionary/number.rs";
 
 fn header(root: &Path) -> Result<String, String> {
     let config = Config::from_file(root.join("ffi/cbindgen.toml"))?;
-    let mut builder =
-        Builder::new().with_config(config).with_crate(root.join("ffi")).with_after_include(numbers(root)? + "\n" + &tables::definitions());
+    let mut builder = Builder::new()
+        .with_config(config)
+        .with_crate(root.join("ffi"))
+        .with_after_include(numbers(root)? + "\n" + &tables::definitions());
     for file in ENUMERATIONS {
         builder = builder.with_src(root.join(file));
     }

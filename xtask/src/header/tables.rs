@@ -22,7 +22,12 @@ pub(super) fn definitions() -> String {
     }
     for row in Cause::TABLE {
         let name = format!("CAUSE_{}", constant(&spaced(&format!("{:?}", row.cause))));
-        define(&mut out, &format!("Extended fault code: {}.", row.meaning), &name, u32::from(row.cause as u16));
+        define(
+            &mut out,
+            &format!("Extended fault code: {}.", row.meaning),
+            &name,
+            u32::from(row.cause as u16),
+        );
     }
     for object in &OBJECTS {
         let name = format!("TX_ENTRY_{}", constant(&spaced(&format!("{:?}", object.entry))));
@@ -30,7 +35,8 @@ pub(super) fn definitions() -> String {
             Some(subindex) => format!("{:04X}h.{subindex}", object.index),
             None => format!("{:04X}h", object.index),
         };
-        let about = format!("{address} {}, {} to {}. {}", object.name, object.min, object.max, object.description);
+        let about =
+            format!("{address} {}, {} to {}. {}", object.name, object.min, object.max, object.description);
         define(&mut out, &about, &name, object.entry as u32);
     }
     let kinds = MESSAGES.iter().map(|message| {
@@ -74,7 +80,9 @@ fn about(field: &Field) -> String {
         Meaning::Number if field.unit == "-" => String::new(),
         Meaning::Number if field.exponent == 0 => unit,
         Meaning::Number => format!("10^{} {unit}", field.exponent),
-        Meaning::Named(names) if names.values.len() > 2 => format!("a narx_{}_t", constant(names.of).to_lowercase()),
+        Meaning::Named(names) if names.values.len() > 2 => {
+            format!("a narx_{}_t", constant(names.of).to_lowercase())
+        }
         Meaning::Named(names) => {
             names.values.iter().map(|(value, name)| format!("{value} {name}")).collect::<Vec<_>>().join(", ")
         }
@@ -85,12 +93,7 @@ fn about(field: &Field) -> String {
     if text.is_empty() { text } else { format!(" // {text}") }
 }
 
-fn enumeration(
-    out: &mut String,
-    about: &str,
-    name: &str,
-    values: impl Iterator<Item = (String, u32)>,
-) {
+fn enumeration(out: &mut String, about: &str, name: &str, values: impl Iterator<Item = (String, u32)>) {
     line(out, format_args!("// {about}\ntypedef enum narx_{name}_t {{"));
     for (name, value) in values {
         line(out, format_args!("    NARX_{name} = {value},"));

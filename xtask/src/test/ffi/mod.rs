@@ -40,14 +40,14 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("C header", move || header::regenerate(root, true)),
         Step::new("C tools", || install::debian(&PACKAGES)),
         Step::new("C targets", || {
-            Processor::ALL.iter().try_for_each(|processor| install::rust_target(processor.target()).map(drop))?;
+            Processor::ALL
+                .iter()
+                .try_for_each(|processor| install::rust_target(processor.target()).map(drop))?;
             Ok(Vec::new())
         }),
         Step::new("C library", move || libraries(root)),
         Step::new("C programs", move || programs(root)),
-        Step::new("C on x86-64", move || {
-            Ok([run(root, Build::Gcc)?, run(root, Build::Clang)?].concat())
-        }),
+        Step::new("C on x86-64", move || Ok([run(root, Build::Gcc)?, run(root, Build::Clang)?].concat())),
         Step::new("C sanitized", move || watched::sanitized(root)),
         Step::new("C valgrind", move || watched::valgrind(root)),
         Step::new("C cppcheck", move || watched::cppcheck(root)),
