@@ -8,18 +8,12 @@
 static narx_drive_t drive;
 static narx_scope_t scope;
 
-/* At power-up, with interrupts off: parameters of the motor come from your store, or over CAN. */
-narx_status_t drive_init(const narx_board_t *board)
+/* At power-up, with interrupts off: `count` parameters that your store holds. */
+narx_status_t drive_init(const narx_board_t *board, const narx_stored_t *stored, size_t count)
 {
-    const narx_status_t status = narx_drive_init(&drive, sizeof drive, board);
+    const narx_status_t status = narx_drive_init_stored(&drive, sizeof drive, board, NULL, stored, count);
 
     return status != NARX_OK ? status : narx_drive_attach_scope(&drive, &scope, sizeof scope);
-}
-
-/* Parameters that your store holds, before the first control interrupt. */
-narx_status_t drive_set(uint16_t number, int32_t value)
-{
-    return narx_drive_set_parameter(&drive, number, value);
 }
 
 /* The control interrupt, once a PWM period. It may strike anywhere in drive_loop. An error is answered with coast. */

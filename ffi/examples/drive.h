@@ -5,8 +5,7 @@
 
 #include "narx.h"
 
-narx_status_t drive_init(const narx_board_t *board);
-narx_status_t drive_set(uint16_t number, int32_t value);
+narx_status_t drive_init(const narx_board_t *board, const narx_stored_t *stored, size_t count);
 void drive_interrupt(void);
 void drive_loop(void);
 

@@ -14,11 +14,11 @@ static narx_state_inputs_t inputs;
 static int next(void)
 {
     narx_change_t change;
-    narx_status_t status;
     int tick;
 
     for (tick = 0; tick < 10000; tick++) {
-        status = narx_state_step(&machine, &inputs, &change);
+        const narx_status_t status = narx_state_step(&machine, &inputs, &change);
+
         if (status == NARX_OK) {
             printf("after %4d ticks: %d -> %d\n", tick + 1, change.from, change.to);
             return change.to;

@@ -17,28 +17,56 @@
  *     while (narx_drive_poll_frame(&drive, &frame) == NARX_OK) send(&frame);    then what it takes
  *
  *
+ * What else there is
+ *
+ *     narx_pi_*, _ramp_*, _hall_*, _zero_crossing_*,      the drive's blocks one by one, for a driver of
+ *     _commutation_*, _fault_*, _state_*                  your own
+ *     narx_q16_*, _iq24_*, _q15_*, _q12_*                 its number formats and yours
+ *     narx_message_*, narx_tx_message_*                   frames to meaning and back
+ *     narx_master_*                                       the other end of the bus: a drive's master
+ *     narx_tx_driver_*, narx_tx_master_*                  the TX-Driver, another device, and its master
+ *     narx_replay*                                        recordings
+ *
+ *
  * Which call may interrupt which
  *
- *     A drive has two halves that share nothing but two queues. The tick half is narx_drive_step;
- *     the background half is narx_drive_run, _handle_frame, _poll_frame, _set_parameter and
- *     _get_parameter. Either half may interrupt the other at any instruction, or run on another
- *     thread or processor. Within a half, calls for one drive must not interrupt each other.
- *     Different drives have nothing in common: the library has no variables.
+ *     A drive has two halves that share nothing but queues. The tick half is narx_drive_step; the
+ *     background half is every other narx_drive_* call. Either half may interrupt the other at any
+ *     instruction, or run on another thread or processor. Within a half, calls for one drive must
+ *     not interrupt each other; narx_drive_init, _init_stored and _attach_scope come before both.
+ *
+ *     Any other object has one half: calls for one of them must not interrupt each other. A block's
+ *     step belongs where you call it from, mostly the control interrupt; its init to power-up.
+ *     "Any context" says that a call has no object at all.
+ *
+ *     Different objects have nothing in common: the library has no variables.
  *
  *
  * Memory
  *
  *     All memory is the caller's; the library has no heap. It keeps no pointer that it is given
- *     but the drive's own: every other object may go when the call returns. A pointer shows
- *     readable (const) or writable memory of its type. NULL is answered by NARX_ERROR_NULL unless
- *     the function says what NULL means, a misaligned pointer by NARX_ERROR_ALIGNMENT.
+ *     but the drive's own and its scope's: every other object may go when the call returns. A
+ *     pointer shows readable (const) or writable memory of its type. NULL is answered by
+ *     NARX_ERROR_NULL unless the function says what NULL means, a misaligned pointer by
+ *     NARX_ERROR_ALIGNMENT, an object that was not initialised by NARX_ERROR_UNINITIALISED.
+ *     Memory of an object should be zeroed before, as static memory is. On an error nothing
+ *     has changed.
  *
  *
  * Numbers
  *
- *     Duty is U1F15: 32 768 is 1. Instants are 1/65 536 of a PWM period. Converter codes are what
- *     the converter gives; narx_board_t has their scales. Parameters are raw integers, whose unit
- *     and decimal scale stand in PROTOCOL.md.
+ *     Q16 is I16F16: 65 536 is 1 V, A, degree Celsius or rev/s. Duty is U1F15: 32 768 is 1. Angles
+ *     are unsigned parts of a turn and wrap. Instants are 1/65 536 of a PWM period. Converter codes
+ *     are what the converter gives; narx_board_t has their scales. Parameters are raw integers,
+ *     whose unit and decimal scale stand in PROTOCOL.md.
+ *
+ *
+ * Cost
+ *
+ *     Flash, RAM and instructions of each part on a Cortex-M: tests/golden/ffi_sizes.toml. What a
+ *     drive does costs some 250 instructions a tick with hall sensors, 380 without, 2 850 in the
+ *     worst tick of all conformance vectors (tests/golden/instructions.toml); narx_drive_step adds
+ *     what the caller's structures cost. Link with --gc-sections.
  */
 
 #ifndef NARX_H
@@ -1649,6 +1677,28 @@ typedef struct narx_drive_t {
     uint64_t words[NARX_DRIVE_WORDS];
 } narx_drive_t;
 
+// What firmware and board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
+typedef struct narx_identity_t {
+    // Date of the build, YYYYMMDD in decimal.
+    uint32_t build_date;
+    // Build number of the firmware.
+    uint16_t build_number;
+    // Release of the board.
+    uint16_t hardware_release;
+    // Release of the firmware: major in the high byte, minor in the low byte.
+    uint16_t software_release;
+    // Not 0: built from sources that were not committed.
+    uint8_t source_modified;
+} narx_identity_t;
+
+// A parameter that was stored.
+typedef struct narx_stored_t {
+    // Its number: a NARX_PARAMETER_*.
+    uint16_t number;
+    // Its raw value.
+    int32_t value;
+} narx_stored_t;
+
 // The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k + 1.
 typedef struct narx_pwm_command_t {
     // Duty of the switched legs in period k + 1: U1F15, 32 768 = 1, never more. The on-time is centred on the
@@ -2130,6 +2180,16 @@ size_t narx_drive_align(void);
 narx_status_t narx_drive_init(struct narx_drive_t *drive,
                               size_t size,
                               const struct narx_board_t *board);
+
+// The same with what you have stored and who you are: `count` parameters, which may be NULL for none, and `identity`, which may be NULL.
+// A set as a whole is taken or, for NARX_ERROR_UNKNOWN_PARAMETER and NARX_ERROR_OUT_OF_RANGE, refused: the memory is as it was. A set that is taken and
+// does not build leaves a drive that refuses to start: NARX_PARAMETER_REJECTED_PARAMETER says for which parameter.
+narx_status_t narx_drive_init_stored(struct narx_drive_t *drive,
+                                     size_t size,
+                                     const struct narx_board_t *board,
+                                     const struct narx_identity_t *identity,
+                                     const struct narx_stored_t *stored,
+                                     size_t count);
 
 // One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
 // interrupt, once a PWM period; it may interrupt every other call for the same drive but narx_drive_init and itself.

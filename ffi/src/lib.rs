@@ -48,8 +48,9 @@ pub use board::{narx_board_default, narx_board_t, narx_channel_t};
 pub use bus_state::narx_bus_state_t;
 pub use device::{
     NARX_DRIVE_SIZE, NARX_DRIVE_WORDS, narx_drive_align, narx_drive_get_parameter, narx_drive_handle_frame,
-    narx_drive_init, narx_drive_poll_bulk_frame, narx_drive_poll_frame, narx_drive_run,
-    narx_drive_set_parameter, narx_drive_size, narx_drive_step, narx_drive_t,
+    narx_drive_init, narx_drive_init_stored, narx_drive_poll_bulk_frame, narx_drive_poll_frame,
+    narx_drive_run, narx_drive_set_parameter, narx_drive_size, narx_drive_step, narx_drive_t,
+    narx_identity_t, narx_stored_t,
 };
 pub use eddycan::*;
 pub use fixed::*;

@@ -14,7 +14,7 @@ extern "C" {
 /* Puts the motor on the bench, with sensors (`sensorless` 0) or without. Not 0 if that cannot be. */
 int bench_init(int sensorless);
 
-/* The commissioned parameter number `index`, from 0 on: 1 and its number and raw value, or 0 behind the last. */
+/* Of the parameters that commissioning has changed, that with place `index`, from 0 on: 1 and its number and raw value, or 0 behind the last. */
 int bench_parameter(uint32_t index, uint16_t *number, int32_t *value);
 
 /* Samples of this period. */

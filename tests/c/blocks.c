@@ -73,7 +73,7 @@ static void settings_are_named(void)
 static void storage_is_checked(void)
 {
     static narx_ramp_t other;
-    static uint64_t bytes[8];
+    static narx_pi_t room[2];
     const narx_pi_settings_t gains = {{1, 0}, {0, 0}, 1000, 0, NARX_Q16_ONE};
     int32_t value = 7;
 
@@ -89,7 +89,7 @@ static void storage_is_checked(void)
     CHECK(narx_pi_init(NULL, sizeof pi, &gains, NULL) == NARX_ERROR_NULL);
     CHECK(narx_pi_init(&pi, sizeof pi, NULL, NULL) == NARX_ERROR_NULL);
     CHECK(narx_pi_init(&pi, sizeof pi - 8, &gains, NULL) == NARX_ERROR_SIZE);
-    CHECK(narx_pi_init((narx_pi_t *)(void *)((char *)bytes + 1), sizeof pi, &gains, NULL) == NARX_ERROR_ALIGNMENT);
+    CHECK(narx_pi_init((narx_pi_t *)(void *)((char *)room + 1), sizeof pi, &gains, NULL) == NARX_ERROR_ALIGNMENT);
     CHECK(narx_pi_init(&pi, sizeof pi, &gains, NULL) == NARX_OK);
     CHECK(narx_pi_step(&pi, 1, NULL) == NARX_ERROR_NULL);
     CHECK(narx_pi_step(NULL, 1, &value) == NARX_ERROR_NULL);
@@ -129,6 +129,8 @@ static void arguments_are_checked(void)
     CHECK(narx_commutation_step_for(0, 0, NULL) == NARX_ERROR_NULL);
     CHECK(narx_commutation_step_for(0, 0, &step) == NARX_OK && step == NARX_STEP_AB);
     CHECK(narx_commutation_legs(13, legs) == NARX_ERROR_ARGUMENT);
+    /* A switched, B low, C floating. */
+    CHECK(narx_commutation_legs(NARX_STEP_AB, legs) == NARX_OK && legs[0] == 2 && legs[1] == 1 && legs[2] == 0);
     CHECK(narx_commutation_init(&commutator, sizeof commutator, &advance, NULL) == NARX_OK);
     CHECK(narx_commutation_step(&commutator, 0, 0, 2, &steps) == NARX_ERROR_ARGUMENT);
     CHECK(narx_commutation_step(&commutator, 0, 0, 0, &steps) == NARX_OK && steps.step != NARX_STEP_COAST);

@@ -15,7 +15,7 @@
 #include "drive.h"
 #include "narx.h"
 
-enum { RPM = 2000, QUEUE = 16 };
+enum { RPM = 2000, QUEUE = 16, STORED = 64 };
 
 static narx_master_t master;
 static uint64_t ticks;
@@ -123,19 +123,14 @@ int main(int argc, char **argv)
     const int sensorless = argc > 1 && strcmp(argv[1], "--sensorless") == 0;
     const uint8_t running = sensorless ? NARX_STATE_SENSORLESS_CLOSED_LOOP : NARX_STATE_HALL_CLOSED_LOOP;
     narx_drive_report_t report;
-    uint32_t index;
-    uint16_t number;
-    int32_t value;
+    narx_stored_t stored[STORED];
+    uint32_t count;
 
     CHECK(bench_init(sensorless) == 0);
-    CHECK(drive_init(NULL) == NARX_OK);
-    for (index = 0; bench_parameter(index, &number, &value); index++) {
-        const narx_status_t status = drive_set(number, value);
-
-        /* The drive's own, and there is no store. */
-        CHECK(status == NARX_OK || status == NARX_ERROR_READ_ONLY || status == NARX_ERROR_STORAGE);
+    for (count = 0; count < STORED && bench_parameter(count, &stored[count].number, &stored[count].value); count++) {
     }
-    CHECK(index > 100);
+    CHECK(count > 10 && count < STORED);
+    CHECK(drive_init(NULL, stored, count) == NARX_OK);
     CHECK(narx_master_init(&master, sizeof master, NULL) == NARX_OK);
     CHECK(narx_master_stop(&master) == NARX_OK);
     CHECK(run(700).state == NARX_STATE_STANDBY);

@@ -74,7 +74,7 @@ static void start(void)
     } block = {line, sizeof line};
     uint32_t *word;
 
-    for (word = &__bss_start__; word < &__bss_end__; word++) {
+    for (word = &__bss_start__; word != &__bss_end__; word++) {
         *word = 0;
     }
     initialise_monitor_handles();

@@ -14,6 +14,9 @@ pub const PACKAGES: [Package; 2] = [
 /// C compilers accept what is ours without a word.
 pub const STRICT: [&str; 4] = ["-pedantic", "-Wall", "-Wextra", "-Werror"];
 
+/// Leaves out what only a debugger reads.
+pub const STRIP: &str = "arm-none-eabi-strip";
+
 /// The compiler's name.
 pub const COMPILER: &str = "arm-none-eabi-gcc";
 

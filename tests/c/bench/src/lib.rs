@@ -51,13 +51,15 @@ pub extern "C" fn bench_init(sensorless: i32) -> i32 {
     0
 }
 
-/// The commissioned parameter number `index`, from 0 on: 1 and its number and raw value, or 0 behind the last.
+/// Of the parameters that commissioning has changed, that with place `index`, from 0 on: 1 and its number and raw value, or 0 behind the last.
 ///
 /// # Safety
 /// `number` and `value` are writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bench_parameter(index: u32, number: *mut u16, value: *mut i32) -> i32 {
-    let found = bench().and_then(|bench| bench.parameters.iter().nth(index as usize));
+    let found = bench().and_then(|bench| {
+        bench.parameters.iter().filter(|(row, raw)| *raw != row.factory_raw()).nth(index as usize)
+    });
     let Some((row, raw)) = found else { return 0 };
     // SAFETY: the caller's promise.
     unsafe {

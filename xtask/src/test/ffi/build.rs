@@ -2,6 +2,7 @@
 
 use crate::cross::{self, Processor, STRICT};
 use crate::install::target_directory;
+use crate::library::{BENCH, Library, NARX};
 use crate::qemu::{self, Machine};
 use crate::steps::{self, Outcome};
 use std::fs;
@@ -61,13 +62,34 @@ impl Build {
     /// Compiles and links the program of a source file of the working copy.
     pub(super) fn compile(self, root: &Path, source: &str) -> Outcome {
         let mut compiler = self.compiler(root);
-        compiler.arg(root.join(source)).args(self.libraries(root, "narx"));
+        compiler.arg(root.join(source)).args(self.libraries(root, NARX));
         compiler.arg("-o").arg(self.program(root, source));
         steps::run(&mut compiler)
     }
 
+    /// The same of a program on the simulated board, with the drive of the examples.
+    pub(super) fn compile_on_bench(self, root: &Path, source: &str) -> Outcome {
+        let mut compiler = self.compiler(root);
+        compiler.arg("-I").arg(root.join("ffi/examples")).arg("-I").arg(root.join("tests/c"));
+        compiler.arg(root.join(source)).arg(root.join("ffi/examples/drive.c"));
+        compiler.args(self.libraries(root, BENCH)).arg("-lm").arg("-o").arg(self.program(root, source));
+        steps::run(&mut compiler)
+    }
+
+    /// A program for the Cortex-M0 in the memory of a machine that has one.
+    pub(super) fn compile_for_microbit(root: &Path, source: &str, program: &Path) -> Outcome {
+        let mut compiler = cross::compiler_for(root, Processor::CortexM0, Machine::Microbit);
+        compiler
+            .args(["-std=c99", "-Os", "-DLINE_SIZE=128"])
+            .args(STRICT)
+            .arg("-I")
+            .arg(root.join("ffi/include"));
+        compiler.arg(root.join(source)).arg(NARX.path(root, Some(Processor::CortexM0)));
+        steps::run(compiler.arg("-o").arg(program))
+    }
+
     /// Compiler and options.
-    pub(super) fn compiler(self, root: &Path) -> Command {
+    fn compiler(self, root: &Path) -> Command {
         let mut command = match self.processor() {
             Some(processor) => cross::compiler_for(root, processor, Machine::Mps2M4),
             None => Command::new(if self == Clang { "clang" } else { "gcc" }),
@@ -80,8 +102,8 @@ impl Build {
     }
 
     /// A static library of ours and what it needs, after the program's sources.
-    pub(super) fn libraries(self, root: &Path, name: &str) -> Vec<PathBuf> {
-        let file = library(root, self.processor(), name);
+    fn libraries(self, root: &Path, library: Library) -> Vec<PathBuf> {
+        let file = library.path(root, self.processor());
         let system: &[&str] = if self.processor().is_some() { &[] } else { &["-lpthread", "-ldl", "-lm"] };
         std::iter::once(file).chain(system.iter().map(PathBuf::from)).collect()
     }
@@ -93,13 +115,6 @@ impl Build {
             CortexM0 => Some(Processor::CortexM0),
         }
     }
-}
-
-/// Where a static library of ours stands for a processor, or for this machine.
-pub(super) fn library(root: &Path, processor: Option<Processor>, name: &str) -> PathBuf {
-    let directory = target_directory(root);
-    let directory = processor.map_or(directory.clone(), |processor| directory.join(processor.target()));
-    directory.join("release").join(format!("lib{name}.a"))
 }
 
 /// Where the C programs go.
