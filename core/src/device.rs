@@ -14,6 +14,8 @@ use crate::dictionary::Parameters;
 use crate::motor::{Board, Coefficients, Drive, Event, PwmCommand, Samples, Status};
 use crate::node::{Identity, Node};
 use crate::scope::{Answer, Keeper, Memory, Order, Scope};
+#[cfg(not(thread_sanitizer))]
+use core::sync::atomic::{Ordering, fence};
 use heapless::spsc::{Consumer, Producer, Queue};
 
 /// Room of a queue, one of which stays free. An event takes as much as the coefficients, and the tick takes no more than one. A report that
@@ -81,11 +83,7 @@ pub struct ControlTick<'q, 'm> {
 impl ControlTick<'_, '_> {
     /// One control tick: takes at most one event, and reports if a report is due.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
-        if let Some(event) = self.events.peek() {
-            self.scope.handle_event(event);
-            self.drive.handle_event(event);
-            self.events.dequeue();
-        }
+        self.heed_event();
         let command = self.drive.step(samples);
         if self.statuses.ready()
             && let Some(status) = self.drive.poll_status()
@@ -106,6 +104,31 @@ impl ControlTick<'_, '_> {
         }
         self.scope.step(&self.drive, samples);
         command
+    }
+
+    /// Takes the event that waits, where it lies: it is large.
+    #[cfg(not(thread_sanitizer))]
+    #[inline]
+    fn heed_event(&mut self) {
+        if !self.events.ready() {
+            return;
+        }
+        // That there is one was read without any ordering: on another processor its words may be seen later.
+        fence(Ordering::Acquire);
+        if let Some(event) = self.events.peek() {
+            self.scope.handle_event(event);
+            self.drive.handle_event(event);
+            self.events.dequeue();
+        }
+    }
+
+    /// The same for ThreadSanitizer, which does not know fences: moved out, it is ordered by the queue.
+    #[cfg(thread_sanitizer)]
+    fn heed_event(&mut self) {
+        if let Some(event) = self.events.dequeue() {
+            self.scope.handle_event(&event);
+            self.drive.handle_event(&event);
+        }
     }
 
     /// The drive, to look at.

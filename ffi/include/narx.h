@@ -17,28 +17,56 @@
  *     while (narx_drive_poll_frame(&drive, &frame) == NARX_OK) send(&frame);    then what it takes
  *
  *
+ * What else there is
+ *
+ *     narx_pi_*, _ramp_*, _hall_*, _zero_crossing_*,      the drive's blocks one by one, for a driver of
+ *     _commutation_*, _fault_*, _state_*                  your own
+ *     narx_q16_*, _iq24_*, _q15_*, _q12_*                 its number formats and yours
+ *     narx_message_*, narx_tx_message_*                   frames to meaning and back
+ *     narx_master_*                                       the other end of the bus: a drive's master
+ *     narx_tx_driver_*, narx_tx_master_*                  the TX-Driver, another device, and its master
+ *     narx_replay*                                        recordings
+ *
+ *
  * Which call may interrupt which
  *
- *     A drive has two halves that share nothing but two queues. The tick half is narx_drive_step;
- *     the background half is narx_drive_run, _handle_frame, _poll_frame, _set_parameter and
- *     _get_parameter. Either half may interrupt the other at any instruction, or run on another
- *     thread or processor. Within a half, calls for one drive must not interrupt each other.
- *     Different drives have nothing in common: the library has no variables.
+ *     A drive has two halves that share nothing but queues. The tick half is narx_drive_step; the
+ *     background half is every other narx_drive_* call. Either half may interrupt the other at any
+ *     instruction, or run on another thread or processor. Within a half, calls for one drive must
+ *     not interrupt each other; narx_drive_init, _init_stored and _attach_scope come before both.
+ *
+ *     Any other object has one half: calls for one of them must not interrupt each other. A block's
+ *     step belongs where you call it from, mostly the control interrupt; its init to power-up.
+ *     "Any context" says that a call has no object at all.
+ *
+ *     Different objects have nothing in common: the library has no variables.
  *
  *
  * Memory
  *
  *     All memory is the caller's; the library has no heap. It keeps no pointer that it is given
- *     but the drive's own: every other object may go when the call returns. A pointer shows
- *     readable (const) or writable memory of its type. NULL is answered by NARX_ERROR_NULL unless
- *     the function says what NULL means, a misaligned pointer by NARX_ERROR_ALIGNMENT.
+ *     but the drive's own and its scope's: every other object may go when the call returns. A
+ *     pointer shows readable (const) or writable memory of its type. NULL is answered by
+ *     NARX_ERROR_NULL unless the function says what NULL means, a misaligned pointer by
+ *     NARX_ERROR_ALIGNMENT, an object that was not initialised by NARX_ERROR_UNINITIALISED.
+ *     Memory of an object should be zeroed before, as static memory is. On an error nothing
+ *     has changed.
  *
  *
  * Numbers
  *
- *     Duty is U1F15: 32 768 is 1. Instants are 1/65 536 of a PWM period. Converter codes are what
- *     the converter gives; narx_board_t has their scales. Parameters are raw integers, whose unit
- *     and decimal scale stand in PROTOCOL.md.
+ *     Q16 is I16F16: 65 536 is 1 V, A, degree Celsius or rev/s. Duty is U1F15: 32 768 is 1. Angles
+ *     are unsigned parts of a turn and wrap. Instants are 1/65 536 of a PWM period. Converter codes
+ *     are what the converter gives; narx_board_t has their scales. Parameters are raw integers,
+ *     whose unit and decimal scale stand in PROTOCOL.md.
+ *
+ *
+ * Cost
+ *
+ *     Flash, RAM and instructions of each part on a Cortex-M: tests/golden/ffi_sizes.toml. What a
+ *     drive does costs some 250 instructions a tick with hall sensors, 380 without, 2 850 in the
+ *     worst tick of all conformance vectors (tests/golden/instructions.toml); narx_drive_step adds
+ *     what the caller's structures cost. Link with --gc-sections.
  */
 
 #ifndef NARX_H
@@ -445,11 +473,407 @@
 // Scope words.
 #define NARX_PARAMETER_SCOPE_WORDS 301
 
+// Values of the field "motor mode".
+typedef enum narx_motor_mode_t {
+    NARX_MOTOR_MODE_STANDBY = 0,
+    NARX_MOTOR_MODE_DRIVE = 1,
+    NARX_MOTOR_MODE_REVERSE = 2,
+    NARX_MOTOR_MODE_FAULT = 3,
+} narx_motor_mode_t;
+
+// Values of the field "control mode".
+typedef enum narx_control_mode_t {
+    NARX_CONTROL_MODE_OFF = 0,
+    NARX_CONTROL_MODE_OPEN_LOOP = 1,
+    NARX_CONTROL_MODE_SENSORLESS_CLOSED_LOOP = 2,
+    NARX_CONTROL_MODE_HALL_CLOSED_LOOP = 3,
+} narx_control_mode_t;
+
+// Values of the field "logging state".
+typedef enum narx_logging_state_t {
+    NARX_LOGGING_STATE_LOG_BOOT_UP = 0,
+    NARX_LOGGING_STATE_LOG_INIT = 1,
+    NARX_LOGGING_STATE_LOG_WRITE_WAIT_PER = 2,
+    NARX_LOGGING_STATE_LOG_WRITE = 3,
+    NARX_LOGGING_STATE_LOG_READ_REQ_INIT = 4,
+    NARX_LOGGING_STATE_LOG_SEND_READ_REQ = 5,
+    NARX_LOGGING_STATE_LOG_WAIT_READ_RESULT = 7,
+    NARX_LOGGING_STATE_LOG_READ_SEND_CAN_FRAMES = 8,
+    NARX_LOGGING_STATE_LOG_ERASE_ONGOING = 9,
+    NARX_LOGGING_STATE_LOG_ERASE_END = 10,
+    NARX_LOGGING_STATE_LOG_READ_END = 11,
+} narx_logging_state_t;
+
+// Values of the field "parameter status".
+typedef enum narx_parameter_status_t {
+    NARX_PARAMETER_STATUS_DONE = 0,
+    NARX_PARAMETER_STATUS_UNKNOWN_NUMBER = 1,
+    NARX_PARAMETER_STATUS_READ_ONLY = 2,
+    NARX_PARAMETER_STATUS_OUT_OF_RANGE = 3,
+    NARX_PARAMETER_STATUS_WRONG_STATE = 4,
+    NARX_PARAMETER_STATUS_STORAGE = 5,
+} narx_parameter_status_t;
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_TEMPERATURE_WARNING 1
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_OVER_TEMPERATURE 2
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_OVER_VOLTAGE 4
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_UNDER_VOLTAGE 8
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_OVER_CURRENT 0x10u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_LEGS_DRIVER 0x20u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_HALL_SENSORS 0x40u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_OVER_PRESSURE 0x80u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_STORE_MISMATCH 0x4000000u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_EMERGENCY_SHUTDOWN 0x8000000u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_EXTERNAL_SHUTDOWN 0x10000000u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_DEVICE_TIMEOUT 0x20000000u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_STORE_ABSENT 0x40000000u
+
+// Bit of the fault word (Table 9).
+#define NARX_FAULT_STORE_VERSION 0x80000000u
+
+// Extended fault code: temperature above the warning threshold.
+#define NARX_CAUSE_TEMPERATURE_WARNING 1
+
+// Extended fault code: temperature above the shutdown threshold.
+#define NARX_CAUSE_OVER_TEMPERATURE 0x101u
+
+// Extended fault code: bus voltage above its threshold; at once when 1 V above.
+#define NARX_CAUSE_OVER_VOLTAGE 0x201u
+
+// Extended fault code: bus voltage below its threshold.
+#define NARX_CAUSE_UNDER_VOLTAGE 0x301u
+
+// Extended fault code: mean DC-link current above its threshold.
+#define NARX_CAUSE_OVER_CURRENT 0x401u
+
+// Extended fault code: the gate driver reports a fault.
+#define NARX_CAUSE_DRIVER_LINE 0x501u
+
+// Extended fault code: a phase carries no current (three revolutions, or 100 ms at rest).
+#define NARX_CAUSE_OPEN_PHASE 0x502u
+
+// Extended fault code: hall codes 000 or 111 (64 more than one a millisecond).
+#define NARX_CAUSE_HALL_INVALID 0x601u
+
+// Extended fault code: hall sectors skipped (5 more than one in 13 ms).
+#define NARX_CAUSE_HALL_JUMPS 0x602u
+
+// Extended fault code: torque applied at speed 0 (parameter 113) for the stall time (parameter 265).
+#define NARX_CAUSE_HALL_STALL 0x603u
+
+// Extended fault code: hall edges run against the torque: wiring, or a load that drives backwards.
+#define NARX_CAUSE_HALL_DIRECTION 0x604u
+
+// Extended fault code: pressure above its threshold.
+#define NARX_CAUSE_OVER_PRESSURE 0x701u
+
+// Extended fault code: parameter store has another layout.
+#define NARX_CAUSE_STORE_MISMATCH 0x1A01u
+
+// Extended fault code: hardware break input.
+#define NARX_CAUSE_EMERGENCY_LINE 0x1B01u
+
+// Extended fault code: self-test failed.
+#define NARX_CAUSE_SELF_TEST 0x1B02u
+
+// Extended fault code: speed above 130 % of the mode's maximum set-point.
+#define NARX_CAUSE_OVERSPEED 0x1B03u
+
+// Extended fault code: the sensorless motor stalls or does not start, five times (one is forgiven in 10 s).
+#define NARX_CAUSE_SENSORLESS_STALL 0x1B04u
+
+// Extended fault code: zero crossings jump by more than half an interval, five times (one is forgiven in 10 s).
+#define NARX_CAUSE_DESYNCHRONISATION 0x1B05u
+
+// Extended fault code: sensorless speed and applied voltage do not fit together for 150 ms, five times (one is forgiven in 10 s).
+#define NARX_CAUSE_WRONG_LOCK 0x1B06u
+
+// Extended fault code: shutdown requested over CAN (motor mode 3).
+#define NARX_CAUSE_SHUTDOWN_COMMANDED 0x1C01u
+
+// Extended fault code: the digital input configured for shutdown.
+#define NARX_CAUSE_SHUTDOWN_LINE 0x1C02u
+
+// Extended fault code: no valid command while driving for the time-out (parameter 114).
+#define NARX_CAUSE_COMMAND_TIMEOUT 0x1D01u
+
+// Extended fault code: parameter store absent.
+#define NARX_CAUSE_STORE_ABSENT 0x1E01u
+
+// Extended fault code: parameter store of another firmware version.
+#define NARX_CAUSE_STORE_VERSION 0x1F01u
+
+// 2000h Node-ID, 1 to 127. Address on the bus, different for every node of it.
+#define NARX_TX_ENTRY_NODE_ID 0
+
+// 2001h Bitrate Index, 0 to 4. 0: 50, 1: 100, 2: 250, 3: 500, 4: 1000 kbit/s. The same for every node of the bus.
+#define NARX_TX_ENTRY_BITRATE_INDEX 1
+
+// 2002h Nr Of Nodes, 1 to 127. TX-Drivers on the bus, which share half of it among their PDO1 when the update time is 65535.
+#define NARX_TX_ENTRY_NR_OF_NODES 2
+
+// 2003h Update Time, 0 to 65535. Period of PDO1. 0: no PDO1. 65535: as short as half of the bus allows for all nodes together.
+#define NARX_TX_ENTRY_UPDATE_TIME 3
+
+// 2004h Can Config Register, 0 to 7. Bit 0: Operational after boot-up. Bit 1: PDOs carry the encoder. Bit 2: heartbeat every 2 s.
+#define NARX_TX_ENTRY_CAN_CONFIG 4
+
+// 2005h Basic Config Register, 0 to 6. Bit 1: the encoder is rotary, else linear. Bit 2: it counts the other way round. Bit 0 is reserved.
+#define NARX_TX_ENTRY_BASIC_CONFIG 5
+
+// 2006h.1 Filter, 0 to 4. Edge frequency of channel 1. 0: no filter, 1: 10 Hz, 2: 100 Hz, 3: 1 kHz, 4: 10 kHz.
+#define NARX_TX_ENTRY_FILTER_1 6
+
+// 2006h.2 Filter, 0 to 4. Edge frequency of channel 2, likewise; without effect on a driver of one channel.
+#define NARX_TX_ENTRY_FILTER_2 7
+
+// 2007h.1 Comparator, 0 to 1073741824. Output 1 is high while channel 1 is above this fraction of its measuring range.
+#define NARX_TX_ENTRY_COMPARATOR_1 8
+
+// 2007h.2 Comparator, 0 to 1073741824. Output 2 likewise for channel 2, or on a driver of one channel for channel 1: a second threshold.
+#define NARX_TX_ENTRY_COMPARATOR_2 9
+
+// 2008h Counts Per Revolution, 1 to 65535. Counts of a rotary encoder, four to a period: its value runs from 0 to one less.
+#define NARX_TX_ENTRY_COUNTS_PER_REVOLUTION 0xAu
+
+// 2009h Encoder Resolution, 1 to 65535. Length of a linear encoder's count, four to a period. Told to whoever asks; PDOs carry counts.
+#define NARX_TX_ENTRY_ENCODER_RESOLUTION 0xBu
+
+// 200Ah Reset Encoder, 0 to 255. Any write, with or without data: the present place of a linear encoder becomes 0.
+#define NARX_TX_ENTRY_RESET_ENCODER 0xCu
+
+// 2100h Firmware Version, 0 to 65535. Our own: release of the firmware, major in the high byte.
+#define NARX_TX_ENTRY_FIRMWARE_VERSION 0xDu
+
+// Which message: type and opcode, the low 11 bits of its identifier (PROTOCOL.md, section 2).
+typedef enum narx_message_kind_t {
+    NARX_MESSAGE_BUILD_INFO_REQUEST = 1024,
+    NARX_MESSAGE_BUILD_INFO = 0,
+    NARX_MESSAGE_DEVICE_INFO_REQUEST = 1025,
+    NARX_MESSAGE_DEVICE_INFO = 1,
+    NARX_MESSAGE_REQUEST_WORD = 514,
+    NARX_MESSAGE_STATUS_WORD = 3,
+    NARX_MESSAGE_FAULT_WORD = 4,
+    NARX_MESSAGE_CRITICAL_FAULT = 5,
+    NARX_MESSAGE_REBOOT_SET = 613,
+    NARX_MESSAGE_REBOOT = 101,
+    NARX_MESSAGE_MOTOR_CMD_SET = 614,
+    NARX_MESSAGE_MOTOR_CMD = 102,
+    NARX_MESSAGE_DSIO_DATA_CMD = 615,
+    NARX_MESSAGE_DISABLE_HALL_PS = 616,
+    NARX_MESSAGE_PARAMETER_SET = 622,
+    NARX_MESSAGE_PARAMETER_REQUEST = 1134,
+    NARX_MESSAGE_PARAMETER = 110,
+    NARX_MESSAGE_LOG_VIRTUAL_SCOPE_SET = 624,
+    NARX_MESSAGE_LOG_VIRTUAL_SCOPE_REQUEST = 1136,
+    NARX_MESSAGE_LOG_VIRTUAL_SCOPE = 112,
+    NARX_MESSAGE_RESTORE_FACTORY_SETTING = 625,
+    NARX_MESSAGE_XML_DOWNLOAD_REQUEST = 1154,
+    NARX_MESSAGE_XML_DOWNLOAD_ANSWER = 130,
+    NARX_MESSAGE_XML_DOWNLOAD_DATA = 131,
+    NARX_MESSAGE_EXT_MEM_LOG_READ_DATA = 140,
+    NARX_MESSAGE_MEASUREMENT_0 = 200,
+    NARX_MESSAGE_MEASUREMENT_1 = 201,
+    NARX_MESSAGE_MEASUREMENT_2 = 202,
+    NARX_MESSAGE_MEASUREMENT_3 = 203,
+    NARX_MESSAGE_MEASUREMENT_4 = 204,
+    NARX_MESSAGE_MEASUREMENT_5 = 205,
+    NARX_MESSAGE_MEASUREMENT_7 = 207,
+    NARX_MESSAGE_MEASUREMENT_8 = 208,
+} narx_message_kind_t;
+
+// Fields that a message has at most.
+#define NARX_FIELDS_MAX 7
+
+// The fields of a message: those of its own kind count. Raw numbers, with scale and unit beside each.
+typedef union narx_fields_t {
+    // In the order of their bits; a signed one as its bits.
+    uint32_t raw[NARX_FIELDS_MAX];
+    struct {
+        uint32_t build_number;
+        uint32_t source_modified; // 0 no, 1 yes
+        uint32_t build_date;
+    } build_info;
+    struct {
+        uint32_t hardware_release;
+        uint32_t software_release;
+        uint32_t device_number;
+        uint32_t can_address;
+    } device_info;
+    struct {
+        uint32_t motor_mode; // a narx_motor_mode_t
+    } request_word;
+    struct {
+        uint32_t log_erase_possible; // 0 no, 1 yes
+        uint32_t log_download_possible; // 0 no, 1 yes
+        uint32_t log_memory_erased; // 0 no, 1 yes
+        uint32_t log_memory_full; // 0 no, 1 yes
+        uint32_t logging_state; // a narx_logging_state_t
+        uint32_t control_mode; // a narx_control_mode_t
+        uint32_t motor_mode; // a narx_motor_mode_t
+    } status_word;
+    struct {
+        uint32_t faults; // sum of NARX_FAULT_*
+    } fault_word;
+    struct {
+        uint32_t faults; // sum of NARX_FAULT_*
+        uint32_t extended_fault_code;
+    } critical_fault;
+    struct {
+        uint32_t acknowledged; // 0 no, 1 yes
+    } reboot;
+    struct {
+        uint32_t speed; // rpm
+    } motor_cmd_set;
+    struct {
+        uint32_t speed; // rpm
+    } motor_cmd;
+    struct {
+        uint32_t dsio1_output_enable; // 0 no, 1 yes
+        uint32_t dsio1_level; // 0 low, 1 high
+        uint32_t dsio2_output_enable; // 0 no, 1 yes
+        uint32_t dsio2_level; // 0 low, 1 high
+    } dsio_data_cmd;
+    struct {
+        uint32_t disable; // 0 no, 1 yes
+    } disable_hall_ps;
+    struct {
+        uint32_t number; // a NARX_PARAMETER_*
+        int32_t value; // its unit and scale: PROTOCOL.md
+    } parameter_set;
+    struct {
+        uint32_t number; // a NARX_PARAMETER_*
+    } parameter_request;
+    struct {
+        uint32_t number; // a NARX_PARAMETER_*
+        int32_t value; // its unit and scale: PROTOCOL.md
+        uint32_t status; // a narx_parameter_status_t
+    } parameter;
+    struct {
+        uint32_t address;
+        int32_t sample_1;
+        int32_t sample_2;
+        int32_t sample_3;
+    } log_virtual_scope;
+    struct {
+        uint32_t serial_number;
+    } restore_factory_setting;
+    struct {
+        uint32_t command; // 0 Length, 1 Start
+    } xml_download_request;
+    struct {
+        uint32_t length; // words
+    } xml_download_answer;
+    struct {
+        uint32_t address;
+        uint32_t text_1;
+        uint32_t text_2;
+        uint32_t text_3;
+    } xml_download_data;
+    struct {
+        uint32_t word_counter;
+        uint32_t data_1;
+        uint32_t data_2;
+        uint32_t data_3;
+    } ext_mem_log_read_data;
+    struct {
+        int32_t accel_x; // 10^-3 g
+        int32_t accel_y; // 10^-3 g
+        int32_t accel_z; // 10^-3 g
+        uint32_t dsi1_dsp; // 0 low, 1 high
+    } measurement_0;
+    struct {
+        int32_t mechanical_estimated_speed_sl; // rpm
+        int32_t mechanical_position; // 10^-2 deg
+        int32_t electrical_input_power; // 10^-1 W
+    } measurement_1;
+    struct {
+        int32_t hv_voltage; // 10^-2 V
+        int32_t hv_current; // 10^-3 A
+        int32_t _6v_meas; // 10^-3 V
+        int32_t driver_14v_voltage; // 10^-3 V
+    } measurement_2;
+    struct {
+        int32_t ambient_temperature; // 10^-1 deg C
+        int32_t vref_accel_1_8v; // 10^-3 V
+        int32_t _0_383vref; // 10^-3 V
+        int32_t asi_dsp; // 10^-3 V
+    } measurement_3;
+    struct {
+        int32_t voltagephasea; // 10^-2 V
+        int32_t voltagephaseb; // 10^-2 V
+        int32_t voltagephasec; // 10^-2 V
+        int32_t pin_meas; // 10^-3 V
+    } measurement_4;
+    struct {
+        int32_t mechanical_estimated_speed_hes; // rpm
+        uint32_t dsi2_dsp; // 0 low, 1 high
+    } measurement_5;
+} narx_fields_t;
+
+// Room for the name and the unit of a setting, the closing 0 included.
+#define NARX_NAME_SIZE 24
+
 // 64-bit words of a drive on any processor.
 #define NARX_DRIVE_WORDS 800
 
 // Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
 #define NARX_DRIVE_SIZE (NARX_DRIVE_WORDS * 8)
+
+// Values that a TX-Driver keeps over a restart: those of the entries NARX_TX_ENTRY_NODE_ID to _ENCODER_RESOLUTION, in their order.
+#define NARX_TX_VALUES 12
+
+// 64-bit words of a TX-Driver on any processor.
+#define NARX_TX_DRIVER_WORDS 56
+
+// 64-bit words of a TX-Driver's master on any processor.
+#define NARX_TX_MASTER_WORDS 60
+
+// 1 in Q16 (I16F16), the library's volts, amperes, degrees Celsius and revolutions per second: -32 768 to 32 767.99998.
+#define NARX_Q16_ONE (1 << 16)
+
+// 1 in IQ24 (I8F24), as DSP libraries have it: -128 to 127.99999994.
+#define NARX_IQ24_ONE (1 << 24)
+
+// 1 in Q15 (I1F15) is one more than its largest value, 32 767: -1 to 0.99997.
+#define NARX_Q15_ONE (1 << 15)
+
+// 1 in Q12 (I4F12), the virtual scope's samples: -8 to 7.9998.
+#define NARX_Q12_ONE (1 << 12)
+
+// 1 in U1F15, a duty: 0 to 1.
+#define NARX_DUTY_ONE (1 << 15)
+
+// 1 turn of an electrical angle, a wrapping uint16_t.
+#define NARX_TURN (1 << 16)
+
+// 64-bit words of a master on any processor.
+#define NARX_MASTER_WORDS 520
 
 // Pattern changes that one period can hold.
 #define NARX_COMMUTATIONS_MAX 2
@@ -489,9 +913,9 @@ enum narx_status_t
     NARX_ERROR_NULL = -1,
     // A pointer is not aligned as its type asks for.
     NARX_ERROR_ALIGNMENT = -2,
-    // The storage is too small: see narx_drive_size.
+    // The storage is too small: see the size function of its type.
     NARX_ERROR_SIZE = -3,
-    // The storage holds no drive: narx_drive_init did not run, or the storage was moved since.
+    // The storage holds nothing of its type: it was not initialised, or a drive was moved since.
     NARX_ERROR_UNINITIALISED = -4,
     // The board's constants lead to no working controller.
     NARX_ERROR_BOARD = -5,
@@ -525,50 +949,46 @@ enum narx_status_t
     NARX_ERROR_MALFORMED = -19,
     // The recording's initial state is not one of this drive.
     NARX_ERROR_STATE = -20,
+    // Not a message of this protocol: identifier, type or length do not fit.
+    NARX_ERROR_NOT_A_MESSAGE = -21,
+    // A field of the message has a value that means nothing.
+    NARX_ERROR_FIELD = -22,
+    // No such request, or a value that it does not take.
+    NARX_ERROR_REQUEST = -23,
+    // The master is silent: it transmits nothing.
+    NARX_ERROR_SILENT = -24,
+    // Earlier answers were not taken yet.
+    NARX_ERROR_FULL = -25,
+    // No answer, however often it was asked.
+    NARX_ERROR_NO_ANSWER = -26,
+    // The drive has refused a message that has no answer.
+    NARX_ERROR_NOT_OBEYED = -27,
+    // The drive has no log memory.
+    NARX_ERROR_NO_LOG = -28,
+    // A record of the log comes whole and is not what was written.
+    NARX_ERROR_SPOILED = -29,
+    // The download was ended by narx_master_abort_download.
+    NARX_ERROR_ABORTED = -30,
+    // No such node-id: 1 to 127.
+    NARX_ERROR_NODE = -31,
+    // No such TX-Driver: channels, sample rate or measuring range.
+    NARX_ERROR_VARIANT = -32,
+    // No entry has this number.
+    NARX_ERROR_UNKNOWN_ENTRY = -33,
+    // The node refuses to read or write the entry.
+    NARX_ERROR_ENTRY = -34,
+    // No such state of a CAN controller.
+    NARX_ERROR_BUS_STATE = -35,
+    // A block cannot be built from its settings; narx_setting_error_t says which.
+    NARX_ERROR_SETTING = -36,
+    // An argument has a value that does not exist.
+    NARX_ERROR_ARGUMENT = -37,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
 typedef enum narx_status_t narx_status_t;
 #else
 typedef int32_t narx_status_t;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// Which part of the PWM cycle the phase voltages show.
-enum narx_sample_mode_t
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint8_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // In the off-time: referred to ground or to the mean of the three phases.
-    NARX_SAMPLE_MODE_OFF_TIME,
-    // In the middle of the on-time: referred to half the bus voltage.
-    NARX_SAMPLE_MODE_ON_TIME,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum narx_sample_mode_t narx_sample_mode_t;
-#else
-typedef uint8_t narx_sample_mode_t;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-// How the current of a switched leg freewheels while its high side is off.
-enum narx_rectification_t
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint8_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // Through the low side's body diode. Current cannot reverse, so the motor cannot feed the bus.
-    NARX_RECTIFICATION_DIODE,
-    // Through the low-side switch (complementary PWM with dead time): less loss, current may reverse.
-    NARX_RECTIFICATION_SYNCHRONOUS,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum narx_rectification_t narx_rectification_t;
-#else
-typedef uint8_t narx_rectification_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -610,6 +1030,44 @@ enum narx_step_t
 typedef enum narx_step_t narx_step_t;
 #else
 typedef uint8_t narx_step_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Which part of the PWM cycle the phase voltages show.
+enum narx_sample_mode_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // In the off-time: referred to ground or to the mean of the three phases.
+    NARX_SAMPLE_MODE_OFF_TIME,
+    // In the middle of the on-time: referred to half the bus voltage.
+    NARX_SAMPLE_MODE_ON_TIME,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum narx_sample_mode_t narx_sample_mode_t;
+#else
+typedef uint8_t narx_sample_mode_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How the current of a switched leg freewheels while its high side is off.
+enum narx_rectification_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Through the low side's body diode. Current cannot reverse, so the motor cannot feed the bus.
+    NARX_RECTIFICATION_DIODE,
+    // Through the low-side switch (complementary PWM with dead time): less loss, current may reverse.
+    NARX_RECTIFICATION_SYNCHRONOUS,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum narx_rectification_t narx_rectification_t;
+#else
+typedef uint8_t narx_rectification_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -682,41 +1140,269 @@ typedef uint8_t narx_edge_source_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// One channel of the converter: value = (code - zero) * micro_per_code / 1 000 000.
-typedef struct narx_channel_t {
-    // Nominal code at 0 V or 0 A, 0 to 4095.
-    uint16_t zero;
-    // Micro-units (uV or uA) of one code; positive.
-    int32_t micro_per_code;
-} narx_channel_t;
+// What can be downloaded.
+enum narx_download_kind_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // The description of the drive, XML; the high byte of a word comes first.
+    NARX_DOWNLOAD_KIND_DESCRIPTION = 0,
+    // The scope's record: `count` words, selected signals times samples, at most 65 536. Q3.12.
+    NARX_DOWNLOAD_KIND_SCOPE = 1,
+    // `count` records of the log from index `first` on; each comes in as many words as half of parameter 69 says.
+    NARX_DOWNLOAD_KIND_LOG = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum narx_download_kind_t narx_download_kind_t;
+#else
+typedef uint8_t narx_download_kind_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
 
-// What a board promises the control core.
-typedef struct narx_board_t {
-    // Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
-    uint32_t tick_rate;
-    // First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
-    // narx_drive_step has returned.
-    uint16_t earliest;
-    // Both switches of a leg stay off this long between one and the other, ns.
-    uint16_t dead_time_ns;
-    // Not 0: the hall lines have time-stamping input captures.
-    uint8_t hall_capture;
-    // Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
-    uint8_t comparator_capture;
-    // Bus voltage, uV per code.
-    struct narx_channel_t bus_voltage;
-    // Terminal voltages of the three phases against ground, uV per code.
-    struct narx_channel_t phase_voltage;
-    // DC-link current, uA per code; positive from the supply into the bridge.
-    struct narx_channel_t bus_current;
-} narx_board_t;
+// What can be asked of a drive once.
+enum narx_request_kind_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Read parameter `number`.
+    NARX_REQUEST_KIND_READ = 0,
+    // Write `value` to parameter `number`.
+    NARX_REQUEST_KIND_WRITE = 1,
+    // Run the command parameter `number`: NARX_PARAMETER_STORE and its like.
+    NARX_REQUEST_KIND_RUN = 2,
+    // BUILD_INFO; what it says is in the frame that answers: narx_message_decode.
+    NARX_REQUEST_KIND_BUILD_INFO = 3,
+    // DEVICE_INFO; likewise.
+    NARX_REQUEST_KIND_DEVICE_INFO = 4,
+    // Restart the drive.
+    NARX_REQUEST_KIND_REBOOT = 5,
+    // Factory values; `value` is the serial number of the board that is meant.
+    NARX_REQUEST_KIND_RESTORE_FACTORY = 6,
+    // Set the digital lines: `value` bit 0 enables DSIO1, bit 1 is its level, bits 2 and 3 likewise DSIO2.
+    NARX_REQUEST_KIND_DIGITAL_OUTPUTS = 7,
+    // Switch the hall supply off (`value` 1), or leave it to parameter 97 (0).
+    NARX_REQUEST_KIND_DISABLE_HALL_SUPPLY = 8,
+    // Arm the scope; when it is armed, force its trigger.
+    NARX_REQUEST_KIND_TRIGGER_SCOPE = 9,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum narx_request_kind_t narx_request_kind_t;
+#else
+typedef uint8_t narx_request_kind_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
 
-// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is the library's own. It must
-// neither move nor be copied after narx_drive_init; to end a drive, stop calling it.
-typedef struct narx_drive_t {
+// What a message is.
+enum narx_tx_kind_t
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Master: node `node`, or all for 0, is to obey NMT command `command`: 1 start, 2 stop, 128 pre-operational, 129 reset.
+    NARX_TX_KIND_NMT = 0,
+    // Master: all nodes sample now and send PDO2.
+    NARX_TX_KIND_SYNC = 1,
+    // Master: `node` is to send PDO3 of `size` bytes.
+    NARX_TX_KIND_REQUEST_PDO = 2,
+    // Master: read entry `index`, `subindex` of `node`.
+    NARX_TX_KIND_READ = 3,
+    // Master: write `value` to it; `size` is 1 to 4 bytes, or 0 if only the node knows.
+    NARX_TX_KIND_WRITE = 4,
+    // Node: boot-up or heartbeat; `command` is its state: 0 boot-up, 4 Stopped, 5 Operational, 127 Pre-Operational.
+    NARX_TX_KIND_HEARTBEAT = 5,
+    // Node: an error; `value` is its code.
+    NARX_TX_KIND_ERROR = 6,
+    // Node: `positions` and `encoder`, as far as the layout has them; `command` is the number of the PDO, 1 to 3.
+    NARX_TX_KIND_PDO = 7,
+    // Node: the entry was written.
+    NARX_TX_KIND_WRITTEN = 8,
+    // Node: the entry holds `value`, of `size` bytes.
+    NARX_TX_KIND_VALUE = 9,
+    // Either: not done, or not wanted any more; `value` is the abort code (Table 10).
+    NARX_TX_KIND_ABORT = 10,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum narx_tx_kind_t narx_tx_kind_t;
+#else
+typedef uint8_t narx_tx_kind_t;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// A commutation: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_commutator_t {
     // Private.
-    uint64_t words[NARX_DRIVE_WORDS];
-} narx_drive_t;
+    uint64_t words[4];
+} narx_commutator_t;
+
+// Settings of a narx_commutator_t.
+typedef struct narx_commutation_settings_t {
+    // Commutation ahead of its place, electrical, 0 to 3 000 in 0.01 degree.
+    uint16_t advance_cdeg;
+    // First instant of a period at which a new step can act, in 1/65 536 of it: when you have the answer.
+    uint16_t earliest;
+} narx_commutation_settings_t;
+
+// A setting that no block can be built from.
+typedef struct narx_setting_error_t {
+    // What it was.
+    int64_t value;
+    // Smallest value that builds, with the other settings as they are.
+    int64_t min;
+    // Largest value that builds.
+    int64_t max;
+    // Fraction bits of the three: 16 for a Q16, 0 for a count.
+    uint8_t fraction_bits;
+    // Name of the setting, as its field is called.
+    char setting[NARX_NAME_SIZE];
+    // Its unit, empty without one.
+    char unit[NARX_NAME_SIZE];
+} narx_setting_error_t;
+
+// One pattern change.
+typedef struct narx_commutation_t {
+    // When, in 1/65 536 of the period.
+    uint16_t instant;
+    // The pattern from then on.
+    narx_step_t step;
+} narx_commutation_t;
+
+// The steps of one period.
+typedef struct narx_steps_t {
+    // The step at the earliest instant.
+    narx_step_t step;
+    // How many of `commutations` count.
+    uint8_t commutation_count;
+    // Changes later in the period, in order of time.
+    struct narx_commutation_t commutations[NARX_COMMUTATIONS_MAX];
+} narx_steps_t;
+
+// Settings of a narx_fault_t. Quantities are Q16. How long each condition must hold stands beside its NARX_CAUSE_* in PROTOCOL.md.
+typedef struct narx_fault_settings_t {
+    // Ticks a second, 1 000 to 100 000 Hz.
+    uint32_t tick_rate;
+    // Largest bus voltage, 0 to 1 000 V; cleared 0.5 V below.
+    int32_t over_voltage;
+    // Least bus voltage, 0 V to 1 V below the largest; cleared 0.5 V above.
+    int32_t under_voltage;
+    // Largest magnitude of the mean DC-link current, 0 to 1 000 A; cleared 1/16 below.
+    int32_t over_current;
+    // Temperature of the shutdown, -100 to 1 000 degrees C; cleared 2 below.
+    int32_t over_temperature;
+    // Temperature of the warning, no more than that of the shutdown.
+    int32_t warning;
+    // Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below.
+    int32_t over_pressure;
+    // Largest electrical speed that is asked for, 0 to 10 000 rev/s: 30 % above is overspeed.
+    int32_t speed_max;
+    // Which bits are critical, sum of NARX_FAULT_*; what protects the power stage is critical while driving all the same.
+    uint32_t critical_mask;
+    // Torque without a hall edge for this long is a stall, 1 to 65 535 ms.
+    uint32_t hall_stall_ms;
+    // Digital inputs that shut down: sum of NARX_LINE_*.
+    uint8_t shutdown_lines;
+} narx_fault_settings_t;
+
+// Fault logic: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_fault_t {
+    // Private.
+    uint64_t words[23];
+} narx_fault_t;
+
+// What the fault logic looks at in one tick. Quantities are Q16; flags are not 0 where they hold. Zeroed, it is a board at rest without a
+// supply.
+typedef struct narx_evidence_t {
+    // Bus voltage.
+    int32_t bus_voltage;
+    // Mean DC-link current of this tick.
+    int32_t bus_current;
+    // The same after a first-order filter of 64 ticks.
+    int32_t bus_current_filtered;
+    // Temperature of the power stage.
+    int32_t temperature;
+    // Pressure reading, V.
+    int32_t pressure;
+    // Electrical speed, magnitude, rev/s.
+    int32_t speed;
+    // Faults of a parameter store: NARX_FAULT_STORE_*.
+    uint32_t store_faults;
+    // What sensorless control has failed of: NARX_CAUSE_SENSORLESS_STALL, _DESYNCHRONISATION or _WRONG_LOCK, or 0.
+    uint16_t sensorless;
+    // Digital inputs: sum of NARX_LINE_*.
+    uint8_t lines;
+    // What is asked for: 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown.
+    uint8_t request;
+    // A self-test has failed.
+    uint8_t self_test_failed;
+    // The hall code is 000 or 111.
+    uint8_t hall_invalid;
+    // The hall sensors have jumped over a sector.
+    uint8_t hall_jump;
+    // Sectors that the hall sensors have turned in this tick, signed.
+    int8_t hall_sectors;
+    // No hall edge for the hall time-out.
+    uint8_t hall_stopped;
+    // The hall closed loop is running: its sensors are judged.
+    uint8_t hall_driving;
+    // The bridge is on, or a start is about to turn it on.
+    uint8_t driving;
+    // Sign of the torque that was applied in the last tick: 1 forward, -1 reverse, 0 none.
+    int8_t torque;
+    // A phase is open.
+    uint8_t open_phase;
+} narx_evidence_t;
+
+// What the fault logic tells.
+typedef struct narx_faults_t {
+    // What is present or latched: sum of NARX_FAULT_*.
+    uint32_t word;
+    // What is latched of it.
+    uint32_t critical;
+    // Extended code of the first critical fault, a NARX_CAUSE_*; 0 without one.
+    uint16_t cause;
+    // Not 0: a critical fault is present, the bridge is to go off.
+    uint8_t present;
+    // Not 0: none of the latched causes is present any more.
+    uint8_t causes_gone;
+} narx_faults_t;
+
+// A change of state.
+typedef struct narx_change_t {
+    // State before: a narx_state_t.
+    uint8_t from;
+    // State after.
+    uint8_t to;
+    // Not 0: no command came for the time-out.
+    uint8_t timed_out;
+} narx_change_t;
+
+// Settings of a narx_hall_t.
+typedef struct narx_hall_settings_t {
+    // Ticks a second, 1 000 to 100 000 Hz.
+    uint32_t tick_rate;
+    // How far the edges lie beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
+    int32_t offset_cdeg;
+    // No edge for this long means standstill, ms, and no more than 65 535 ticks.
+    uint32_t timeout_ms;
+    // Slowest electrical speed that is interpolated between edges, Q16 rev/s.
+    int32_t interpolation_min;
+    // Which permutation of the lines, 0 to 5; 0 is A, B, C.
+    uint8_t order;
+    // Lines to invert before the permutation: bit 0 = A, bit 1 = B, bit 2 = C.
+    uint8_t polarity;
+    // Not 0: edges come time-stamped; else the level alone is looked at, once a tick.
+    uint8_t captured;
+} narx_hall_settings_t;
+
+// A hall station: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_hall_t {
+    // Private.
+    uint64_t words[14];
+} narx_hall_t;
 
 // One time-stamped edge.
 typedef struct narx_edge_t {
@@ -727,6 +1413,173 @@ typedef struct narx_edge_t {
     // The three lines after the edge: bit 0 = A, bit 1 = B, bit 2 = C.
     uint8_t code;
 } narx_edge_t;
+
+// What the sensors say after a tick.
+typedef struct narx_hall_reading_t {
+    // Electrical angle at the present period's boundary, 2^32 a turn; for narx_commutation_step.
+    uint32_t angle;
+    // 2^-32 turn a tick, signed; for narx_commutation_step.
+    int32_t turn_speed;
+    // Electrical speed, Q16 rev/s, signed, never more than the edge that has not come allows.
+    int32_t speed;
+    // 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; 255 until the first valid code.
+    uint8_t sector;
+    // Sectors turned in this tick, signed.
+    int8_t sectors;
+    // Not 0: the code is 000 or 111 now.
+    uint8_t invalid;
+    // Not 0: a sector was jumped over in this tick.
+    uint8_t jump;
+    // Not 0: no edge for the time-out.
+    uint8_t stopped;
+    // Not 0: torque by this position could be torque in any direction.
+    uint8_t doubtful;
+} narx_hall_reading_t;
+
+// A PI controller: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_pi_t {
+    // Private.
+    uint64_t words[5];
+} narx_pi_t;
+
+// A factor: `mantissa` x 2^-`shift`. A gain in IQ24 is {gain, 24}, one in Q15 {gain, 15}.
+typedef struct narx_gain_t {
+    // 0 to 2^30 - 1.
+    int32_t mantissa;
+    // Fraction bits, 0 to 62.
+    uint8_t shift;
+} narx_gain_t;
+
+// Settings of a narx_pi_t. Errors and outputs are Q16 in units of your choice.
+typedef struct narx_pi_settings_t {
+    // Kp: output per error.
+    struct narx_gain_t proportional;
+    // Ki: output per error and second.
+    struct narx_gain_t integral;
+    // Steps a second, 1 to 1 000 000 Hz.
+    uint32_t step_rate;
+    // Least output, Q16.
+    int32_t minimum;
+    // Largest output, Q16, not below the least.
+    int32_t maximum;
+} narx_pi_settings_t;
+
+// A ramp: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_ramp_t {
+    // Private.
+    uint64_t words[3];
+} narx_ramp_t;
+
+// Settings of a narx_ramp_t.
+typedef struct narx_ramp_settings_t {
+    // Steepest change, Q16 a second, more than 0.
+    int32_t rate;
+    // Steps a second, 1 to 1 000 000 Hz.
+    uint32_t step_rate;
+} narx_ramp_settings_t;
+
+// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; flags are not 0 where they hold.
+typedef struct narx_state_settings_t {
+    // Ticks a second, 1 000 to 100 000 Hz.
+    uint32_t tick_rate;
+    // Boot time.
+    uint32_t boot_ms;
+    // Rotor lock.
+    uint32_t lock_ms;
+    // Open loop before sensorless.
+    uint32_t open_loop_ms;
+    // Auto-restart.
+    uint32_t auto_restart_ms;
+    // Wait before a fault can be acknowledged.
+    uint32_t fault_wait_ms;
+    // No command for so long while driving is a fault.
+    uint32_t command_timeout_ms;
+    // Open loop may run the motor.
+    uint8_t open_loop;
+    // The sensorless loop may run the motor.
+    uint8_t sensorless;
+    // The hall loop may run the motor, before the others.
+    uint8_t hall;
+} narx_state_settings_t;
+
+// A state machine: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_state_machine_t {
+    // Private.
+    uint64_t words[9];
+} narx_state_machine_t;
+
+// What the machine looks at in one tick; flags are not 0 where they hold.
+typedef struct narx_state_inputs_t {
+    // A critical fault is present.
+    uint8_t critical;
+    // Self-tests or parameter store failed.
+    uint8_t unhealthy;
+    // None of the latched faults' causes is present.
+    uint8_t causes_gone;
+    // Estimated speed is 0, as the running mode judges it.
+    uint8_t stopped;
+    // A hall calibration has a result.
+    uint8_t calibrated;
+    // The present parameters fit each other.
+    uint8_t parameters_fit;
+} narx_state_inputs_t;
+
+// Where the machine stands.
+typedef struct narx_state_report_t {
+    // Ticks in this state, saturating.
+    uint32_t age;
+    // A narx_state_t.
+    uint8_t state;
+    // Direction of this start: 0 forward, 1 reverse.
+    uint8_t direction;
+    // Why the last start was refused: 0 it was not, 1 no mode is enabled, 2 parameters, 4 Standby was not requested since the last stop.
+    uint8_t refusal;
+    // Not 0: this tick turns the bridge on unless something refuses it.
+    uint8_t starting;
+} narx_state_report_t;
+
+// One channel of the converter: value = (code - zero) * micro_per_code / 1 000 000.
+typedef struct narx_channel_t {
+    // Nominal code at 0 V or 0 A, 0 to 4095.
+    uint16_t zero;
+    // Micro-units (uV or uA) of one code; positive.
+    int32_t micro_per_code;
+} narx_channel_t;
+
+// Settings of a narx_zero_crossing_t.
+typedef struct narx_zero_crossing_settings_t {
+    // Ticks a second, 1 000 to 100 000 Hz.
+    uint32_t tick_rate;
+    // Least blanking after a commutation, 0 to 100 000 us.
+    uint32_t blanking_us;
+    // Delay of a rising crossing, -10 000 to 10 000 us.
+    int32_t delay_rising_us;
+    // Delay of a falling crossing, the same.
+    int32_t delay_falling_us;
+    // Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm; 0 unknown, then crossings in the off-time are not corrected for their
+    // threshold.
+    uint32_t back_emf_uv_per_rpm;
+    // Scale of the three phase terminals.
+    struct narx_channel_t terminal;
+    // Scale of the bus voltage.
+    struct narx_channel_t bus_voltage;
+    // Where in its period a new step acts, and the advance of the next commutation.
+    struct narx_commutation_settings_t commutation;
+    // Pole pairs, 1 to 100.
+    uint16_t pole_pairs;
+    // No crossing for this long is standstill, 1 to 32 767 ticks.
+    uint16_t timeout_ticks;
+    // Smallest signal that is told from noise, 1 to 255 codes of a terminal.
+    uint8_t noise_codes;
+    // Not 0: comparators with captured edges take the place of samples.
+    uint8_t comparator;
+} narx_zero_crossing_settings_t;
+
+// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved between calls.
+typedef struct narx_zero_crossing_t {
+    // Private.
+    uint64_t words[36];
+} narx_zero_crossing_t;
 
 // Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the command before
 // asked for.
@@ -757,13 +1610,94 @@ typedef struct narx_samples_t {
     struct narx_edge_t edges[NARX_EDGES_MAX];
 } narx_samples_t;
 
-// One pattern change.
-typedef struct narx_commutation_t {
-    // When, in 1/65 536 of the period.
-    uint16_t instant;
-    // The pattern from then on.
-    narx_step_t step;
-} narx_commutation_t;
+// The pattern that was in force in the period that has ended.
+typedef struct narx_applied_t {
+    // When the phases were sampled, in 1/65 536 of the period.
+    uint16_t sample_at;
+    // The step at its earliest instant: a narx_step_t.
+    uint8_t step;
+    // How many changes followed.
+    uint8_t commutation_count;
+    // Their instants, in 1/65 536 of the period.
+    uint16_t instants[NARX_COMMUTATIONS_MAX];
+    // The steps from then on.
+    uint8_t steps[NARX_COMMUTATIONS_MAX];
+} narx_applied_t;
+
+// What the terminals say after a tick.
+typedef struct narx_zero_crossing_reading_t {
+    // A crossing that was seen in this tick: how long before the present boundary, 1/65 536 tick; INT32_MIN without one.
+    int32_t crossing;
+    // The next commutation, this long after the present boundary, 1/65 536 tick: 0 is now, UINT32_MAX that it is not known.
+    uint32_t commutation;
+    // Electrical angle at the present boundary, 2^32 a turn; for narx_commutation_step.
+    uint32_t angle;
+    // 2^-32 turn a tick, signed; for narx_commutation_step.
+    int32_t turn_speed;
+    // Electrical speed, Q16 rev/s, signed; 0 while none is known.
+    int32_t speed;
+    // Crossings accepted since narx_zero_crossing_init, wrapping.
+    uint32_t accepted;
+    // How far the last accepted crossing lay behind its prediction, 65 536 a turn.
+    int16_t margin;
+    // What became of the last step's crossing: 0 none yet, 1 accepted, 2 too early, 3 not seen, 4 hidden by demagnetisation, 5 heard from a
+    // coasting motor.
+    uint8_t why;
+    // Not 0: six consistent crossings of both polarities; the position may close a loop.
+    uint8_t running;
+    // Not 0: the bridge is to go off: 1 stalled, 2 out of step.
+    uint8_t lost;
+} narx_zero_crossing_reading_t;
+
+// What a board promises the control core.
+typedef struct narx_board_t {
+    // Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
+    uint32_t tick_rate;
+    // First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
+    // narx_drive_step has returned.
+    uint16_t earliest;
+    // Both switches of a leg stay off this long between one and the other, ns.
+    uint16_t dead_time_ns;
+    // Not 0: the hall lines have time-stamping input captures.
+    uint8_t hall_capture;
+    // Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
+    uint8_t comparator_capture;
+    // Bus voltage, uV per code.
+    struct narx_channel_t bus_voltage;
+    // Terminal voltages of the three phases against ground, uV per code.
+    struct narx_channel_t phase_voltage;
+    // DC-link current, uA per code; positive from the supply into the bridge.
+    struct narx_channel_t bus_current;
+} narx_board_t;
+
+// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is the library's own. It must
+// neither move nor be copied after narx_drive_init; to end a drive, stop calling it.
+typedef struct narx_drive_t {
+    // Private.
+    uint64_t words[NARX_DRIVE_WORDS];
+} narx_drive_t;
+
+// What firmware and board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
+typedef struct narx_identity_t {
+    // Date of the build, YYYYMMDD in decimal.
+    uint32_t build_date;
+    // Build number of the firmware.
+    uint16_t build_number;
+    // Release of the board.
+    uint16_t hardware_release;
+    // Release of the firmware: major in the high byte, minor in the low byte.
+    uint16_t software_release;
+    // Not 0: built from sources that were not committed.
+    uint8_t source_modified;
+} narx_identity_t;
+
+// A parameter that was stored.
+typedef struct narx_stored_t {
+    // Its number: a NARX_PARAMETER_*.
+    uint16_t number;
+    // Its raw value.
+    int32_t value;
+} narx_stored_t;
 
 // The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k + 1.
 typedef struct narx_pwm_command_t {
@@ -798,6 +1732,255 @@ typedef struct narx_frame_t {
     uint8_t data[8];
 } narx_frame_t;
 
+// A TX-Driver: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls. Calls for one
+// TX-Driver must not interrupt each other.
+typedef struct narx_tx_driver_t {
+    // Private.
+    uint64_t words[NARX_TX_DRIVER_WORDS];
+} narx_tx_driver_t;
+
+// What a TX-Driver is made of. Positions in 2^-27 mm.
+typedef struct narx_tx_variant_t {
+    // Sensors: 1 or 2.
+    uint8_t channels;
+    // Release of the firmware, major in the high byte (2100h).
+    uint16_t firmware;
+    // Samples a second that narx_tx_driver_handle_sample is called with, Hz.
+    uint32_t sample_rate;
+    // Where the measuring range of each sensor starts.
+    int32_t range_start[2];
+    // Where it ends, beyond the start.
+    int32_t range_end[2];
+} narx_tx_variant_t;
+
+// Fault confinement of the CAN controller (ISO 11898-1).
+typedef struct narx_bus_state_t {
+    // 0: error active, 1: error passive, 2: off the bus.
+    uint8_t error;
+    // Transmit error counter.
+    uint16_t transmit_errors;
+    // Receive error counter.
+    uint16_t receive_errors;
+} narx_bus_state_t;
+
+// What the PDOs of a node carry.
+typedef struct narx_tx_layout_t {
+    // Sensors: 1 or 2.
+    uint8_t channels;
+    // Not 0: the encoder's value follows.
+    uint8_t encoder;
+} narx_tx_layout_t;
+
+// What a TX-Driver tells its board.
+typedef struct narx_tx_driver_report_t {
+    // Bits per second to set the CAN controller to.
+    uint32_t bits_per_second;
+    // The node-id in force.
+    uint8_t node;
+    // NMT state: 4 Stopped, 5 Operational, 127 Pre-Operational.
+    uint8_t state;
+    // What its PDOs carry.
+    struct narx_tx_layout_t layout;
+    // Levels of the two switching outputs.
+    uint8_t outputs[2];
+} narx_tx_driver_report_t;
+
+// The master of one TX-Driver: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls.
+// Calls for one master must not interrupt each other.
+typedef struct narx_tx_master_t {
+    // Private.
+    uint64_t words[NARX_TX_MASTER_WORDS];
+} narx_tx_master_t;
+
+// What came of a request.
+typedef struct narx_tx_answer_t {
+    // NARX_OK, NARX_ERROR_NO_ANSWER, or NARX_ERROR_ENTRY with the abort code of Table 10 in `value`.
+    narx_status_t status;
+    // What was read or written.
+    uint32_t value;
+    // Of which entry: a NARX_TX_ENTRY_*.
+    uint8_t entry;
+    // Not 0: it was written, or else read.
+    uint8_t written;
+} narx_tx_answer_t;
+
+// What a master knows of its node.
+typedef struct narx_tx_node_report_t {
+    // When the last positions came, microseconds; UINT64_MAX before the first.
+    uint64_t at;
+    // The last positions, 2^-27 mm; 0 before the first.
+    int32_t positions[2];
+    // Boot-up messages.
+    uint32_t boots;
+    // Error messages.
+    uint32_t errors;
+    // Frames of the node that mean nothing: PDOs of another layout, above all.
+    uint32_t malformed;
+    // Encoder, counts; 0 before the first.
+    uint16_t encoder;
+    // Code of the last error message; 0 before the first.
+    uint16_t last_error;
+    // Not 0: the node was heard lately.
+    uint8_t present;
+    // The state that the last heartbeat told, or 255 before the first.
+    uint8_t state;
+} narx_tx_node_report_t;
+
+// An eddyCAN message (PROTOCOL.md, section 10). Fields that its kind does not name do not count.
+typedef struct narx_tx_message_t {
+    // Which one: a narx_tx_kind_t.
+    uint8_t kind;
+    // Node-id, 1 to 127.
+    uint8_t node;
+    // NMT command or state, or number of the PDO.
+    uint8_t command;
+    // Subindex of the entry.
+    uint8_t subindex;
+    // Index of the entry.
+    uint16_t index;
+    // Counts of the encoder.
+    uint16_t encoder;
+    // Bytes of a value.
+    uint8_t size;
+    // Not 0, of NARX_TX_KIND_ABORT: the node says it, or else the master.
+    uint8_t from_node;
+    // Value, error code or abort code.
+    uint32_t value;
+    // Position of each channel, 2^-27 mm.
+    int32_t positions[2];
+} narx_tx_message_t;
+
+// What the board reads besides the tick's samples, before calibration. Volts and degrees Celsius in Q16: 65 536 is 1 (narx_q16_from_milli).
+typedef struct narx_slow_inputs_t {
+    // Sensor on the power board.
+    int32_t ambient_temperature;
+    // External sensor, where there is one (parameter 8).
+    int32_t external_temperature;
+    // Pressure input after its amplifier.
+    int32_t pressure;
+    // Outputs of the accelerometer along X, Y, Z: 0.5 V a g about its zero-g level.
+    int32_t accel[3];
+    // 1.8 V reference of the accelerometer.
+    int32_t accel_reference;
+    // 0.383 VREF.
+    int32_t reference;
+    // 6 V rail.
+    int32_t rail_6v;
+    // 14 V rail of the gate drivers.
+    int32_t rail_14v;
+    // Analog signal input.
+    int32_t asi;
+    // Not 0: DSIO1 reads high.
+    uint8_t dsi1;
+    // Not 0: DSIO2 reads high.
+    uint8_t dsi2;
+} narx_slow_inputs_t;
+
+// Levels to apply to the board: 0 or 1.
+typedef struct narx_outputs_t {
+    // DSIO1 drives its line, or else is an input.
+    uint8_t dsio1_enable;
+    // Level of DSIO1.
+    uint8_t dsio1_level;
+    // DSIO2 drives its line, or else is an input.
+    uint8_t dsio2_enable;
+    // Level of DSIO2.
+    uint8_t dsio2_level;
+    // Supply of the hall sensors.
+    uint8_t hall_supply;
+} narx_outputs_t;
+
+// How a master talks. Times in microseconds.
+typedef struct narx_master_config_t {
+    // Between two set-points, at least 1 000; 50 000.
+    uint64_t setpoint_period;
+    // How long an answer may take, at least 1 000; 100 000.
+    uint64_t timeout;
+    // A drive that has said nothing for so long is lost; 500 000.
+    uint64_t lost_after;
+    // CAN address of the drive; 170.
+    uint8_t drive;
+    // CAN address of the master; 85.
+    uint8_t master;
+    // Not 0: transmits nothing and hears everything.
+    uint8_t silent;
+    // Not 0: reads every parameter when the drive is first heard, and after it was lost; 1.
+    uint8_t read_parameters;
+    // How often a message is sent before it counts as not answered; 3.
+    uint8_t attempts;
+} narx_master_config_t;
+
+// The master of one drive: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls.
+// Calls for one master must not interrupt each other; different masters have nothing in common.
+typedef struct narx_master_t {
+    // Private.
+    uint64_t words[NARX_MASTER_WORDS];
+} narx_master_t;
+
+// What a master knows of its drive.
+typedef struct narx_drive_report_t {
+    // Not 0: the drive was heard lately.
+    uint8_t connected;
+    // A narx_state_t, or 255 while it is not known.
+    uint8_t state;
+    // Motor mode of the last STATUS_WORD: a narx_motor_mode_t, or 255 before the first.
+    uint8_t motor_mode;
+    // Control mode of the last STATUS_WORD: a narx_control_mode_t, or 255 before the first.
+    uint8_t control_mode;
+    // The set-point that the drive uses, rpm; 0 before it said one.
+    uint16_t accepted_speed;
+    // Estimated mechanical speed, rpm, negative in reverse; 0 before the first.
+    int16_t speed;
+    // Live and latched faults: sum of NARX_FAULT_*.
+    uint32_t faults;
+    // Critical faults of the last CRITICAL_FAULT.
+    uint32_t critical;
+    // Its extended fault code: NARX_CAUSE_*.
+    uint16_t cause;
+} narx_drive_report_t;
+
+// A NarMotion-X message (PROTOCOL.md, section 2).
+typedef struct narx_message_t {
+    // Which one: a narx_message_kind_t.
+    uint16_t kind;
+    // CAN address of the drive; 170 as shipped.
+    uint8_t drive;
+    // CAN address of the master; 85 as shipped.
+    uint8_t master;
+    // What it says: raw numbers, whose unit and scale stand beside each. Those of other messages do not count.
+    narx_fields_t fields;
+} narx_message_t;
+
+// Up to three words of a download.
+typedef struct narx_chunk_t {
+    // Place of the first one in the download, words.
+    uint32_t offset;
+    // How many of `words` count.
+    uint8_t length;
+    // The words.
+    uint16_t words[3];
+} narx_chunk_t;
+
+// A request to a drive.
+typedef struct narx_request_t {
+    // What is asked: a narx_request_kind_t.
+    uint8_t kind;
+    // Of which parameter, where it is about one.
+    uint16_t number;
+    // Raw value, where it has one.
+    int32_t value;
+} narx_request_t;
+
+// What came of a request.
+typedef struct narx_answer_t {
+    // What was asked for.
+    struct narx_request_t request;
+    // NARX_OK, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or why the drive refuses the parameter.
+    narx_status_t status;
+    // The raw value that the parameter has now; 0 where there is no parameter.
+    int32_t value;
+} narx_answer_t;
+
 // What a replay found.
 typedef struct narx_outcome_t {
     // Ticks run.
@@ -822,6 +2005,162 @@ typedef struct narx_scope_t {
 extern "C" {
 #endif // __cplusplus
 
+// The step that gives torque in `towards` (0 forward, 1 reverse) to a rotor in `sector`, 0 to 5. Any context; no state.
+narx_status_t narx_commutation_step_for(uint8_t sector,
+                                        uint8_t towards,
+                                        narx_step_t *step);
+
+// What a step (a narx_step_t) does to the legs of phases A, B, C: 0 both switches off, 1 low side on, 2 switched with the duty; in
+// `legs`, 3 bytes. Any context; no state.
+narx_status_t narx_commutation_legs(uint8_t step,
+                                    uint8_t *legs);
+
+// Makes a commutation that has not seen a rotor yet. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
+// which.
+narx_status_t narx_commutation_init(struct narx_commutator_t *commutation,
+                                    size_t size,
+                                    const struct narx_commutation_settings_t *settings,
+                                    struct narx_setting_error_t *error);
+
+// The steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed` (2^-32 turn a tick, signed), both at its
+// boundary, and torque in `towards` (0 forward, 1 reverse). A rotor that seems to have fallen back by less than 15 degrees is not commutated
+// back.
+narx_status_t narx_commutation_step(struct narx_commutator_t *commutation,
+                                    uint32_t angle,
+                                    int32_t turn_speed,
+                                    uint8_t towards,
+                                    struct narx_steps_t *steps);
+
+// Forgets the sector: the bridge was off.
+narx_status_t narx_commutation_reset(struct narx_commutator_t *commutation);
+
+// The drive's factory values at 10 kHz; no speed is too high: to change what differs.
+narx_status_t narx_fault_settings_default(struct narx_fault_settings_t *settings);
+
+// Makes fault logic without a fault. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an
+// interrupt: it divides.
+narx_status_t narx_fault_init(struct narx_fault_t *fault,
+                              size_t size,
+                              const struct narx_fault_settings_t *settings,
+                              struct narx_setting_error_t *error);
+
+// One tick. A critical fault latches.
+narx_status_t narx_fault_step(struct narx_fault_t *fault,
+                              const struct narx_evidence_t *evidence,
+                              struct narx_faults_t *faults);
+
+// What the fault logic does as the state machine beside it (narx_state_step) changes its state: a time-out and a failed boot are latched,
+// leaving Fault acknowledges, and sensors are judged anew in every driven episode.
+narx_status_t narx_fault_handle_change(struct narx_fault_t *fault,
+                                       const struct narx_change_t *change,
+                                       const struct narx_evidence_t *evidence);
+
+// Clears what is latched if none of its causes is present any more; else NARX_ERROR_WRONG_STATE, and nothing is done.
+narx_status_t narx_fault_acknowledge(struct narx_fault_t *fault);
+
+// 10 kHz, lines as they are named, the factory's time-out, 1 rev/s, captured edges: to change what differs.
+narx_status_t narx_hall_settings_default(struct narx_hall_settings_t *settings);
+
+// Makes a station that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+narx_status_t narx_hall_init(struct narx_hall_t *hall,
+                             size_t size,
+                             const struct narx_hall_settings_t *settings,
+                             struct narx_setting_error_t *error);
+
+// One tick: the lines now (bit 0 = A, bit 1 = B, bit 2 = C), and the `count` edges of the period that has ended, oldest first, at most
+// NARX_EDGES_MAX; `edge` may be NULL without any.
+narx_status_t narx_hall_step(struct narx_hall_t *hall,
+                             uint8_t code,
+                             const struct narx_edge_t *edge,
+                             size_t count,
+                             struct narx_hall_reading_t *reading);
+
+// Makes a controller at rest: its integrator is 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
+// which. Not for an interrupt: it divides.
+narx_status_t narx_pi_init(struct narx_pi_t *pi,
+                           size_t size,
+                           const struct narx_pi_settings_t *settings,
+                           struct narx_setting_error_t *error);
+
+// The output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The integrator never holds more than brings the output
+// to one of them.
+narx_status_t narx_pi_step(struct narx_pi_t *pi,
+                           int32_t error,
+                           int32_t *output);
+
+// Something else decided `applied` (Q16) in this step, whose error was `error`: the integrator goes an eighth of the way to what would have
+// given that, so that the controller takes over again without a bump.
+narx_status_t narx_pi_track(struct narx_pi_t *pi,
+                            int32_t applied,
+                            int32_t error);
+
+// The integrator alone gives `output` (Q16) from now on.
+narx_status_t narx_pi_hold(struct narx_pi_t *pi, int32_t output);
+
+// Makes a ramp at 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an interrupt: it
+// divides.
+narx_status_t narx_ramp_init(struct narx_ramp_t *ramp,
+                             size_t size,
+                             const struct narx_ramp_settings_t *settings,
+                             struct narx_setting_error_t *error);
+
+// One step towards `target`; where it is then in `value`. Both Q16.
+narx_status_t narx_ramp_step(struct narx_ramp_t *ramp, int32_t target, int32_t *value);
+
+// Continues from `value`, Q16.
+narx_status_t narx_ramp_set(struct narx_ramp_t *ramp, int32_t value);
+
+// The drive's factory values at 10 kHz, with hall sensors: to change what differs.
+narx_status_t narx_state_settings_default(struct narx_state_settings_t *settings);
+
+// Makes a machine in Initialization. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+narx_status_t narx_state_init(struct narx_state_machine_t *machine,
+                              size_t size,
+                              const struct narx_state_settings_t *settings,
+                              struct narx_setting_error_t *error);
+
+// A command has arrived: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point, Q16 rev/s. It feeds the
+// time-out. Standby acknowledges a fault; Drive and Reverse start the motor if Standby was asked for before.
+narx_status_t narx_state_handle_command(struct narx_state_machine_t *machine,
+                                        uint8_t mode,
+                                        int32_t speed);
+
+// One tick: time passes, at most one transition fires: NARX_OK and what it was, or NARX_NOTHING.
+narx_status_t narx_state_step(struct narx_state_machine_t *machine,
+                              const struct narx_state_inputs_t *inputs,
+                              struct narx_change_t *change);
+
+// Where it stands.
+narx_status_t narx_state_report(struct narx_state_machine_t *machine,
+                                struct narx_state_report_t *report);
+
+// 10 kHz, narx's own converter, 4 codes of noise, 200 us of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is not
+// known: to change what differs.
+narx_status_t narx_zero_crossing_settings_default(struct narx_zero_crossing_settings_t *settings);
+
+// Makes a detector of a motor that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL,
+// says which. Not for an interrupt: it divides.
+narx_status_t narx_zero_crossing_init(struct narx_zero_crossing_t *detector,
+                                      size_t size,
+                                      const struct narx_zero_crossing_settings_t *settings,
+                                      struct narx_setting_error_t *error);
+
+// The bridge is about to bring up a rotor that rests at `angle` (2^32 a turn) in `towards` (0 forward, 1 reverse).
+narx_status_t narx_zero_crossing_start(struct narx_zero_crossing_t *detector,
+                                       uint32_t angle,
+                                       uint8_t towards);
+
+// On by a step without any evidence: the rotor that is being brought up has not moved.
+narx_status_t narx_zero_crossing_force_step(struct narx_zero_crossing_t *detector);
+
+// One tick: what was sampled (phase and bus voltages with their mode, edges of comparators), and the pattern that was in force in the
+// period that has ended, with torque in `towards` (0 forward, 1 reverse).
+narx_status_t narx_zero_crossing_step(struct narx_zero_crossing_t *detector,
+                                      const struct narx_samples_t *samples,
+                                      const struct narx_applied_t *applied,
+                                      uint8_t towards,
+                                      struct narx_zero_crossing_reading_t *reading);
+
 // The default board, to change what differs on yours: 10 kHz, a tick that takes at most 12.5 us, 500 ns dead time, 12-bit
 // converters to 80 V and +-16.4 A.
 narx_status_t narx_board_default(struct narx_board_t *board);
@@ -841,6 +2180,16 @@ size_t narx_drive_align(void);
 narx_status_t narx_drive_init(struct narx_drive_t *drive,
                               size_t size,
                               const struct narx_board_t *board);
+
+// The same with what you have stored and who you are: `count` parameters, which may be NULL for none, and `identity`, which may be NULL.
+// A set as a whole is taken or, for NARX_ERROR_UNKNOWN_PARAMETER and NARX_ERROR_OUT_OF_RANGE, refused: the memory is as it was. A set that is taken and
+// does not build leaves a drive that refuses to start: NARX_PARAMETER_REJECTED_PARAMETER says for which parameter.
+narx_status_t narx_drive_init_stored(struct narx_drive_t *drive,
+                                     size_t size,
+                                     const struct narx_board_t *board,
+                                     const struct narx_identity_t *identity,
+                                     const struct narx_stored_t *stored,
+                                     size_t count);
 
 // One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
 // interrupt, once a PWM period; it may interrupt every other call for the same drive but narx_drive_init and itself.
@@ -880,6 +2229,281 @@ narx_status_t narx_drive_set_parameter(struct narx_drive_t *drive,
 
 // Reads a parameter, raw as in narx_drive_set_parameter, live ones included. Background half.
 narx_status_t narx_drive_get_parameter(struct narx_drive_t *drive, uint16_t number, int32_t *value);
+
+// Bytes that a TX-Driver needs on this processor: at most sizeof(narx_tx_driver_t). Any context.
+size_t narx_tx_driver_size(void);
+
+// Makes a TX-Driver at power-up in `size` bytes of memory: sizeof(narx_tx_driver_t), or narx_tx_driver_size() of your own. `values` are the
+// NARX_TX_VALUES values that were stored, or NULL for factory state. NARX_ERROR_VARIANT if there is no such driver, NARX_ERROR_OUT_OF_RANGE
+// for a stored value that its entry does not take.
+narx_status_t narx_tx_driver_init(struct narx_tx_driver_t *driver,
+                                  size_t size,
+                                  const struct narx_tx_variant_t *variant,
+                                  const uint32_t *values);
+
+// Takes a frame that arrived at `now`, microseconds. A frame that is not for this node, or none of its protocol, changes nothing.
+narx_status_t narx_tx_driver_handle_frame(struct narx_tx_driver_t *driver,
+                                          const struct narx_frame_t *frame,
+                                          uint64_t now);
+
+// Takes a sample, at the variant's rate: positions in 2^-27 mm (the second does not count on a driver of one channel), and the encoder's
+// counter, four counts to a period, running free.
+narx_status_t narx_tx_driver_handle_sample(struct narx_tx_driver_t *driver,
+                                           int32_t position_1,
+                                           int32_t position_2,
+                                           uint16_t counter);
+
+// Takes the state of the CAN controller, whenever it was looked at. Off the bus no frame is handed out, and positions and answers
+// that wait are dropped; drop what waits in the controller, too.
+narx_status_t narx_tx_driver_handle_bus_state(struct narx_tx_driver_t *driver,
+                                              const struct narx_bus_state_t *state);
+
+// Advances time to `now`, microseconds.
+narx_status_t narx_tx_driver_poll(struct narx_tx_driver_t *driver, uint64_t now);
+
+// When to poll again at the latest if nothing is handled until then, microseconds; UINT64_MAX for never.
+narx_status_t narx_tx_driver_next_poll(struct narx_tx_driver_t *driver,
+                                       uint64_t *at);
+
+// The next frame to send, or NARX_NOTHING.
+narx_status_t narx_tx_driver_poll_frame(struct narx_tx_driver_t *driver,
+                                        struct narx_frame_t *frame);
+
+// The NARX_TX_VALUES values to store, or NARX_NOTHING. Nothing more is handed out before narx_tx_driver_handle_store has said what became
+// of them.
+narx_status_t narx_tx_driver_poll_store(struct narx_tx_driver_t *driver,
+                                        uint32_t *values);
+
+// Takes whether what narx_tx_driver_poll_store handed out is stored: not 0 if it is. A board that could not read its memory at power-up says
+// 0, too.
+narx_status_t narx_tx_driver_handle_store(struct narx_tx_driver_t *driver,
+                                          uint8_t done);
+
+// NARX_OK when the board is to restart now, said once: narx_tx_driver_init with the stored values; NARX_NOTHING otherwise.
+narx_status_t narx_tx_driver_take_reset(struct narx_tx_driver_t *driver);
+
+// What the board has to know.
+narx_status_t narx_tx_driver_report(struct narx_tx_driver_t *driver,
+                                    struct narx_tx_driver_report_t *report);
+
+// Bytes that a TX-Driver's master needs on this processor: at most sizeof(narx_tx_master_t). Any context.
+size_t narx_tx_master_size(void);
+
+// Makes the master of node `number` (1 to 127) with this layout, in `size` bytes of memory: sizeof(narx_tx_master_t), or
+// narx_tx_master_size() of your own. It sends nothing until it is asked for something; it waits 100 ms for an answer, asks three times, and
+// takes a node for gone that has said nothing for 5 s.
+narx_status_t narx_tx_master_init(struct narx_tx_master_t *master,
+                                  size_t size,
+                                  uint8_t number,
+                                  const struct narx_tx_layout_t *layout);
+
+// Takes a frame that arrived at `now`, microseconds. Frames of others are not heard.
+narx_status_t narx_tx_master_handle_frame(struct narx_tx_master_t *master,
+                                          const struct narx_frame_t *frame,
+                                          uint64_t now);
+
+// The next frame that is due at `now`, microseconds, or NARX_NOTHING.
+narx_status_t narx_tx_master_poll_frame(struct narx_tx_master_t *master,
+                                        uint64_t now,
+                                        struct narx_frame_t *frame);
+
+// When to poll again at the latest if no frame arrives and nothing is asked for until then, microseconds; UINT64_MAX for never.
+narx_status_t narx_tx_master_next_poll(struct narx_tx_master_t *master,
+                                       uint64_t now,
+                                       uint64_t *at);
+
+// Commands the node, or with `all` not 0 every node of the bus: 1 start, 2 stop, 128 pre-operational, 129 reset. NARX_ERROR_FULL while four
+// messages wait for the bus, NARX_ERROR_FIELD for another command.
+narx_status_t narx_tx_master_command(struct narx_tx_master_t *master,
+                                     uint8_t command,
+                                     uint8_t all);
+
+// Sends a SYNC: every node of the bus samples and sends PDO2. NARX_ERROR_FULL while four messages wait for the bus.
+narx_status_t narx_tx_master_sync(struct narx_tx_master_t *master);
+
+// Asks the node for PDO3. NARX_ERROR_FULL while four messages wait for the bus.
+narx_status_t narx_tx_master_ask_positions(struct narx_tx_master_t *master);
+
+// Asks for an entry (NARX_TX_ENTRY_*). Answers come in the order of the requests; NARX_ERROR_FULL with eight whose answers were not taken.
+narx_status_t narx_tx_master_read(struct narx_tx_master_t *master,
+                                  uint8_t number);
+
+// Writes an entry (NARX_TX_ENTRY_*), likewise.
+narx_status_t narx_tx_master_write(struct narx_tx_master_t *master, uint8_t number, uint32_t value);
+
+// The next answer, or NARX_NOTHING.
+narx_status_t narx_tx_master_poll_answer(struct narx_tx_master_t *master,
+                                         struct narx_tx_answer_t *answer);
+
+// What the node has said, as known at `now`, microseconds.
+narx_status_t narx_tx_master_report(struct narx_tx_master_t *master,
+                                    uint64_t now,
+                                    struct narx_tx_node_report_t *report);
+
+// What a frame says on a bus whose nodes have this layout. NARX_ERROR_NOT_A_MESSAGE if it is no eddyCAN message, or one of another
+// layout; NARX_ERROR_FIELD if a field has a value that means nothing. Any context; no state.
+narx_status_t narx_tx_message_decode(const struct narx_frame_t *frame,
+                                     const struct narx_tx_layout_t *layout,
+                                     struct narx_tx_message_t *message);
+
+// The frame of a message on a bus whose nodes have this layout. NARX_ERROR_NOT_A_MESSAGE if `kind` is no narx_tx_kind_t; NARX_ERROR_FIELD
+// or NARX_ERROR_NODE if a field has a value that means nothing. Any context; no state.
+narx_status_t narx_tx_message_encode(const struct narx_tx_message_t *message,
+                                     const struct narx_tx_layout_t *layout,
+                                     struct narx_frame_t *frame);
+
+// Q16 of a whole number of thousandths (mV, mA, 0.001 degrees), rounded to nearest; saturates beyond 32 767 999. Any context.
+int32_t narx_q16_from_milli(int32_t milli);
+
+// Thousandths of a Q16, rounded to nearest; saturates. Any context.
+int32_t narx_milli_from_q16(int32_t value);
+
+// Q16 sum, saturating. Any context.
+int32_t narx_q16_add(int32_t a, int32_t b);
+
+// Q16 difference, saturating. Any context.
+int32_t narx_q16_subtract(int32_t a, int32_t b);
+
+// Q16 product, rounded down, saturating. Any context.
+int32_t narx_q16_multiply(int32_t a, int32_t b);
+
+// Q16 quotient, rounded towards 0, saturating; divided by 0 the largest or smallest value, 0 for 0. Not for a control interrupt: a processor
+// without a 64-bit division takes hundreds of instructions. Any context.
+int32_t narx_q16_divide(int32_t a,
+                        int32_t b);
+
+// IQ24 of a Q16, exact; saturates beyond 127.99999994. Any context.
+int32_t narx_iq24_from_q16(int32_t value);
+
+// Q16 of an IQ24, rounded down. Any context.
+int32_t narx_q16_from_iq24(int32_t value);
+
+// Q15 of a Q16, rounded down; saturates beyond 0.99997. Any context.
+int16_t narx_q15_from_q16(int32_t value);
+
+// Q16 of a Q15, exact. Any context.
+int32_t narx_q16_from_q15(int16_t value);
+
+// Q12 of a Q16, rounded down; saturates beyond 7.9998. Any context.
+int16_t narx_q12_from_q16(int32_t value);
+
+// Q16 of a Q12, exact. Any context.
+int32_t narx_q16_from_q12(int16_t value);
+
+// Takes a reading of the slow inputs, about every 10 ms. Temperature and pressure limits act from the first one on. Background half.
+narx_status_t narx_drive_handle_inputs(struct narx_drive_t *drive,
+                                       const struct narx_slow_inputs_t *inputs);
+
+// Takes the state of the CAN controller, whenever it was looked at (parameters 293 to 296). Off the bus no frame is handed out, and what
+// waits is dropped; drop what waits in the controller, too. Background half.
+narx_status_t narx_drive_handle_bus_state(struct narx_drive_t *drive,
+                                          const struct narx_bus_state_t *state);
+
+// What the board's lines shall do now. Background half.
+narx_status_t narx_drive_outputs(struct narx_drive_t *drive, struct narx_outputs_t *outputs);
+
+// NARX_OK when the master has asked for a reboot and its acknowledgement was polled, said once: reset, or narx_drive_init; NARX_NOTHING
+// otherwise. Background half.
+narx_status_t narx_drive_take_reboot(struct narx_drive_t *drive);
+
+// A master at power-up as Figure 9 of the specification has it, to change what differs.
+narx_status_t narx_master_config_default(struct narx_master_config_t *config);
+
+// Bytes that a master needs on this processor: at most sizeof(narx_master_t). Any context.
+size_t narx_master_size(void);
+
+// Makes a master that has asked for nothing yet in `size` bytes of memory: sizeof(narx_master_t), or narx_master_size() of your own.
+// `config` may be NULL for the default. It sends set-points of 0, which keep measurements coming, and neither stops a motor nor
+// acknowledges a fault.
+narx_status_t narx_master_init(struct narx_master_t *master,
+                               size_t size,
+                               const struct narx_master_config_t *config);
+
+// Takes a frame that arrived at `now`, microseconds. Frames of others are not heard.
+narx_status_t narx_master_handle_frame(struct narx_master_t *master,
+                                       const struct narx_frame_t *frame,
+                                       uint64_t now);
+
+// The next frame that is due at `now`, microseconds, or NARX_NOTHING. Call it until there is nothing, at the latest when
+// narx_master_next_poll says.
+narx_status_t narx_master_poll_frame(struct narx_master_t *master,
+                                     uint64_t now,
+                                     struct narx_frame_t *frame);
+
+// When to poll again at the latest if no frame arrives and nothing is asked for until then, microseconds; UINT64_MAX for never.
+narx_status_t narx_master_next_poll(struct narx_master_t *master,
+                                    uint64_t now,
+                                    uint64_t *at);
+
+// Asks for a speed, mechanical rpm, negative in reverse, and repeats that as long as it holds. A drive takes a start once it has seen Standby since it last
+// stopped: narx_master_stop first.
+narx_status_t narx_master_start(struct narx_master_t *master,
+                                int32_t rpm);
+
+// Asks for another speed in the direction that was asked for, rpm.
+narx_status_t narx_master_set_speed(struct narx_master_t *master, uint16_t rpm);
+
+// Asks for Standby, which also acknowledges a fault.
+narx_status_t narx_master_stop(struct narx_master_t *master);
+
+// Asks for a shutdown (motor mode 3): fault bit 28.
+narx_status_t narx_master_shut_down(struct narx_master_t *master);
+
+// What the drive has said of itself, as known at `now`, microseconds.
+narx_status_t narx_master_report(struct narx_master_t *master,
+                                 uint64_t now,
+                                 struct narx_drive_report_t *report);
+
+// The last measurement frame of one kind, NARX_MESSAGE_MEASUREMENT_0 to _8, as a message, and when it came (microseconds; `at` may be NULL);
+// NARX_NOTHING before the first.
+narx_status_t narx_master_measurement(struct narx_master_t *master,
+                                      uint16_t kind,
+                                      struct narx_message_t *message,
+                                      uint64_t *at);
+
+// A parameter as it was last heard, raw, and when (microseconds; `at` may be NULL); NARX_NOTHING while it was not. It asks nothing of the bus:
+// a NARX_REQUEST_KIND_READ does.
+narx_status_t narx_master_parameter(struct narx_master_t *master,
+                                    uint16_t number,
+                                    int32_t *value,
+                                    uint64_t *at);
+
+// Begins a download: a narx_download_kind_t with what it needs, 0 for what it does not. NARX_ERROR_FULL while there is another whose end was
+// not taken, NARX_ERROR_SILENT for a silent master, NARX_ERROR_REQUEST for a kind that does not exist.
+narx_status_t narx_master_download(struct narx_master_t *master,
+                                   uint8_t kind,
+                                   uint32_t first,
+                                   uint32_t count);
+
+// The next words of the download, or NARX_NOTHING. Words may come more than once, each time the same.
+narx_status_t narx_master_poll_chunk(struct narx_master_t *master,
+                                     struct narx_chunk_t *chunk);
+
+// The end of the download, once all its chunks were taken: NARX_OK and its length in words, NARX_NOTHING before, or what went wrong:
+// NARX_ERROR_NO_ANSWER, NARX_ERROR_NO_LOG, NARX_ERROR_SPOILED, NARX_ERROR_ABORTED, or why the drive refuses.
+narx_status_t narx_master_poll_download(struct narx_master_t *master,
+                                        uint32_t *words);
+
+// Ends the download; its end is NARX_ERROR_ABORTED.
+narx_status_t narx_master_abort_download(struct narx_master_t *master);
+
+// Asks the drive for something once. Answers come in the order of the requests; NARX_ERROR_FULL with eight whose answers were not taken
+// yet, NARX_ERROR_SILENT for a silent master, NARX_ERROR_REQUEST for a kind or a number that does not exist.
+narx_status_t narx_master_request(struct narx_master_t *master,
+                                  const struct narx_request_t *request);
+
+// The next answer, or NARX_NOTHING.
+narx_status_t narx_master_poll_answer(struct narx_master_t *master, struct narx_answer_t *answer);
+
+// What a frame says. NARX_ERROR_NOT_A_MESSAGE if it is none of narx_message_kind_t, or not well formed; NARX_ERROR_FIELD if a field has
+// a value that means nothing. The priority in the identifier does not count. Any context; no state.
+narx_status_t narx_message_decode(const struct narx_frame_t *frame,
+                                  struct narx_message_t *message);
+
+// The frame of a message. NARX_ERROR_NOT_A_MESSAGE if `kind` is no narx_message_kind_t; NARX_ERROR_FIELD if a field has a value that means
+// nothing or needs more bits than it has. Any context; no state.
+narx_status_t narx_message_encode(const struct narx_message_t *message,
+                                  struct narx_frame_t *frame);
 
 // Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length` bytes.
 //

@@ -13,8 +13,8 @@ use core::mem::{align_of, size_of};
 use core::sync::atomic::{AtomicU32, Ordering};
 use narx_core::bus::Frame;
 use narx_core::device::{Background, ControlTick, Queues};
-use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::{Board, PwmCommand, Samples};
+use narx_core::dictionary::{ParameterError, Parameters};
+use narx_core::motor::{Board, Coefficients, PwmCommand, Samples};
 use narx_core::node::{Identity, Node};
 
 /// 64-bit words of a drive on any processor.
@@ -29,6 +29,32 @@ pub const NARX_DRIVE_SIZE: usize = NARX_DRIVE_WORDS * 8;
 pub struct narx_drive_t {
     /// Private.
     words: [u64; NARX_DRIVE_WORDS],
+}
+
+/// A parameter that was stored.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_stored_t {
+    /// Its number: a NARX_PARAMETER_*.
+    pub number: u16,
+    /// Its raw value.
+    pub value: i32,
+}
+
+/// What firmware and board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_identity_t {
+    /// Date of the build, YYYYMMDD in decimal.
+    pub build_date: u32,
+    /// Build number of the firmware.
+    pub build_number: u16,
+    /// Release of the board.
+    pub hardware_release: u16,
+    /// Release of the firmware: major in the high byte, minor in the low byte.
+    pub software_release: u16,
+    /// Not 0: built from sources that were not committed.
+    pub source_modified: u8,
 }
 
 /// What stands in a `narx_drive_t`.
@@ -69,7 +95,33 @@ pub unsafe extern "C" fn narx_drive_init(
     board: *const narx_board_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    pointer::status(unsafe { init(drive, size, board) })
+    pointer::status(unsafe { init(drive, size, board, Identity::default(), Parameters::new()) })
+}
+
+/// The same with what you have stored and who you are: `count` parameters, which may be NULL for none, and `identity`, which may be NULL.
+/// A set as a whole is taken or, for NARX_ERROR_UNKNOWN_PARAMETER and NARX_ERROR_OUT_OF_RANGE, refused: the memory is as it was. A set that is taken and
+/// does not build leaves a drive that refuses to start: NARX_PARAMETER_REJECTED_PARAMETER says for which parameter.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_drive_init_stored(
+    drive: *mut narx_drive_t,
+    size: usize,
+    board: *const narx_board_t,
+    identity: *const narx_identity_t,
+    stored: *const narx_stored_t,
+    count: usize,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        let identity = if identity.is_null() { Identity::default() } else { pointer::read(identity)?.into() };
+        let mut parameters = Parameters::new();
+        if count > 0 {
+            for narx_stored_t { number, value } in pointer::slice(stored, count)? {
+                parameters.set(*number, *value)?;
+            }
+        }
+        init(drive, size, board, identity, parameters)
+    };
+    pointer::status(run())
 }
 
 /// One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
@@ -202,6 +254,8 @@ unsafe fn init(
     drive: *mut narx_drive_t,
     size: usize,
     board: *const narx_board_t,
+    identity: Identity,
+    parameters: Parameters,
 ) -> Result<(), narx_status_t> {
     let device: *mut Device = drive.cast();
     pointer::check(device)?;
@@ -210,7 +264,8 @@ unsafe fn init(
     }
     // SAFETY: the caller's promise.
     let board = if board.is_null() { Board::BENCH } else { unsafe { pointer::read(board)? }.into() };
-    if !board.is_plausible() {
+    // With the factory's parameters a controller can be built for any board that can be.
+    if !board.is_plausible() || Coefficients::build(&Parameters::new(), &board).is_err() {
         return Err(NARX_ERROR_BOARD);
     }
     // SAFETY: aligned and large enough, as just checked; each part is written before a reference to it is made, and the
@@ -219,19 +274,13 @@ unsafe fn init(
         mark(device).store(0, Ordering::SeqCst);
         let queues = &raw mut (*device).queues;
         queues.write(Queues::new());
-        let (tick, mut background) = (*queues).power_up(Identity::default(), board, Parameters::new());
-        if background.node().read_parameter(number::REJECTED_PARAMETER) != Some(NONE_REJECTED) {
-            return Err(NARX_ERROR_BOARD);
-        }
+        let (tick, background) = (*queues).power_up(identity, board, parameters);
         (&raw mut (*device).tick).write(tick);
         (&raw mut (*device).background).write(background);
         mark(device).store(mark_of(device), Ordering::SeqCst);
     }
     Ok(())
 }
-
-/// Value of [`number::REJECTED_PARAMETER`] while the present set builds.
-const NONE_REJECTED: i32 = u16::MAX as i32;
 
 /// The tick half.
 ///
@@ -274,4 +323,25 @@ unsafe fn mark<'a>(device: *mut Device) -> &'a AtomicU32 {
 fn mark_of(device: *mut Device) -> u32 {
     const DRIVE: u32 = u32::from_be_bytes(*b"narx");
     DRIVE ^ (device.addr() as u32)
+}
+
+impl From<&narx_identity_t> for Identity {
+    fn from(identity: &narx_identity_t) -> Self {
+        Self {
+            build_number: identity.build_number,
+            source_modified: identity.source_modified != 0,
+            build_date: identity.build_date,
+            hardware_release: identity.hardware_release,
+            software_release: identity.software_release,
+        }
+    }
+}
+
+impl From<ParameterError> for narx_status_t {
+    fn from(error: ParameterError) -> Self {
+        match error {
+            ParameterError::Unknown { .. } => NARX_ERROR_UNKNOWN_PARAMETER,
+            ParameterError::OutOfRange { .. } | ParameterError::Layout => NARX_ERROR_OUT_OF_RANGE,
+        }
+    }
 }

@@ -3,11 +3,19 @@
 //!
 //! ```text
 //!   status      what every call answers
+//!   fixed       Q formats                         narx_q16_*
 //!   board       the board's constants             narx_board_*
 //!   samples     what the tick reads               narx_samples_t
 //!   pwm         what the tick answers             narx_pwm_command_t
 //!   frame       CAN frames                        narx_frame_t
 //!   device      the drive in the caller's memory  narx_drive_*
+//!   inputs      its slow inputs and outputs       narx_drive_*
+//!   scope       the memory of its virtual scope   narx_scope_*
+//!   message     NarMotion-X messages              narx_message_*
+//!   master      the master of a drive             narx_master_*
+//!   blocks      the stations of the drive alone   narx_pi_*, narx_ramp_*, narx_hall_*, narx_zero_crossing_*,
+//!                                                 narx_commutation_*, narx_fault_*, narx_state_*
+//!   eddycan     the TX-Driver and its master      narx_tx_*
 //!   recording   replay                            narx_replay*
 //! ```
 //!
@@ -16,9 +24,17 @@
 #![allow(non_camel_case_types, reason = "types have the names that C knows them by")]
 #![allow(clippy::missing_safety_doc, reason = "one rule for all pointers stands at the head of narx.h")]
 
+mod blocks;
 mod board;
+mod bus_state;
 mod device;
+mod eddycan;
+mod fixed;
 mod frame;
+mod handle;
+mod inputs;
+mod master;
+mod message;
 mod pointer;
 mod pwm;
 mod recording;
@@ -27,13 +43,24 @@ mod scope;
 mod status;
 mod text;
 
+pub use blocks::*;
 pub use board::{narx_board_default, narx_board_t, narx_channel_t};
+pub use bus_state::narx_bus_state_t;
 pub use device::{
     NARX_DRIVE_SIZE, NARX_DRIVE_WORDS, narx_drive_align, narx_drive_get_parameter, narx_drive_handle_frame,
-    narx_drive_init, narx_drive_poll_bulk_frame, narx_drive_poll_frame, narx_drive_run,
-    narx_drive_set_parameter, narx_drive_size, narx_drive_step, narx_drive_t,
+    narx_drive_init, narx_drive_init_stored, narx_drive_poll_bulk_frame, narx_drive_poll_frame,
+    narx_drive_run, narx_drive_set_parameter, narx_drive_size, narx_drive_step, narx_drive_t,
+    narx_identity_t, narx_stored_t,
 };
+pub use eddycan::*;
+pub use fixed::*;
 pub use frame::narx_frame_t;
+pub use inputs::{
+    narx_drive_handle_bus_state, narx_drive_handle_inputs, narx_drive_outputs, narx_drive_take_reboot,
+    narx_outputs_t, narx_slow_inputs_t,
+};
+pub use master::*;
+pub use message::{NARX_FIELDS_MAX, narx_fields_t, narx_message_decode, narx_message_encode, narx_message_t};
 pub use pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t, narx_pwm_command_t};
 pub use recording::{NARX_OUTPUTS_TEXT_SIZE, narx_outcome_t, narx_replay, narx_replay_until};
 pub use samples::{

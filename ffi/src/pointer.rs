@@ -23,6 +23,15 @@ pub(crate) unsafe fn write<T: Copy>(pointer: *mut T, value: T) -> Result<(), nar
     Ok(())
 }
 
+/// The same where NULL says that nobody wants it.
+///
+/// # Safety
+/// As [`write`].
+pub(crate) unsafe fn write_unless_null<T: Copy>(pointer: *mut T, value: T) -> Result<(), narx_status_t> {
+    // SAFETY: the caller's promise.
+    if pointer.is_null() { Ok(()) } else { unsafe { write(pointer, value) } }
+}
+
 /// The bytes that `pointer` shows.
 ///
 /// # Safety
@@ -34,6 +43,16 @@ pub(crate) unsafe fn bytes<'a>(pointer: *const u8, length: usize) -> Result<&'a 
     }
     // SAFETY: not NULL, no longer than an object can be, readable as the caller promises.
     Ok(unsafe { core::slice::from_raw_parts(pointer, length) })
+}
+
+/// So many of what `pointer` shows.
+///
+/// # Safety
+/// NULL, misaligned, or readable as `count` times `T` while the result lives.
+pub(crate) unsafe fn slice<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], narx_status_t> {
+    check(pointer)?;
+    // SAFETY: neither NULL nor misaligned, so readable as the caller promises.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
 }
 
 /// Neither NULL nor misaligned.

@@ -1,6 +1,7 @@
 //! What the control tick reads.
 
 use crate::status::narx_status_t::{self, *};
+use heapless::Vec;
 use narx_core::motor::samples::EDGES_MAX;
 use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 
@@ -85,14 +86,20 @@ impl TryFrom<&narx_samples_t> for Samples {
             lines: Lines::from_bits_retain(samples.lines),
             ..Self::default()
         };
-        let edges = samples.edges.get(..samples.edge_count.into()).ok_or(NARX_ERROR_SAMPLES)?;
-        for edge in edges {
-            let source = one_of([EdgeSource::Hall, EdgeSource::Comparator], edge.source)?;
-            let edge = Edge { instant: edge.instant, source, code: edge.code };
-            converted.edges.push(edge).map_err(|_| NARX_ERROR_SAMPLES)?;
-        }
+        converted.edges = edges(samples.edges.get(..samples.edge_count.into()).ok_or(NARX_ERROR_SAMPLES)?)?;
         Ok(converted)
     }
+}
+
+/// At most [`NARX_EDGES_MAX`] edges.
+pub(crate) fn edges(edges: &[narx_edge_t]) -> Result<Vec<Edge, EDGES_MAX>, narx_status_t> {
+    let mut converted = Vec::new();
+    for edge in edges {
+        let source = one_of([EdgeSource::Hall, EdgeSource::Comparator], edge.source)?;
+        let edge = Edge { instant: edge.instant, source, code: edge.code };
+        converted.push(edge).map_err(|_| NARX_ERROR_SAMPLES)?;
+    }
+    Ok(converted)
 }
 
 /// The value of an enumeration in the order of its numbers.

@@ -17,9 +17,9 @@ pub enum narx_status_t {
     NARX_ERROR_NULL = -1,
     /// A pointer is not aligned as its type asks for.
     NARX_ERROR_ALIGNMENT = -2,
-    /// The storage is too small: see narx_drive_size.
+    /// The storage is too small: see the size function of its type.
     NARX_ERROR_SIZE = -3,
-    /// The storage holds no drive: narx_drive_init did not run, or the storage was moved since.
+    /// The storage holds nothing of its type: it was not initialised, or a drive was moved since.
     NARX_ERROR_UNINITIALISED = -4,
     /// The board's constants lead to no working controller.
     NARX_ERROR_BOARD = -5,
@@ -53,6 +53,40 @@ pub enum narx_status_t {
     NARX_ERROR_MALFORMED = -19,
     /// The recording's initial state is not one of this drive.
     NARX_ERROR_STATE = -20,
+    /// Not a message of this protocol: identifier, type or length do not fit.
+    NARX_ERROR_NOT_A_MESSAGE = -21,
+    /// A field of the message has a value that means nothing.
+    NARX_ERROR_FIELD = -22,
+    /// No such request, or a value that it does not take.
+    NARX_ERROR_REQUEST = -23,
+    /// The master is silent: it transmits nothing.
+    NARX_ERROR_SILENT = -24,
+    /// Earlier answers were not taken yet.
+    NARX_ERROR_FULL = -25,
+    /// No answer, however often it was asked.
+    NARX_ERROR_NO_ANSWER = -26,
+    /// The drive has refused a message that has no answer.
+    NARX_ERROR_NOT_OBEYED = -27,
+    /// The drive has no log memory.
+    NARX_ERROR_NO_LOG = -28,
+    /// A record of the log comes whole and is not what was written.
+    NARX_ERROR_SPOILED = -29,
+    /// The download was ended by narx_master_abort_download.
+    NARX_ERROR_ABORTED = -30,
+    /// No such node-id: 1 to 127.
+    NARX_ERROR_NODE = -31,
+    /// No such TX-Driver: channels, sample rate or measuring range.
+    NARX_ERROR_VARIANT = -32,
+    /// No entry has this number.
+    NARX_ERROR_UNKNOWN_ENTRY = -33,
+    /// The node refuses to read or write the entry.
+    NARX_ERROR_ENTRY = -34,
+    /// No such state of a CAN controller.
+    NARX_ERROR_BUS_STATE = -35,
+    /// A block cannot be built from its settings; narx_setting_error_t says which.
+    NARX_ERROR_SETTING = -36,
+    /// An argument has a value that does not exist.
+    NARX_ERROR_ARGUMENT = -37,
 }
 
 use narx_status_t::*;
@@ -75,7 +109,7 @@ pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
     known.map_or(c"unknown status", |known| text(*known)).as_ptr()
 }
 
-const ALL: [narx_status_t; 22] = [
+const ALL: [narx_status_t; 39] = [
     NARX_OK,
     NARX_NOTHING,
     NARX_ERROR_NULL,
@@ -98,6 +132,23 @@ const ALL: [narx_status_t; 22] = [
     NARX_ERROR_CHECKSUM,
     NARX_ERROR_MALFORMED,
     NARX_ERROR_STATE,
+    NARX_ERROR_NOT_A_MESSAGE,
+    NARX_ERROR_FIELD,
+    NARX_ERROR_REQUEST,
+    NARX_ERROR_SILENT,
+    NARX_ERROR_FULL,
+    NARX_ERROR_NO_ANSWER,
+    NARX_ERROR_NOT_OBEYED,
+    NARX_ERROR_NO_LOG,
+    NARX_ERROR_SPOILED,
+    NARX_ERROR_ABORTED,
+    NARX_ERROR_NODE,
+    NARX_ERROR_VARIANT,
+    NARX_ERROR_UNKNOWN_ENTRY,
+    NARX_ERROR_ENTRY,
+    NARX_ERROR_BUS_STATE,
+    NARX_ERROR_SETTING,
+    NARX_ERROR_ARGUMENT,
 ];
 
 const fn text(status: narx_status_t) -> &'static CStr {
@@ -107,7 +158,7 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_NULL => c"a pointer is NULL",
         NARX_ERROR_ALIGNMENT => c"a pointer is misaligned",
         NARX_ERROR_SIZE => c"the storage is too small",
-        NARX_ERROR_UNINITIALISED => c"the storage holds no drive, or was moved",
+        NARX_ERROR_UNINITIALISED => c"the storage holds nothing of its type, or a drive that was moved",
         NARX_ERROR_BOARD => c"the board's constants lead to no working controller",
         NARX_ERROR_SAMPLES => c"a field of the samples has a value that does not exist",
         NARX_ERROR_FRAME => c"not a CAN frame: identifier or length out of range",
@@ -124,6 +175,23 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_CHECKSUM => c"the recording is corrupt: a check value differs",
         NARX_ERROR_MALFORMED => c"the recording is corrupt: a field that no recorder writes",
         NARX_ERROR_STATE => c"the recording's initial state is not one of this drive",
+        NARX_ERROR_NOT_A_MESSAGE => c"not a message of this protocol",
+        NARX_ERROR_FIELD => c"a field of the message has a value that means nothing",
+        NARX_ERROR_REQUEST => c"no such request, or a value that it does not take",
+        NARX_ERROR_SILENT => c"the master is silent",
+        NARX_ERROR_FULL => c"earlier answers were not taken yet",
+        NARX_ERROR_NO_ANSWER => c"no answer",
+        NARX_ERROR_NOT_OBEYED => c"the drive has refused the request",
+        NARX_ERROR_NO_LOG => c"the drive has no log memory",
+        NARX_ERROR_SPOILED => c"a record of the log is not what was written",
+        NARX_ERROR_ABORTED => c"the download was aborted",
+        NARX_ERROR_NODE => c"no such node-id: 1 to 127",
+        NARX_ERROR_VARIANT => c"no such TX-Driver: channels, sample rate or measuring range",
+        NARX_ERROR_UNKNOWN_ENTRY => c"no entry has this number",
+        NARX_ERROR_ENTRY => c"the node refuses to read or write the entry",
+        NARX_ERROR_BUS_STATE => c"no such state of a CAN controller",
+        NARX_ERROR_SETTING => c"a setting is out of its range",
+        NARX_ERROR_ARGUMENT => c"an argument has a value that does not exist",
     }
 }
 

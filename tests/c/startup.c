@@ -1,5 +1,5 @@
-/* Vector table and start-up of a Cortex-M4F program with semihosting. newlib's own start-up takes command lines of 255
- * characters, and all vectors by name are longer. */
+/* Vector table and start-up of a Cortex-M program with semihosting. newlib's own start-up takes command lines of 255
+ * characters, and all vectors by name are longer; a small machine makes LINE_SIZE smaller. */
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -11,16 +11,22 @@ extern void initialise_monitor_handles(void);
 extern int main(int argc, char **argv);
 void reset(void);
 
-enum { SYS_GET_CMDLINE = 0x15, ARGUMENTS_MAX = 1023 };
+#ifndef LINE_SIZE
+#define LINE_SIZE 65536
+#endif
 
-static char line[65536];
+enum { SYS_GET_CMDLINE = 0x15, ARGUMENTS_MAX = LINE_SIZE / 64 };
+
+static char line[LINE_SIZE];
 static char *arguments[ARGUMENTS_MAX + 1];
 
-/* Any exception ends the program: it uses none. */
+/* Any exception ends the program, but the one that a program may use as its control interrupt. */
 static void fault(void)
 {
     _Exit(70);
 }
+
+void pend_sv(void) __attribute__((weak, alias("fault")));
 
 union vector {
     void (*handler)(void);
@@ -29,7 +35,9 @@ union vector {
 
 __attribute__((section(".vectors"), used)) static const union vector vectors[16] = {
     {.stack = &__stack}, {.handler = reset}, {.handler = fault}, {.handler = fault},
-    {.handler = fault},  {.handler = fault}, {.handler = fault},
+    {.handler = fault},  {.handler = fault}, {.handler = fault}, {.handler = fault},
+    {.handler = fault},  {.handler = fault}, {.handler = fault}, {.handler = fault},
+    {.handler = fault},  {.handler = fault}, {.handler = pend_sv}, {.handler = fault},
 };
 
 static int semihosting(int operation, void *block)
@@ -66,7 +74,7 @@ static void start(void)
     } block = {line, sizeof line};
     uint32_t *word;
 
-    for (word = &__bss_start__; word < &__bss_end__; word++) {
+    for (word = &__bss_start__; word != &__bss_end__; word++) {
         *word = 0;
     }
     initialise_monitor_handles();
@@ -79,9 +87,11 @@ static void start(void)
 /* The floating-point unit is off after reset (CPACR), and the calling convention passes arguments in it. */
 void reset(void)
 {
+#ifdef __ARM_FP
     volatile uint32_t *const cpacr = (volatile uint32_t *)0xE000ED88u;
 
     *cpacr |= 0xFu << 20;
     __asm__ volatile("dsb\n\tisb");
+#endif
     start();
 }

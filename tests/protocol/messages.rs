@@ -1,6 +1,6 @@
 //! The table of messages and fields against the decoders, which were written without it.
 
-use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, NAMES, Words};
+use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, Message, NAMES, Words};
 use narx_sim::random::Random;
 use xtask::decoded;
 
@@ -35,5 +35,26 @@ fn fields_follow_each_other_without_overlap() {
                 assert!(names.values.iter().all(|(value, _)| u64::from(*value) < 1 << field.bits));
             }
         }
+    }
+}
+
+#[test]
+fn what_is_put_into_the_fields_is_the_frame() {
+    let mut random = Random::new(4);
+    for message in &MESSAGES {
+        let frame = decoded::random_frame(message, &mut || random.bits());
+        let words = Words::of(&frame).unwrap().1;
+        let mut put = Words::default();
+        for field in message.fields() {
+            let before = put;
+            let beyond = if field.signed { 1_i64 << (field.bits - 1) } else { 1 << field.bits };
+            for raw in [beyond, -beyond - 1, i64::MAX, i64::MIN] {
+                assert!(field.put(raw, &mut put).is_err(), "{} {raw}", field.name);
+            }
+            assert_eq!(put, before, "{}", field.name);
+            assert_eq!(field.put(field.raw(words), &mut put), Ok(()), "{}", field.name);
+        }
+        assert_eq!(put, words, "{}", message.name);
+        assert_eq!(Message::of(message.id(Addresses::FACTORY)), Some(message));
     }
 }

@@ -62,6 +62,22 @@ pub fn rust_target(name: &str) -> steps::Outcome {
     steps::run(Command::new("rustup").args(["target", "add", name]))
 }
 
+/// Adds components to the nightly Rust toolchain, or installs it with them.
+///
+/// # Errors
+/// What rustup said.
+pub fn nightly(components: &[&str]) -> steps::Outcome {
+    let installed = Command::new("rustup").args(["+nightly", "component", "list", "--installed"]).output();
+    let installed = installed.map(|output| String::from_utf8_lossy(&output.stdout).into_owned());
+    let is_there = |component: &&str| installed.as_ref().is_ok_and(|list| list.contains(*component));
+    if components.iter().all(is_there) {
+        return Ok(Vec::new());
+    }
+    let mut rustup = Command::new("rustup");
+    rustup.args(["toolchain", "install", "nightly", "--profile", "minimal", "--no-self-update"]);
+    steps::run(rustup.args(components.iter().flat_map(|component| ["--component", component])))
+}
+
 /// The interpreter of a virtual environment with exactly these requirements, made anew when they have changed.
 ///
 /// # Errors

@@ -1,5 +1,6 @@
 //! What the developer commands are made of.
 
+pub mod archive;
 pub mod bench;
 pub mod callgrind;
 pub mod commutations;
@@ -18,11 +19,13 @@ pub mod header;
 pub mod install;
 pub mod instructions;
 pub mod interop;
+pub mod library;
 pub mod parity;
 pub mod plot;
 pub mod qemu;
 pub mod running;
 pub mod setup;
+pub mod sizes;
 pub mod steps;
 pub mod test;
 pub mod vectors;

@@ -3,6 +3,7 @@
 use clap::{Parser, Subcommand};
 use std::path::Path;
 use std::process::{Command, ExitCode};
+use xtask::archive;
 use xtask::bench;
 use xtask::callgrind;
 use xtask::coverage;
@@ -14,6 +15,7 @@ use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
+use xtask::sizes;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
@@ -45,6 +47,8 @@ enum Job {
         /// What to test; without a name everything
         target: Option<Target>,
     },
+    /// Build the C library for every target, and pack it with header, CMake package and examples
+    Archive,
     /// Make tests/golden/callgrind.toml anew: instructions of a simulated tick on this machine
     Callgrind {
         /// Write nothing; fail if a figure is another one
@@ -90,6 +94,12 @@ enum Job {
     },
     /// Test what other people's tools make of our files and of the virtual drive: a part of `test rust`
     Interop,
+    /// Make tests/golden/ffi_sizes.toml anew: flash, RAM and instructions of the C library, whole and by parts
+    Sizes {
+        /// Write nothing; fail if a figure is another one
+        #[arg(long)]
+        check: bool,
+    },
     /// Make the recordings of the conformance vectors in tests/vectors anew
     Vectors {
         /// Write nothing; fail if a recording differs from what its scenario gives
@@ -118,6 +128,8 @@ fn main() -> ExitCode {
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
         Job::Interop => finish(interop::run(root)),
+        Job::Archive => archive::command(root),
+        Job::Sizes { check } => sizes::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),
     }
@@ -145,6 +157,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
         Step::new("callgrind", move || callgrind::regenerate(root, false)),
+        Step::new("C sizes", move || sizes::generate(root, false)),
         Step::new("wasm", move || web::generate(root)),
     ])
 }

@@ -1,4 +1,4 @@
-//! An emulated Cortex-M4F that runs a program as if it were one of the host's: arguments, files, output and exit code
+//! An emulated microcontroller that runs a program as if it were one of the host's: arguments, files, output and exit code
 //! by semihosting.
 
 use std::path::Path;
@@ -7,22 +7,51 @@ use std::process::{Command, Stdio};
 /// The emulator; Debian has it in the package of this name.
 pub const PROGRAM: &str = "qemu-system-arm";
 
-/// The emulated machine: an MPS2 board with image AN386, a Cortex-M4F with flash at 0 and RAM at 2000_0000h, 4 MB each.
-const MACHINE: &str = "mps2-an386";
+/// What is emulated. All have flash at 0 and RAM at 2000_0000h.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Machine {
+    /// An MPS2 board with image AN386: a Cortex-M4F, 4 MB each.
+    Mps2M4,
+    /// A BBC micro:bit: a Cortex-M0 with 256 KB of flash and 16 KB of RAM.
+    Microbit,
+}
 
-/// A run of the image `elf` with `arguments` behind its own name. The image opens files of the host by the names that it
+impl Machine {
+    /// As the emulator calls it.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Mps2M4 => "mps2-an386",
+            Self::Microbit => "microbit",
+        }
+    }
+
+    /// The linker script of C programs, in `tests/c`.
+    pub const fn memory(self) -> &'static str {
+        match self {
+            Self::Mps2M4 => "mps2.ld",
+            Self::Microbit => "microbit.ld",
+        }
+    }
+}
+
+/// A run on a Cortex-M4F of the image `elf` with `arguments` behind its own name. The image opens files of the host by the names that it
 /// is given, relative to the directory in which the emulator starts; what it prints is the emulator's standard output.
 ///
 /// The image gets its arguments as one line, split at spaces: an argument with a space or a quote arrives as something
 /// else.
 pub fn semihosting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
-    machine(elf, arguments, "none")
+    semihosting_on(Machine::Mps2M4, elf, arguments)
+}
+
+/// The same on any machine.
+pub fn semihosting_on(machine: Machine, elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
+    emulator(machine, elf, arguments, "none")
 }
 
 /// The same with a TCP server at the image's serial port, port `port` of this machine. The image starts when somebody
 /// connects.
 pub fn with_serial_port(elf: &Path, arguments: &[impl AsRef<str>], port: &str) -> Command {
-    machine(elf, arguments, &format!("tcp:127.0.0.1:{port},server=on,wait=on,nodelay=on"))
+    emulator(Machine::Mps2M4, elf, arguments, &format!("tcp:127.0.0.1:{port},server=on,wait=on,nodelay=on"))
 }
 
 /// A closed run in which one instruction takes exactly 2^7 ns of the machine's time, whatever the host does.
@@ -32,7 +61,7 @@ pub fn counting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     command
 }
 
-fn machine(elf: &Path, arguments: &[impl AsRef<str>], serial: &str) -> Command {
+fn emulator(machine: Machine, elf: &Path, arguments: &[impl AsRef<str>], serial: &str) -> Command {
     let name = elf.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut config = String::from("enable=on,target=native,chardev=semihosting");
     for argument in [name.as_str()].into_iter().chain(arguments.iter().map(AsRef::as_ref)) {
@@ -42,7 +71,7 @@ fn machine(elf: &Path, arguments: &[impl AsRef<str>], serial: &str) -> Command {
     }
     let mut command = Command::new(PROGRAM);
     command
-        .args(["-machine", MACHINE, "-display", "none", "-monitor", "none", "-serial", serial])
+        .args(["-machine", machine.name(), "-display", "none", "-monitor", "none", "-serial", serial])
         .args(["-chardev", "stdio,id=semihosting,signal=off", "-semihosting-config", &config])
         .arg("-kernel")
         .arg(elf)

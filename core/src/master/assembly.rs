@@ -11,14 +11,14 @@ const WORDS_MAX: u32 = RECORD_MAX as u32 / 2;
 pub(super) struct Assembly {
     /// Its place in the download, records; `None` between two.
     place: Option<u32>,
-    /// A bit for each word that has come.
-    seen: u128,
+    /// A bit for each word that has come, as bytes: a `u128` wants a place at a multiple of 16, which C does not give.
+    seen: [u8; 16],
     bytes: [u8; RECORD_MAX],
 }
 
 impl Default for Assembly {
     fn default() -> Self {
-        Self { place: None, seen: 0, bytes: [0; RECORD_MAX] }
+        Self { place: None, seen: [0; 16], bytes: [0; RECORD_MAX] }
     }
 }
 
@@ -42,10 +42,11 @@ impl Assembly {
     /// Puts three words at their offset in the record; false if they were there.
     pub(super) fn put(&mut self, offset: u32, data: [u16; 3]) -> bool {
         let bits = 0b111_u128.checked_shl(offset).unwrap_or(0);
-        if self.seen & bits == bits {
+        let seen = u128::from_le_bytes(self.seen);
+        if seen & bits == bits {
             return false;
         }
-        self.seen |= bits;
+        self.seen = (seen | bits).to_le_bytes();
         let bytes = data.into_iter().flat_map(u16::to_be_bytes);
         let places = self.bytes.iter_mut().skip(offset as usize * 2);
         places.zip(bytes).for_each(|(place, byte)| *place = byte);
@@ -54,7 +55,7 @@ impl Assembly {
 
     /// Whether all of its words have come.
     pub(super) const fn is_complete(&self, words: u32) -> bool {
-        self.seen.count_ones() == words
+        u128::from_le_bytes(self.seen).count_ones() == words
     }
 
     /// Whether it is the record with this number, its CRC is right, or the drive says with zeros that it has none.

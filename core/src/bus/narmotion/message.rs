@@ -4,7 +4,7 @@
 use super::id::MessageKind::{DataRequest, DataSet, SlaveTx};
 use super::id::{Addresses, MessageId, MessageKind, Opcode};
 use super::signal::{SIGNALS, Signal};
-use super::words::Words;
+use super::words::{DecodeError, Words};
 
 /// One row of Figure 14, or the request of REBOOT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -228,6 +228,11 @@ impl Message {
         self.own.iter().copied().chain(signals.map(Field::from))
     }
 
+    /// The message that an identifier is for, if there is one.
+    pub fn of(id: MessageId) -> Option<&'static Self> {
+        MESSAGES.iter().find(|message| (message.kind, message.opcode) == (id.kind, id.opcode))
+    }
+
     /// Its identifier between these two.
     pub const fn id(&self, addresses: Addresses) -> MessageId {
         match self.kind {
@@ -244,6 +249,24 @@ impl Field {
         let top = all << self.first_bit.min(63);
         let unused = 64_u32.saturating_sub(self.bits.into()).min(63);
         if self.signed { top as i64 >> unused } else { (top >> unused) as i64 }
+    }
+
+    /// Puts a raw number where it belongs in the words of its message, which had 0 there.
+    ///
+    /// # Errors
+    /// The number needs more bits; nothing has changed.
+    pub fn put(&self, raw: i64, Words(words): &mut Words) -> Result<(), DecodeError> {
+        let unused = 64_u32.saturating_sub(self.bits.into()).min(63);
+        let top = (raw as u64) << unused;
+        let fits = if self.signed { top as i64 >> unused == raw } else { (top >> unused) as i64 == raw };
+        if !fits {
+            return Err(DecodeError::Value);
+        }
+        let placed = top >> self.first_bit.min(63);
+        for (word, shift) in words.iter_mut().zip([48, 32, 16, 0]) {
+            *word |= (placed >> shift) as u16;
+        }
+        Ok(())
     }
 }
 

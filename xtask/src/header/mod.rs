@@ -1,4 +1,6 @@
-//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and the dictionary's numbers.
+//! The C header `ffi/include/narx.h`, made from the C interface, the core's enumerations and the core's tables.
+
+mod tables;
 
 use crate::steps::{self, Outcome};
 use cbindgen::{Builder, Config};
@@ -40,8 +42,10 @@ const NUMBERS: &str = "core/src/dictionary/number.rs";
 
 fn header(root: &Path) -> Result<String, String> {
     let config = Config::from_file(root.join("ffi/cbindgen.toml"))?;
-    let mut builder =
-        Builder::new().with_config(config).with_crate(root.join("ffi")).with_after_include(numbers(root)?);
+    let mut builder = Builder::new()
+        .with_config(config)
+        .with_crate(root.join("ffi"))
+        .with_after_include(numbers(root)? + "\n" + &tables::definitions());
     for file in ENUMERATIONS {
         builder = builder.with_src(root.join(file));
     }

@@ -1,0 +1,38 @@
+# find_package(narx): the target narx::narx, header and static library.
+#
+#   NARX_TARGET    which library, by Rust's name of its target: a folder of lib/. Without it, what CMAKE_SYSTEM_PROCESSOR says: cortex-m0 and
+#                  cortex-m0plus, cortex-m4 and cortex-m7 (with floating point in hardware), or this machine.
+
+get_filename_component(_narx_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
+
+if(NOT DEFINED NARX_TARGET)
+    if(CMAKE_SYSTEM_PROCESSOR MATCHES "^cortex-m0")
+        set(NARX_TARGET thumbv6m-none-eabi)
+    elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^cortex-m[47]")
+        set(NARX_TARGET thumbv7em-none-eabihf)
+    elseif(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+        set(NARX_TARGET x86_64-unknown-linux-gnu)
+    else()
+        set(NARX_TARGET "")
+    endif()
+endif()
+
+set(_narx_library "${_narx_prefix}/lib/${NARX_TARGET}/libnarx.a")
+if("${NARX_TARGET}" STREQUAL "" OR NOT EXISTS "${_narx_library}")
+    file(GLOB _narx_targets RELATIVE "${_narx_prefix}/lib" "${_narx_prefix}/lib/*-*")
+    set(narx_FOUND FALSE)
+    set(narx_NOT_FOUND_MESSAGE
+        "no library for NARX_TARGET '${NARX_TARGET}' (CMAKE_SYSTEM_PROCESSOR '${CMAKE_SYSTEM_PROCESSOR}'); there are: ${_narx_targets}")
+    return()
+endif()
+
+if(NOT TARGET narx::narx)
+    add_library(narx::narx STATIC IMPORTED)
+    set_target_properties(narx::narx PROPERTIES
+        IMPORTED_LOCATION "${_narx_library}"
+        INTERFACE_INCLUDE_DIRECTORIES "${_narx_prefix}/include")
+    # On a host the library brings Rust's standard library, for its panic handler alone.
+    if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+        set_property(TARGET narx::narx PROPERTY INTERFACE_LINK_LIBRARIES pthread dl m)
+    endif()
+endif()

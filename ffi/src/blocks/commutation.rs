@@ -1,0 +1,140 @@
+//! Six-step commutation: the table, and position to steps.
+
+use super::{direction, init, narx_setting_error_t};
+use crate::handle::{self, Handle};
+use crate::pointer;
+use crate::pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t};
+use crate::status::narx_status_t::{self, *};
+use narx_core::blocks::{Commutation, CommutationSettings, Position};
+use narx_core::motor::{Commutation as Change, Leg, Step};
+
+/// A commutation: memory that the caller owns. It may be copied and moved between calls.
+#[repr(C)]
+pub struct narx_commutator_t {
+    /// Private.
+    words: [u64; 4],
+}
+
+const _: () = assert!(handle::fits::<narx_commutator_t>());
+
+impl Handle for narx_commutator_t {
+    type Object = Commutation;
+    const MARK: u32 = u32::from_be_bytes(*b"nxCo");
+}
+
+/// Settings of a narx_commutator_t.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_commutation_settings_t {
+    /// Commutation ahead of its place, electrical, 0 to 3 000 in 0.01 degree.
+    pub advance_cdeg: u16,
+    /// First instant of a period at which a new step can act, in 1/65 536 of it: when you have the answer.
+    pub earliest: u16,
+}
+
+/// The steps of one period.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_steps_t {
+    /// The step at the earliest instant.
+    pub step: Step,
+    /// How many of `commutations` count.
+    pub commutation_count: u8,
+    /// Changes later in the period, in order of time.
+    pub commutations: [narx_commutation_t; NARX_COMMUTATIONS_MAX],
+}
+
+/// The step that gives torque in `towards` (0 forward, 1 reverse) to a rotor in `sector`, 0 to 5. Any context; no state.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_commutation_step_for(
+    sector: u8,
+    towards: u8,
+    step: *mut Step,
+) -> narx_status_t {
+    let run = || {
+        let towards = direction(towards)?;
+        if sector > 5 {
+            return Err(NARX_ERROR_ARGUMENT);
+        }
+        // SAFETY: the rule for pointers at the head of narx.h.
+        unsafe { pointer::write(step, Step::for_sector(sector, towards)) }
+    };
+    pointer::status(run())
+}
+
+/// What a step (a narx_step_t) does to the legs of phases A, B, C: 0 both switches off, 1 low side on, 2 switched with the duty; in
+/// `legs`, 3 bytes. Any context; no state.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_commutation_legs(step: u8, legs: *mut u8) -> narx_status_t {
+    let run = || {
+        let step = Step::ALL.into_iter().find(|known| *known as u8 == step).ok_or(NARX_ERROR_ARGUMENT)?;
+        let told = step.legs().map(|leg| match leg {
+            Leg::Floating => 0_u8,
+            Leg::Low => 1,
+            Leg::Switched => 2,
+        });
+        // SAFETY: the rule for pointers at the head of narx.h.
+        unsafe { pointer::write(legs.cast(), told) }
+    };
+    pointer::status(run())
+}
+
+/// Makes a commutation that has not seen a rotor yet. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
+/// which.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_commutation_init(
+    commutation: *mut narx_commutator_t,
+    size: usize,
+    settings: *const narx_commutation_settings_t,
+    error: *mut narx_setting_error_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    match unsafe { pointer::read(settings) } {
+        Ok(settings) => unsafe { init(commutation, size, error, || Commutation::build(&settings.into())) },
+        Err(error) => error,
+    }
+}
+
+/// The steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed` (2^-32 turn a tick, signed), both at its
+/// boundary, and torque in `towards` (0 forward, 1 reverse). A rotor that seems to have fallen back by less than 15 degrees is not commutated
+/// back.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_commutation_step(
+    commutation: *mut narx_commutator_t,
+    angle: u32,
+    turn_speed: i32,
+    towards: u8,
+    steps: *mut narx_steps_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        pointer::check(steps)?;
+        let commutation = handle::object(commutation)?;
+        let position = Position { angle, speed: turn_speed };
+        let (step, changes) = commutation.step(position, direction(towards)?);
+        let mut told = narx_steps_t {
+            step,
+            commutation_count: 0,
+            commutations: [narx_commutation_t { instant: 0, step: Step::Coast }; NARX_COMMUTATIONS_MAX],
+        };
+        for (place, Change { instant, step }) in told.commutations.iter_mut().zip(changes.iter()) {
+            *place = narx_commutation_t { instant, step };
+            told.commutation_count += 1;
+        }
+        pointer::write(steps, told)
+    };
+    pointer::status(run())
+}
+
+/// Forgets the sector: the bridge was off.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_commutation_reset(commutation: *mut narx_commutator_t) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe { handle::object(commutation) }.map(Commutation::reset))
+}
+
+impl From<&narx_commutation_settings_t> for CommutationSettings {
+    fn from(settings: &narx_commutation_settings_t) -> Self {
+        Self { advance_cdeg: settings.advance_cdeg, earliest: settings.earliest }
+    }
+}

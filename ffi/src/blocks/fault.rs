@@ -1,0 +1,289 @@
+//! Fault logic: measurements and conditions to a qualified, latched fault word (Table 9).
+
+use super::state::{narx_change_t, row, state};
+use super::{init, narx_setting_error_t};
+use crate::handle::{self, Handle};
+use crate::pointer;
+use crate::status::narx_status_t::{self, *};
+use narx_core::blocks::{Fault, FaultSettings};
+use narx_core::motor::event::{Health, SlowMeasurements};
+use narx_core::motor::hall::HallEvents;
+use narx_core::motor::machine::{Change, Request};
+use narx_core::motor::measurement::Measured;
+use narx_core::motor::protection::Evidence;
+use narx_core::motor::{Cause, FaultWord, Lines};
+use narx_core::units::{Amps, Celsius, ElectricalSpeed, Volts};
+
+/// Fault logic: memory that the caller owns. It may be copied and moved between calls.
+#[repr(C)]
+pub struct narx_fault_t {
+    /// Private.
+    words: [u64; 23],
+}
+
+const _: () = assert!(handle::fits::<narx_fault_t>());
+
+impl Handle for narx_fault_t {
+    type Object = Fault;
+    const MARK: u32 = u32::from_be_bytes(*b"nxFa");
+}
+
+/// Settings of a narx_fault_t. Quantities are Q16. How long each condition must hold stands beside its NARX_CAUSE_* in PROTOCOL.md.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_fault_settings_t {
+    /// Ticks a second, 1 000 to 100 000 Hz.
+    pub tick_rate: u32,
+    /// Largest bus voltage, 0 to 1 000 V; cleared 0.5 V below.
+    pub over_voltage: i32,
+    /// Least bus voltage, 0 V to 1 V below the largest; cleared 0.5 V above.
+    pub under_voltage: i32,
+    /// Largest magnitude of the mean DC-link current, 0 to 1 000 A; cleared 1/16 below.
+    pub over_current: i32,
+    /// Temperature of the shutdown, -100 to 1 000 degrees C; cleared 2 below.
+    pub over_temperature: i32,
+    /// Temperature of the warning, no more than that of the shutdown.
+    pub warning: i32,
+    /// Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below.
+    pub over_pressure: i32,
+    /// Largest electrical speed that is asked for, 0 to 10 000 rev/s: 30 % above is overspeed.
+    pub speed_max: i32,
+    /// Which bits are critical, sum of NARX_FAULT_*; what protects the power stage is critical while driving all the same.
+    pub critical_mask: u32,
+    /// Torque without a hall edge for this long is a stall, 1 to 65 535 ms.
+    pub hall_stall_ms: u32,
+    /// Digital inputs that shut down: sum of NARX_LINE_*.
+    pub shutdown_lines: u8,
+}
+
+/// What the fault logic looks at in one tick. Quantities are Q16; flags are not 0 where they hold. Zeroed, it is a board at rest without a
+/// supply.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_evidence_t {
+    /// Bus voltage.
+    pub bus_voltage: i32,
+    /// Mean DC-link current of this tick.
+    pub bus_current: i32,
+    /// The same after a first-order filter of 64 ticks.
+    pub bus_current_filtered: i32,
+    /// Temperature of the power stage.
+    pub temperature: i32,
+    /// Pressure reading, V.
+    pub pressure: i32,
+    /// Electrical speed, magnitude, rev/s.
+    pub speed: i32,
+    /// Faults of a parameter store: NARX_FAULT_STORE_*.
+    pub store_faults: u32,
+    /// What sensorless control has failed of: NARX_CAUSE_SENSORLESS_STALL, _DESYNCHRONISATION or _WRONG_LOCK, or 0.
+    pub sensorless: u16,
+    /// Digital inputs: sum of NARX_LINE_*.
+    pub lines: u8,
+    /// What is asked for: 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown.
+    pub request: u8,
+    /// A self-test has failed.
+    pub self_test_failed: u8,
+    /// The hall code is 000 or 111.
+    pub hall_invalid: u8,
+    /// The hall sensors have jumped over a sector.
+    pub hall_jump: u8,
+    /// Sectors that the hall sensors have turned in this tick, signed.
+    pub hall_sectors: i8,
+    /// No hall edge for the hall time-out.
+    pub hall_stopped: u8,
+    /// The hall closed loop is running: its sensors are judged.
+    pub hall_driving: u8,
+    /// The bridge is on, or a start is about to turn it on.
+    pub driving: u8,
+    /// Sign of the torque that was applied in the last tick: 1 forward, -1 reverse, 0 none.
+    pub torque: i8,
+    /// A phase is open.
+    pub open_phase: u8,
+}
+
+/// What the fault logic tells.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_faults_t {
+    /// What is present or latched: sum of NARX_FAULT_*.
+    pub word: u32,
+    /// What is latched of it.
+    pub critical: u32,
+    /// Extended code of the first critical fault, a NARX_CAUSE_*; 0 without one.
+    pub cause: u16,
+    /// Not 0: a critical fault is present, the bridge is to go off.
+    pub present: u8,
+    /// Not 0: none of the latched causes is present any more.
+    pub causes_gone: u8,
+}
+
+/// The drive's factory values at 10 kHz; no speed is too high: to change what differs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_fault_settings_default(settings: *mut narx_fault_settings_t) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe { pointer::write(settings, FaultSettings::default().into()) })
+}
+
+/// Makes fault logic without a fault. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an
+/// interrupt: it divides.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_fault_init(
+    fault: *mut narx_fault_t,
+    size: usize,
+    settings: *const narx_fault_settings_t,
+    error: *mut narx_setting_error_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    match unsafe { pointer::read(settings) } {
+        Ok(settings) => unsafe { init(fault, size, error, || Fault::build(&settings.into())) },
+        Err(error) => error,
+    }
+}
+
+/// One tick. A critical fault latches.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_fault_step(
+    fault: *mut narx_fault_t,
+    evidence: *const narx_evidence_t,
+    faults: *mut narx_faults_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        pointer::check(faults)?;
+        let fault = handle::object(fault)?;
+        let present = fault.step(&Evidence::try_from(pointer::read(evidence)?)?);
+        let told = narx_faults_t {
+            word: fault.word().bits(),
+            critical: fault.critical().bits(),
+            cause: fault.code(),
+            present: present.into(),
+            causes_gone: fault.causes_gone().into(),
+        };
+        pointer::write(faults, told)
+    };
+    pointer::status(run())
+}
+
+/// What the fault logic does as the state machine beside it (narx_state_step) changes its state: a time-out and a failed boot are latched,
+/// leaving Fault acknowledges, and sensors are judged anew in every driven episode.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_fault_handle_change(
+    fault: *mut narx_fault_t,
+    change: *const narx_change_t,
+    evidence: *const narx_evidence_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        let change = pointer::read(change)?;
+        let row = row(state(change.from)?, state(change.to)?)?;
+        let evidence = Evidence::try_from(pointer::read(evidence)?)?;
+        handle::object(fault)?.handle_change(&Change { row, timed_out: change.timed_out != 0 }, &evidence);
+        Ok(())
+    };
+    pointer::status(run())
+}
+
+/// Clears what is latched if none of its causes is present any more; else NARX_ERROR_WRONG_STATE, and nothing is done.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_fault_acknowledge(fault: *mut narx_fault_t) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || match unsafe { handle::object(fault)? }.acknowledge() {
+        true => Ok(()),
+        false => Err(NARX_ERROR_WRONG_STATE),
+    };
+    pointer::status(run())
+}
+
+impl From<FaultSettings> for narx_fault_settings_t {
+    fn from(settings: FaultSettings) -> Self {
+        Self {
+            tick_rate: settings.tick_rate,
+            over_voltage: settings.over_voltage.to_bits(),
+            under_voltage: settings.under_voltage.to_bits(),
+            over_current: settings.over_current.to_bits(),
+            over_temperature: settings.over_temperature.to_bits(),
+            warning: settings.warning.to_bits(),
+            over_pressure: settings.over_pressure.to_bits(),
+            speed_max: settings.speed_max.to_bits(),
+            critical_mask: settings.critical_mask,
+            hall_stall_ms: settings.hall_stall_ms,
+            shutdown_lines: settings.shutdown_lines.bits(),
+        }
+    }
+}
+
+impl From<&narx_fault_settings_t> for FaultSettings {
+    fn from(settings: &narx_fault_settings_t) -> Self {
+        Self {
+            tick_rate: settings.tick_rate,
+            over_voltage: Volts::from_bits(settings.over_voltage),
+            under_voltage: Volts::from_bits(settings.under_voltage),
+            over_current: Amps::from_bits(settings.over_current),
+            over_temperature: Celsius::from_bits(settings.over_temperature),
+            warning: Celsius::from_bits(settings.warning),
+            over_pressure: Volts::from_bits(settings.over_pressure),
+            speed_max: ElectricalSpeed::from_bits(settings.speed_max),
+            shutdown_lines: Lines::from_bits_retain(settings.shutdown_lines),
+            critical_mask: settings.critical_mask,
+            hall_stall_ms: settings.hall_stall_ms,
+        }
+    }
+}
+
+/// What sensorless control can fail of.
+const SENSORLESS: [Cause; 3] = [Cause::SensorlessStall, Cause::Desynchronisation, Cause::WrongLock];
+
+impl TryFrom<&narx_evidence_t> for Evidence {
+    type Error = narx_status_t;
+
+    fn try_from(evidence: &narx_evidence_t) -> Result<Self, narx_status_t> {
+        let sensorless = match evidence.sensorless {
+            0 => None,
+            code => {
+                let cause = SENSORLESS.into_iter().find(|cause| *cause as u16 == code);
+                Some(cause.ok_or(NARX_ERROR_ARGUMENT)?)
+            }
+        };
+        Ok(Self {
+            measured: Measured {
+                bus_voltage: Volts::from_bits(evidence.bus_voltage),
+                bus_current: Amps::from_bits(evidence.bus_current),
+                bus_current_filtered: Amps::from_bits(evidence.bus_current_filtered),
+            },
+            slow: SlowMeasurements {
+                temperature: Celsius::from_bits(evidence.temperature),
+                pressure: Volts::from_bits(evidence.pressure),
+            },
+            lines: Lines::from_bits_retain(evidence.lines),
+            health: Health {
+                store_faults: FaultWord::from_bits_truncate(evidence.store_faults) & FaultWord::STORE,
+                self_test_failed: evidence.self_test_failed != 0,
+            },
+            request: request(evidence.request)?,
+            hall: HallEvents {
+                invalid: evidence.hall_invalid != 0,
+                jump: evidence.hall_jump != 0,
+                sectors: evidence.hall_sectors,
+            },
+            hall_stopped: evidence.hall_stopped != 0,
+            speed: evidence.speed,
+            hall_driving: evidence.hall_driving != 0,
+            driving: evidence.driving != 0,
+            torque: evidence.torque != 0,
+            torque_sign: evidence.torque.signum(),
+            open_phase: evidence.open_phase != 0,
+            sensorless,
+        })
+    }
+}
+
+/// Motor mode of a request.
+pub(super) fn request(number: u8) -> Result<Request, narx_status_t> {
+    match number {
+        0 => Ok(Request::Standby),
+        1 => Ok(Request::Drive),
+        2 => Ok(Request::Reverse),
+        3 => Ok(Request::Shutdown),
+        _ => Err(NARX_ERROR_ARGUMENT),
+    }
+}

@@ -1,0 +1,160 @@
+//! Hall sensors to sector, angle and speed.
+
+use super::{init, narx_setting_error_t};
+use crate::handle::{self, Handle};
+use crate::pointer;
+use crate::samples::{NARX_EDGES_MAX, edges, narx_edge_t};
+use crate::status::narx_status_t::{self, *};
+use narx_core::blocks::{Hall, HallReading, HallSettings};
+use narx_core::units::ElectricalSpeed;
+
+/// A hall station: memory that the caller owns. It may be copied and moved between calls.
+#[repr(C)]
+pub struct narx_hall_t {
+    /// Private.
+    words: [u64; 14],
+}
+
+const _: () = assert!(handle::fits::<narx_hall_t>());
+
+impl Handle for narx_hall_t {
+    type Object = Hall;
+    const MARK: u32 = u32::from_be_bytes(*b"nxHa");
+}
+
+/// Settings of a narx_hall_t.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_hall_settings_t {
+    /// Ticks a second, 1 000 to 100 000 Hz.
+    pub tick_rate: u32,
+    /// How far the edges lie beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
+    pub offset_cdeg: i32,
+    /// No edge for this long means standstill, ms, and no more than 65 535 ticks.
+    pub timeout_ms: u32,
+    /// Slowest electrical speed that is interpolated between edges, Q16 rev/s.
+    pub interpolation_min: i32,
+    /// Which permutation of the lines, 0 to 5; 0 is A, B, C.
+    pub order: u8,
+    /// Lines to invert before the permutation: bit 0 = A, bit 1 = B, bit 2 = C.
+    pub polarity: u8,
+    /// Not 0: edges come time-stamped; else the level alone is looked at, once a tick.
+    pub captured: u8,
+}
+
+/// What the sensors say after a tick.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_hall_reading_t {
+    /// Electrical angle at the present period's boundary, 2^32 a turn; for narx_commutation_step.
+    pub angle: u32,
+    /// 2^-32 turn a tick, signed; for narx_commutation_step.
+    pub turn_speed: i32,
+    /// Electrical speed, Q16 rev/s, signed, never more than the edge that has not come allows.
+    pub speed: i32,
+    /// 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; 255 until the first valid code.
+    pub sector: u8,
+    /// Sectors turned in this tick, signed.
+    pub sectors: i8,
+    /// Not 0: the code is 000 or 111 now.
+    pub invalid: u8,
+    /// Not 0: a sector was jumped over in this tick.
+    pub jump: u8,
+    /// Not 0: no edge for the time-out.
+    pub stopped: u8,
+    /// Not 0: torque by this position could be torque in any direction.
+    pub doubtful: u8,
+}
+
+/// 10 kHz, lines as they are named, the factory's time-out, 1 rev/s, captured edges: to change what differs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_hall_settings_default(settings: *mut narx_hall_settings_t) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe { pointer::write(settings, HallSettings::default().into()) })
+}
+
+/// Makes a station that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_hall_init(
+    hall: *mut narx_hall_t,
+    size: usize,
+    settings: *const narx_hall_settings_t,
+    error: *mut narx_setting_error_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    match unsafe { pointer::read(settings) } {
+        Ok(settings) => unsafe { init(hall, size, error, || Hall::build(&settings.into())) },
+        Err(error) => error,
+    }
+}
+
+/// One tick: the lines now (bit 0 = A, bit 1 = B, bit 2 = C), and the `count` edges of the period that has ended, oldest first, at most
+/// NARX_EDGES_MAX; `edge` may be NULL without any.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_hall_step(
+    hall: *mut narx_hall_t,
+    code: u8,
+    edge: *const narx_edge_t,
+    count: usize,
+    reading: *mut narx_hall_reading_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        pointer::check(reading)?;
+        let hall = handle::object(hall)?;
+        let captured = match count {
+            0 => edges(&[])?,
+            1..=NARX_EDGES_MAX => edges(pointer::slice(edge, count)?)?,
+            _ => return Err(NARX_ERROR_SAMPLES),
+        };
+        pointer::write(reading, hall.step(code & 7, &captured).into())
+    };
+    pointer::status(run())
+}
+
+impl From<HallSettings> for narx_hall_settings_t {
+    fn from(settings: HallSettings) -> Self {
+        let HallSettings { tick_rate, order, polarity, offset_cdeg, timeout_ms, interpolation_min, captured } =
+            settings;
+        let interpolation_min = interpolation_min.to_bits();
+        Self {
+            tick_rate,
+            offset_cdeg,
+            timeout_ms,
+            interpolation_min,
+            order,
+            polarity,
+            captured: captured.into(),
+        }
+    }
+}
+
+impl From<&narx_hall_settings_t> for HallSettings {
+    fn from(settings: &narx_hall_settings_t) -> Self {
+        Self {
+            tick_rate: settings.tick_rate,
+            order: settings.order,
+            polarity: settings.polarity,
+            offset_cdeg: settings.offset_cdeg,
+            timeout_ms: settings.timeout_ms,
+            interpolation_min: ElectricalSpeed::from_bits(settings.interpolation_min),
+            captured: settings.captured != 0,
+        }
+    }
+}
+
+impl From<HallReading> for narx_hall_reading_t {
+    fn from(HallReading { sector, position, speed, events, stopped, doubtful }: HallReading) -> Self {
+        Self {
+            angle: position.angle,
+            turn_speed: position.speed,
+            speed: speed.to_bits(),
+            sector: sector.unwrap_or(u8::MAX),
+            sectors: events.sectors,
+            invalid: events.invalid.into(),
+            jump: events.jump.into(),
+            stopped: stopped.into(),
+            doubtful: doubtful.into(),
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Rate limit of a set-point.
+
+use super::{init, narx_setting_error_t};
+use crate::handle::{self, Handle};
+use crate::pointer;
+use crate::status::narx_status_t;
+use narx_core::blocks::{Ramp, RampSettings};
+
+/// A ramp: memory that the caller owns. It may be copied and moved between calls.
+#[repr(C)]
+pub struct narx_ramp_t {
+    /// Private.
+    words: [u64; 3],
+}
+
+const _: () = assert!(handle::fits::<narx_ramp_t>());
+
+impl Handle for narx_ramp_t {
+    type Object = Ramp;
+    const MARK: u32 = u32::from_be_bytes(*b"nxRa");
+}
+
+/// Settings of a narx_ramp_t.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_ramp_settings_t {
+    /// Steepest change, Q16 a second, more than 0.
+    pub rate: i32,
+    /// Steps a second, 1 to 1 000 000 Hz.
+    pub step_rate: u32,
+}
+
+/// Makes a ramp at 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an interrupt: it
+/// divides.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_ramp_init(
+    ramp: *mut narx_ramp_t,
+    size: usize,
+    settings: *const narx_ramp_settings_t,
+    error: *mut narx_setting_error_t,
+) -> narx_status_t {
+    let build = |settings: &narx_ramp_settings_t| {
+        Ramp::build(&RampSettings { rate: settings.rate, step_rate: settings.step_rate })
+    };
+    // SAFETY: the rule for pointers at the head of narx.h.
+    match unsafe { pointer::read(settings) } {
+        Ok(settings) => unsafe { init(ramp, size, error, || build(settings)) },
+        Err(error) => error,
+    }
+}
+
+/// One step towards `target`; where it is then in `value`. Both Q16.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_ramp_step(
+    ramp: *mut narx_ramp_t,
+    target: i32,
+    value: *mut i32,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        pointer::check(value)?;
+        pointer::write(value, handle::object(ramp)?.step(target))
+    };
+    pointer::status(run())
+}
+
+/// Continues from `value`, Q16.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_ramp_set(ramp: *mut narx_ramp_t, value: i32) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe { handle::object(ramp) }.map(|ramp| ramp.set(value)))
+}

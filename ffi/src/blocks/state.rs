@@ -1,0 +1,231 @@
+//! The state machine: requests and conditions to one of the eight states (Table 7).
+
+use super::fault::request;
+use super::{init, narx_setting_error_t};
+use crate::handle::{self, Handle};
+use crate::pointer;
+use crate::status::narx_status_t::{self, *};
+use narx_core::blocks::{StateMachine, StateSettings};
+use narx_core::motor::machine::{Command, Inputs};
+use narx_core::motor::state::{State, TRANSITIONS, Transition};
+use narx_core::units::ElectricalSpeed;
+
+/// A state machine: memory that the caller owns. It may be copied and moved between calls.
+#[repr(C)]
+pub struct narx_state_machine_t {
+    /// Private.
+    words: [u64; 9],
+}
+
+const _: () = assert!(handle::fits::<narx_state_machine_t>());
+
+impl Handle for narx_state_machine_t {
+    type Object = StateMachine;
+    const MARK: u32 = u32::from_be_bytes(*b"nxSt");
+}
+
+/// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; flags are not 0 where they hold.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_state_settings_t {
+    /// Ticks a second, 1 000 to 100 000 Hz.
+    pub tick_rate: u32,
+    /// Boot time.
+    pub boot_ms: u32,
+    /// Rotor lock.
+    pub lock_ms: u32,
+    /// Open loop before sensorless.
+    pub open_loop_ms: u32,
+    /// Auto-restart.
+    pub auto_restart_ms: u32,
+    /// Wait before a fault can be acknowledged.
+    pub fault_wait_ms: u32,
+    /// No command for so long while driving is a fault.
+    pub command_timeout_ms: u32,
+    /// Open loop may run the motor.
+    pub open_loop: u8,
+    /// The sensorless loop may run the motor.
+    pub sensorless: u8,
+    /// The hall loop may run the motor, before the others.
+    pub hall: u8,
+}
+
+/// What the machine looks at in one tick; flags are not 0 where they hold.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_state_inputs_t {
+    /// A critical fault is present.
+    pub critical: u8,
+    /// Self-tests or parameter store failed.
+    pub unhealthy: u8,
+    /// None of the latched faults' causes is present.
+    pub causes_gone: u8,
+    /// Estimated speed is 0, as the running mode judges it.
+    pub stopped: u8,
+    /// A hall calibration has a result.
+    pub calibrated: u8,
+    /// The present parameters fit each other.
+    pub parameters_fit: u8,
+}
+
+/// A change of state.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_change_t {
+    /// State before: a narx_state_t.
+    pub from: u8,
+    /// State after.
+    pub to: u8,
+    /// Not 0: no command came for the time-out.
+    pub timed_out: u8,
+}
+
+/// Where the machine stands.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_state_report_t {
+    /// Ticks in this state, saturating.
+    pub age: u32,
+    /// A narx_state_t.
+    pub state: u8,
+    /// Direction of this start: 0 forward, 1 reverse.
+    pub direction: u8,
+    /// Why the last start was refused: 0 it was not, 1 no mode is enabled, 2 parameters, 4 Standby was not requested since the last stop.
+    pub refusal: u8,
+    /// Not 0: this tick turns the bridge on unless something refuses it.
+    pub starting: u8,
+}
+
+/// The drive's factory values at 10 kHz, with hall sensors: to change what differs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_state_settings_default(settings: *mut narx_state_settings_t) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe { pointer::write(settings, StateSettings::default().into()) })
+}
+
+/// Makes a machine in Initialization. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_state_init(
+    machine: *mut narx_state_machine_t,
+    size: usize,
+    settings: *const narx_state_settings_t,
+    error: *mut narx_setting_error_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    match unsafe { pointer::read(settings) } {
+        Ok(settings) => unsafe { init(machine, size, error, || StateMachine::build(&settings.into())) },
+        Err(error) => error,
+    }
+}
+
+/// A command has arrived: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point, Q16 rev/s. It feeds the
+/// time-out. Standby acknowledges a fault; Drive and Reverse start the motor if Standby was asked for before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_state_handle_command(
+    machine: *mut narx_state_machine_t,
+    mode: u8,
+    speed: i32,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || {
+        let command = Command { request: request(mode)?, speed: ElectricalSpeed::from_bits(speed) };
+        unsafe { handle::object(machine)? }.handle_command(command);
+        Ok(())
+    };
+    pointer::status(run())
+}
+
+/// One tick: time passes, at most one transition fires: NARX_OK and what it was, or NARX_NOTHING.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_state_step(
+    machine: *mut narx_state_machine_t,
+    inputs: *const narx_state_inputs_t,
+    change: *mut narx_change_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        pointer::check(change)?;
+        let fired = handle::object(machine)?.step(&pointer::read(inputs)?.into()).ok_or(NARX_NOTHING)?;
+        let (from, to) = (fired.row.from as u8, fired.row.to as u8);
+        pointer::write(change, narx_change_t { from, to, timed_out: fired.timed_out.into() })
+    };
+    pointer::status(run())
+}
+
+/// Where it stands.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_state_report(
+    machine: *mut narx_state_machine_t,
+    report: *mut narx_state_report_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe {
+        handle::object(machine).and_then(|machine| {
+            let told = narx_state_report_t {
+                age: machine.age(),
+                state: machine.state() as u8,
+                direction: (machine.direction().sign() < 0).into(),
+                refusal: machine.refusal() as u8,
+                starting: machine.starting().into(),
+            };
+            pointer::write(report, told)
+        })
+    })
+}
+
+/// The state of a number.
+pub(super) fn state(number: u8) -> Result<State, narx_status_t> {
+    State::ALL.get(usize::from(number)).copied().ok_or(NARX_ERROR_ARGUMENT)
+}
+
+/// A row of the table between two states.
+pub(super) fn row(from: State, to: State) -> Result<&'static Transition, narx_status_t> {
+    TRANSITIONS.iter().find(|row| row.from == from && row.to == to).ok_or(NARX_ERROR_ARGUMENT)
+}
+
+impl From<StateSettings> for narx_state_settings_t {
+    fn from(settings: StateSettings) -> Self {
+        Self {
+            tick_rate: settings.tick_rate,
+            boot_ms: settings.boot_ms,
+            lock_ms: settings.lock_ms,
+            open_loop_ms: settings.open_loop_ms,
+            auto_restart_ms: settings.auto_restart_ms,
+            fault_wait_ms: settings.fault_wait_ms,
+            command_timeout_ms: settings.command_timeout_ms,
+            open_loop: settings.open_loop.into(),
+            sensorless: settings.sensorless.into(),
+            hall: settings.hall.into(),
+        }
+    }
+}
+
+impl From<&narx_state_settings_t> for StateSettings {
+    fn from(settings: &narx_state_settings_t) -> Self {
+        Self {
+            tick_rate: settings.tick_rate,
+            open_loop: settings.open_loop != 0,
+            sensorless: settings.sensorless != 0,
+            hall: settings.hall != 0,
+            boot_ms: settings.boot_ms,
+            lock_ms: settings.lock_ms,
+            open_loop_ms: settings.open_loop_ms,
+            auto_restart_ms: settings.auto_restart_ms,
+            fault_wait_ms: settings.fault_wait_ms,
+            command_timeout_ms: settings.command_timeout_ms,
+        }
+    }
+}
+
+impl From<&narx_state_inputs_t> for Inputs {
+    fn from(inputs: &narx_state_inputs_t) -> Self {
+        Self {
+            critical: inputs.critical != 0,
+            unhealthy: inputs.unhealthy != 0,
+            causes_gone: inputs.causes_gone != 0,
+            stopped: inputs.stopped != 0,
+            calibrated: inputs.calibrated != 0,
+            parameters_fit: inputs.parameters_fit != 0,
+        }
+    }
+}

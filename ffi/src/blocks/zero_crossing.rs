@@ -1,0 +1,254 @@
+//! Zero crossings of the floating phase to angle, speed and the next commutation.
+
+use super::{direction, init, narx_commutation_settings_t, narx_setting_error_t};
+use crate::board::narx_channel_t;
+use crate::handle::{self, Handle};
+use crate::pointer;
+use crate::pwm::NARX_COMMUTATIONS_MAX;
+use crate::samples::narx_samples_t;
+use crate::status::narx_status_t::{self, *};
+use narx_core::blocks::{CommutationSettings, ZeroCrossing, ZeroCrossingReading, ZeroCrossingSettings};
+use narx_core::motor::{Commutation, PwmCommand, Samples, Step};
+
+/// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved between calls.
+#[repr(C)]
+pub struct narx_zero_crossing_t {
+    /// Private.
+    words: [u64; 36],
+}
+
+const _: () = assert!(handle::fits::<narx_zero_crossing_t>());
+
+impl Handle for narx_zero_crossing_t {
+    type Object = ZeroCrossing;
+    const MARK: u32 = u32::from_be_bytes(*b"nxZC");
+}
+
+/// Settings of a narx_zero_crossing_t.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_zero_crossing_settings_t {
+    /// Ticks a second, 1 000 to 100 000 Hz.
+    pub tick_rate: u32,
+    /// Least blanking after a commutation, 0 to 100 000 us.
+    pub blanking_us: u32,
+    /// Delay of a rising crossing, -10 000 to 10 000 us.
+    pub delay_rising_us: i32,
+    /// Delay of a falling crossing, the same.
+    pub delay_falling_us: i32,
+    /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm; 0 unknown, then crossings in the off-time are not corrected for their
+    /// threshold.
+    pub back_emf_uv_per_rpm: u32,
+    /// Scale of the three phase terminals.
+    pub terminal: narx_channel_t,
+    /// Scale of the bus voltage.
+    pub bus_voltage: narx_channel_t,
+    /// Where in its period a new step acts, and the advance of the next commutation.
+    pub commutation: narx_commutation_settings_t,
+    /// Pole pairs, 1 to 100.
+    pub pole_pairs: u16,
+    /// No crossing for this long is standstill, 1 to 32 767 ticks.
+    pub timeout_ticks: u16,
+    /// Smallest signal that is told from noise, 1 to 255 codes of a terminal.
+    pub noise_codes: u8,
+    /// Not 0: comparators with captured edges take the place of samples.
+    pub comparator: u8,
+}
+
+/// The pattern that was in force in the period that has ended.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_applied_t {
+    /// When the phases were sampled, in 1/65 536 of the period.
+    pub sample_at: u16,
+    /// The step at its earliest instant: a narx_step_t.
+    pub step: u8,
+    /// How many changes followed.
+    pub commutation_count: u8,
+    /// Their instants, in 1/65 536 of the period.
+    pub instants: [u16; NARX_COMMUTATIONS_MAX],
+    /// The steps from then on.
+    pub steps: [u8; NARX_COMMUTATIONS_MAX],
+}
+
+/// What the terminals say after a tick.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_zero_crossing_reading_t {
+    /// A crossing that was seen in this tick: how long before the present boundary, 1/65 536 tick; INT32_MIN without one.
+    pub crossing: i32,
+    /// The next commutation, this long after the present boundary, 1/65 536 tick: 0 is now, UINT32_MAX that it is not known.
+    pub commutation: u32,
+    /// Electrical angle at the present boundary, 2^32 a turn; for narx_commutation_step.
+    pub angle: u32,
+    /// 2^-32 turn a tick, signed; for narx_commutation_step.
+    pub turn_speed: i32,
+    /// Electrical speed, Q16 rev/s, signed; 0 while none is known.
+    pub speed: i32,
+    /// Crossings accepted since narx_zero_crossing_init, wrapping.
+    pub accepted: u32,
+    /// How far the last accepted crossing lay behind its prediction, 65 536 a turn.
+    pub margin: i16,
+    /// What became of the last step's crossing: 0 none yet, 1 accepted, 2 too early, 3 not seen, 4 hidden by demagnetisation, 5 heard from a
+    /// coasting motor.
+    pub why: u8,
+    /// Not 0: six consistent crossings of both polarities; the position may close a loop.
+    pub running: u8,
+    /// Not 0: the bridge is to go off: 1 stalled, 2 out of step.
+    pub lost: u8,
+}
+
+/// 10 kHz, narx's own converter, 4 codes of noise, 200 us of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is not
+/// known: to change what differs.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_zero_crossing_settings_default(
+    settings: *mut narx_zero_crossing_settings_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe { pointer::write(settings, ZeroCrossingSettings::default().into()) })
+}
+
+/// Makes a detector of a motor that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL,
+/// says which. Not for an interrupt: it divides.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_zero_crossing_init(
+    detector: *mut narx_zero_crossing_t,
+    size: usize,
+    settings: *const narx_zero_crossing_settings_t,
+    error: *mut narx_setting_error_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    match unsafe { pointer::read(settings) } {
+        Ok(settings) => unsafe { init(detector, size, error, || ZeroCrossing::build(&settings.into())) },
+        Err(error) => error,
+    }
+}
+
+/// The bridge is about to bring up a rotor that rests at `angle` (2^32 a turn) in `towards` (0 forward, 1 reverse).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_zero_crossing_start(
+    detector: *mut narx_zero_crossing_t,
+    angle: u32,
+    towards: u8,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || {
+        let towards = direction(towards)?;
+        unsafe { handle::object(detector)? }.start(angle, towards);
+        Ok(())
+    };
+    pointer::status(run())
+}
+
+/// On by a step without any evidence: the rotor that is being brought up has not moved.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_zero_crossing_force_step(detector: *mut narx_zero_crossing_t) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    pointer::status(unsafe { handle::object(detector) }.map(ZeroCrossing::force_step))
+}
+
+/// One tick: what was sampled (phase and bus voltages with their mode, edges of comparators), and the pattern that was in force in the
+/// period that has ended, with torque in `towards` (0 forward, 1 reverse).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_zero_crossing_step(
+    detector: *mut narx_zero_crossing_t,
+    samples: *const narx_samples_t,
+    applied: *const narx_applied_t,
+    towards: u8,
+    reading: *mut narx_zero_crossing_reading_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        pointer::check(reading)?;
+        let detector = handle::object(detector)?;
+        let samples = Samples::try_from(pointer::read(samples)?)?;
+        let applied = PwmCommand::try_from(pointer::read(applied)?)?;
+        pointer::write(reading, detector.step(&samples, &applied, direction(towards)?).into())
+    };
+    pointer::status(run())
+}
+
+impl TryFrom<&narx_applied_t> for PwmCommand {
+    type Error = narx_status_t;
+
+    fn try_from(applied: &narx_applied_t) -> Result<Self, narx_status_t> {
+        let &narx_applied_t { sample_at, step, commutation_count, instants, steps } = applied;
+        let known =
+            |step| Step::ALL.into_iter().find(|known| *known as u8 == step).ok_or(NARX_ERROR_ARGUMENT);
+        let mut command = Self { sample_at, step: known(step)?, ..Self::default() };
+        if usize::from(commutation_count) > NARX_COMMUTATIONS_MAX {
+            return Err(NARX_ERROR_ARGUMENT);
+        }
+        for (instant, step) in instants.into_iter().zip(steps).take(commutation_count.into()) {
+            command.commutations.push(Commutation { instant, step: known(step)? });
+        }
+        Ok(command)
+    }
+}
+
+impl From<ZeroCrossingSettings> for narx_zero_crossing_settings_t {
+    fn from(settings: ZeroCrossingSettings) -> Self {
+        let CommutationSettings { advance_cdeg, earliest } = settings.commutation;
+        Self {
+            tick_rate: settings.tick_rate,
+            blanking_us: settings.blanking_us,
+            delay_rising_us: settings.delay_rising_us,
+            delay_falling_us: settings.delay_falling_us,
+            back_emf_uv_per_rpm: settings.back_emf_uv_per_rpm,
+            terminal: settings.terminal.into(),
+            bus_voltage: settings.bus_voltage.into(),
+            commutation: narx_commutation_settings_t { advance_cdeg, earliest },
+            pole_pairs: settings.pole_pairs,
+            timeout_ticks: settings.timeout_ticks,
+            noise_codes: settings.noise_codes,
+            comparator: settings.comparator.into(),
+        }
+    }
+}
+
+impl From<&narx_zero_crossing_settings_t> for ZeroCrossingSettings {
+    fn from(settings: &narx_zero_crossing_settings_t) -> Self {
+        Self {
+            tick_rate: settings.tick_rate,
+            terminal: settings.terminal.into(),
+            bus_voltage: settings.bus_voltage.into(),
+            noise_codes: settings.noise_codes,
+            blanking_us: settings.blanking_us,
+            commutation: (&settings.commutation).into(),
+            comparator: settings.comparator != 0,
+            delay_rising_us: settings.delay_rising_us,
+            delay_falling_us: settings.delay_falling_us,
+            back_emf_uv_per_rpm: settings.back_emf_uv_per_rpm,
+            pole_pairs: settings.pole_pairs,
+            timeout_ticks: settings.timeout_ticks,
+        }
+    }
+}
+
+impl From<ZeroCrossingReading> for narx_zero_crossing_reading_t {
+    fn from(reading: ZeroCrossingReading) -> Self {
+        let ZeroCrossingReading {
+            crossing,
+            why,
+            margin,
+            accepted,
+            position,
+            speed,
+            commutation,
+            running,
+            lost,
+        } = reading;
+        Self {
+            crossing: crossing.unwrap_or(i32::MIN),
+            commutation: commutation.unwrap_or(u32::MAX),
+            angle: position.angle,
+            turn_speed: position.speed,
+            speed: speed.to_bits(),
+            accepted,
+            margin,
+            why: why as u8,
+            running: running.into(),
+            lost: lost as u8,
+        }
+    }
+}

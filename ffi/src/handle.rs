@@ -1,0 +1,65 @@
+//! Objects in the caller's memory that hold no pointers: they may be moved and copied between calls.
+
+use crate::pointer;
+use crate::status::narx_status_t::{self, *};
+use core::mem::{align_of, size_of};
+
+/// Memory that C knows as one type, and what stands in it once it is initialised.
+pub(crate) trait Handle {
+    /// What the core knows it as.
+    type Object;
+    /// Begins the memory of an initialised one, and of no other type.
+    const MARK: u32;
+}
+
+/// What stands in the memory of a handle.
+#[repr(C)]
+pub(crate) struct Marked<T> {
+    mark: u32,
+    object: T,
+}
+
+/// Whether the memory has room for what stands in it; for a constant assertion.
+pub(crate) const fn fits<H: Handle>() -> bool {
+    size_of::<Marked<H::Object>>() <= size_of::<H>() && align_of::<Marked<H::Object>>() <= align_of::<H>()
+}
+
+/// Bytes that it needs on this processor.
+pub(crate) const fn size<H: Handle>() -> usize {
+    size_of::<Marked<H::Object>>()
+}
+
+/// Puts an object into `size` bytes of memory.
+///
+/// # Safety
+/// `memory` is NULL, misaligned, or shows `size` writable bytes that nobody else uses.
+pub(crate) unsafe fn init<H: Handle>(
+    memory: *mut H,
+    size: usize,
+    object: impl FnOnce() -> Result<H::Object, narx_status_t>,
+) -> Result<(), narx_status_t> {
+    let marked: *mut Marked<H::Object> = memory.cast();
+    pointer::check(marked)?;
+    if size < size_of::<Marked<H::Object>>() {
+        return Err(NARX_ERROR_SIZE);
+    }
+    let object = object()?;
+    // SAFETY: aligned and large enough, as just checked.
+    unsafe { marked.write(Marked { mark: H::MARK, object }) };
+    Ok(())
+}
+
+/// The object.
+///
+/// # Safety
+/// `memory` is NULL, misaligned, or readable and writable, and no other reference to the object lives.
+pub(crate) unsafe fn object<'a, H: Handle>(memory: *mut H) -> Result<&'a mut H::Object, narx_status_t> {
+    let marked: *mut Marked<H::Object> = memory.cast();
+    pointer::check(marked)?;
+    // SAFETY: neither NULL nor misaligned, so readable as the caller promises.
+    if unsafe { (&raw const (*marked).mark).read() } != H::MARK {
+        return Err(NARX_ERROR_UNINITIALISED);
+    }
+    // SAFETY: the mark says that the object was written.
+    Ok(unsafe { &mut (*marked).object })
+}

@@ -1,0 +1,139 @@
+//! A simulated motor for C programs: `narx.h` and `bench.h` in one library, because two Rust libraries do not go into one program.
+//! There is one bench, and one thread may use it.
+#![cfg_attr(target_os = "none", no_std)]
+
+use core::cell::UnsafeCell;
+use narx::{narx_commutation_t, narx_edge_t, narx_pwm_command_t, narx_samples_t};
+use narx_core::dictionary::Parameters;
+use narx_core::motor::{Commutation, Edge, EdgeSource, PwmCommand, SampleMode, Samples};
+use narx_core::units::Duty;
+use narx_sim::commissioning::{Mode, Nameplate};
+use narx_sim::plant::{Plant, PlantConfig};
+use narx_sim::presets::preset;
+
+/// Motor on the bench.
+const MOTOR: &str = "bly172s-24v";
+
+struct Bench {
+    plant: Plant,
+    parameters: Parameters,
+}
+
+struct Place(UnsafeCell<Option<Bench>>);
+
+// SAFETY: one thread uses it, as the head of this file says.
+unsafe impl Sync for Place {}
+
+static BENCH: Place = Place(UnsafeCell::new(None));
+
+fn bench() -> Option<&'static mut Bench> {
+    // SAFETY: one thread uses it, and no call calls another.
+    unsafe { (*BENCH.0.get()).as_mut() }
+}
+
+/// Puts the motor on the bench, with sensors (`sensorless` 0) or without. Not 0 if that cannot be.
+#[unsafe(no_mangle)]
+pub extern "C" fn bench_init(sensorless: i32) -> i32 {
+    let Some(preset) = preset(MOTOR) else { return 1 };
+    let supply = preset.data.nominal_voltage;
+    let plate = Nameplate {
+        motor: preset.motor,
+        rated_current: preset.data.rated_current,
+        supply,
+        open_loop_speed: None,
+    };
+    let mode = if sensorless != 0 { Mode::Sensorless } else { Mode::Hall };
+    let Ok(commissioning) = plate.commission(mode) else { return 2 };
+    let config = PlantConfig { angle_deg: 77.0, ..PlantConfig::new(preset.motor, supply) };
+    let bench = Bench { plant: Plant::new(&config), parameters: commissioning.parameters };
+    // SAFETY: as in `bench`.
+    unsafe { *BENCH.0.get() = Some(bench) };
+    0
+}
+
+/// Of the parameters that commissioning has changed, that with place `index`, from 0 on: 1 and its number and raw value, or 0 behind the last.
+///
+/// # Safety
+/// `number` and `value` are writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bench_parameter(index: u32, number: *mut u16, value: *mut i32) -> i32 {
+    let found = bench().and_then(|bench| {
+        bench.parameters.iter().filter(|(row, raw)| *raw != row.factory_raw()).nth(index as usize)
+    });
+    let Some((row, raw)) = found else { return 0 };
+    // SAFETY: the caller's promise.
+    unsafe {
+        number.write(row.number);
+        value.write(raw);
+    }
+    1
+}
+
+/// Samples of this period.
+///
+/// # Safety
+/// `samples` is writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bench_sample(samples: *mut narx_samples_t) {
+    if let Some(bench) = bench() {
+        // SAFETY: the caller's promise.
+        unsafe { samples.write(to_c(&bench.plant.sample())) };
+    }
+}
+
+/// Applies the answer to them and ends the period.
+///
+/// # Safety
+/// `command` is readable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bench_finish(command: *const narx_pwm_command_t) {
+    if let Some(bench) = bench() {
+        // SAFETY: the caller's promise.
+        bench.plant.finish_period(&from_c(unsafe { &*command }));
+    }
+}
+
+/// The shaft's true speed, mechanical rpm.
+#[unsafe(no_mangle)]
+pub extern "C" fn bench_rpm() -> f64 {
+    bench().map_or(0.0, |bench| bench.plant.observe().speed * 60.0 / core::f64::consts::TAU)
+}
+
+fn to_c(samples: &Samples) -> narx_samples_t {
+    let mut edges = [narx_edge_t { instant: 0, source: 0, code: 0 }; narx::NARX_EDGES_MAX];
+    for (to, Edge { instant, source, code }) in edges.iter_mut().zip(&samples.edges) {
+        let source = u8::from(*source == EdgeSource::Comparator);
+        *to = narx_edge_t { instant: *instant, source, code: *code };
+    }
+    narx_samples_t {
+        tick: samples.tick,
+        phase_voltage: samples.phase_voltage,
+        bus_voltage: samples.bus_voltage,
+        bus_current: samples.bus_current,
+        skew: samples.skew,
+        sample_mode: u8::from(samples.sample_mode == SampleMode::OnTime),
+        current_mode: samples.current_mode as u8,
+        hall: samples.hall,
+        lines: samples.lines.bits(),
+        edge_count: samples.edges.len() as u8,
+        edges_lost: samples.edges_lost,
+        edges,
+    }
+}
+
+fn from_c(command: &narx_pwm_command_t) -> PwmCommand {
+    let mut converted = PwmCommand {
+        duty: Duty::from_bits(command.duty),
+        rectification: command.rectification,
+        sample_at: command.sample_at,
+        sample_mode: command.sample_mode,
+        step: command.step,
+        ..PwmCommand::default()
+    };
+    for narx_commutation_t { instant, step } in
+        command.commutations.iter().take(command.commutation_count.into())
+    {
+        converted.commutations.push(Commutation { instant: *instant, step: *step });
+    }
+    converted
+}

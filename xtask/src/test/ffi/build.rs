@@ -1,0 +1,130 @@
+//! How C programs are built and started.
+
+use crate::cross::{self, Processor, STRICT};
+use crate::install::target_directory;
+use crate::library::{BENCH, Library, NARX};
+use crate::qemu::{self, Machine};
+use crate::steps::{self, Outcome};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A compiler and what it compiles for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Build {
+    /// gcc for this machine.
+    Gcc,
+    /// clang for this machine.
+    Clang,
+    /// gcc; stopped by the first invalid access or undefined behaviour.
+    Sanitized,
+    /// For an emulated Cortex-M4F, with the host's files by semihosting.
+    CortexM4F,
+    /// Code for a Cortex-M0 on the same machine, whose memory has room for everything.
+    CortexM0,
+}
+
+use Build::{Clang, CortexM0, CortexM4F, Gcc, Sanitized};
+
+impl Build {
+    /// Every one.
+    pub(super) const ALL: [Self; 5] = [Gcc, Clang, Sanitized, CortexM4F, CortexM0];
+
+    /// Where the program of a source file stands.
+    pub(super) fn program(self, root: &Path, source: &str) -> PathBuf {
+        let kind = match self {
+            Gcc => "gcc",
+            Clang => "clang",
+            Sanitized => "sanitized",
+            CortexM4F => "cortex-m4f",
+            CortexM0 => "cortex-m0",
+        };
+        let stem = Path::new(source).file_stem().unwrap_or_default().to_string_lossy();
+        directory(root).join(format!("{stem}-{kind}"))
+    }
+
+    /// Starts it.
+    pub(super) fn start(self, root: &Path, source: &str, arguments: &[String]) -> Command {
+        let program = self.program(root, source);
+        if self.processor().is_some() {
+            return qemu::semihosting(&program, arguments);
+        }
+        let mut command = Command::new(program);
+        command.args(arguments);
+        command
+    }
+
+    /// Starts it, and fails if it does.
+    pub(super) fn run(self, root: &Path, source: &str) -> Outcome {
+        steps::run(&mut self.start(root, source, &[]))
+    }
+
+    /// Compiles and links the program of a source file of the working copy.
+    pub(super) fn compile(self, root: &Path, source: &str) -> Outcome {
+        let mut compiler = self.compiler(root);
+        compiler.arg(root.join(source)).args(self.libraries(root, NARX));
+        compiler.arg("-o").arg(self.program(root, source));
+        steps::run(&mut compiler)
+    }
+
+    /// The same of a program on the simulated board, with the drive of the examples.
+    pub(super) fn compile_on_bench(self, root: &Path, source: &str) -> Outcome {
+        let mut compiler = self.compiler(root);
+        compiler.arg("-I").arg(root.join("ffi/examples")).arg("-I").arg(root.join("tests/c"));
+        compiler.arg(root.join(source)).arg(root.join("ffi/examples/drive.c"));
+        compiler.args(self.libraries(root, BENCH)).arg("-lm").arg("-o").arg(self.program(root, source));
+        steps::run(&mut compiler)
+    }
+
+    /// A program for the Cortex-M0 in the memory of a machine that has one.
+    pub(super) fn compile_for_microbit(root: &Path, source: &str, program: &Path) -> Outcome {
+        let mut compiler = cross::compiler_for(root, Processor::CortexM0, Machine::Microbit);
+        compiler
+            .args(["-std=c99", "-Os", "-DLINE_SIZE=128"])
+            .args(STRICT)
+            .arg("-I")
+            .arg(root.join("ffi/include"));
+        compiler.arg(root.join(source)).arg(NARX.path(root, Some(Processor::CortexM0)));
+        steps::run(compiler.arg("-o").arg(program))
+    }
+
+    /// Compiler and options.
+    fn compiler(self, root: &Path) -> Command {
+        let mut command = match self.processor() {
+            Some(processor) => cross::compiler_for(root, processor, Machine::Mps2M4),
+            None => Command::new(if self == Clang { "clang" } else { "gcc" }),
+        };
+        command.args(["-std=c99", "-O2", "-g"]).args(STRICT).arg("-I").arg(root.join("ffi/include"));
+        if self == Sanitized {
+            command.args(["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]);
+        }
+        command
+    }
+
+    /// A static library of ours and what it needs, after the program's sources.
+    fn libraries(self, root: &Path, library: Library) -> Vec<PathBuf> {
+        let file = library.path(root, self.processor());
+        let system: &[&str] = if self.processor().is_some() { &[] } else { &["-lpthread", "-ldl", "-lm"] };
+        std::iter::once(file).chain(system.iter().map(PathBuf::from)).collect()
+    }
+
+    const fn processor(self) -> Option<Processor> {
+        match self {
+            Gcc | Clang | Sanitized => None,
+            CortexM4F => Some(Processor::CortexM4F),
+            CortexM0 => Some(Processor::CortexM0),
+        }
+    }
+}
+
+/// Where the C programs go.
+pub(super) fn directory(root: &Path) -> PathBuf {
+    target_directory(root).join("c")
+}
+
+/// The same, made if it is not there.
+pub(super) fn made_directory(root: &Path) -> Result<PathBuf, String> {
+    let directory = directory(root);
+    fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
+    Ok(directory)
+}

@@ -1,0 +1,151 @@
+//! The C library: C programs on this machine, also under everything that watches programs there, and on emulated microcontrollers.
+
+mod build;
+mod package;
+mod threads;
+mod watched;
+
+use crate::cross::{self, Processor, STRICT};
+use crate::driven::output;
+use crate::install::{self, Package};
+use crate::library::{self, BENCH, NARX};
+use crate::parity::Replayer;
+use crate::qemu::{self, Machine};
+use crate::steps::{self, Outcome, Step};
+use crate::{header, sizes};
+use build::Build;
+use std::path::Path;
+use std::process::Command;
+
+/// What the tests need from Debian.
+const PACKAGES: [Package; 10] = [
+    Package { name: "gcc", provides: "gcc" },
+    Package { name: "g++", provides: "g++" },
+    Package { name: "clang", provides: "clang" },
+    Package { name: "cmake", provides: "cmake" },
+    Package { name: "cppcheck", provides: "cppcheck" },
+    Package { name: "make", provides: "make" },
+    Package { name: "valgrind", provides: "valgrind" },
+    cross::PACKAGES[0],
+    cross::PACKAGES[1],
+    Package { name: "qemu-system-arm", provides: qemu::PROGRAM },
+];
+
+/// A drive in C: what it does, and every misuse.
+const DRIVE: &str = "tests/c/drive.c";
+/// Both protocols from both ends.
+const PROTOCOL: &str = "tests/c/protocol.c";
+/// The blocks' edges.
+const BLOCKS: &str = "tests/c/blocks.c";
+/// A drive that spins the simulated motor, commanded by a master.
+const SPIN: &str = "tests/c/spin.c";
+/// Programs that check themselves: the tests, and the examples that are whole programs.
+const CHECKS: [&str; 11] = [
+    DRIVE,
+    PROTOCOL,
+    BLOCKS,
+    "ffi/examples/commutation.c",
+    "ffi/examples/fault.c",
+    "ffi/examples/hall.c",
+    "ffi/examples/messages.c",
+    "ffi/examples/pi.c",
+    "ffi/examples/ramp.c",
+    "ffi/examples/state.c",
+    "ffi/examples/zero_crossing.c",
+];
+/// Replays recordings.
+const REPLAY: &str = "tests/c/replay.c";
+
+/// What is run, in order.
+pub fn steps(root: &Path) -> Vec<Step<'_>> {
+    vec![
+        Step::new("C header", move || header::regenerate(root, true)),
+        Step::new("C tools", || install::debian(&PACKAGES)),
+        Step::new("C library", move || libraries(root)),
+        Step::new("C programs", move || programs(root)),
+        Step::new("C on x86-64", move || Ok([run(root, Build::Gcc)?, run(root, Build::Clang)?].concat())),
+        Step::new("C sanitized", move || watched::sanitized(root)),
+        Step::new("C valgrind", move || watched::valgrind(root)),
+        Step::new("C cppcheck", move || watched::cppcheck(root)),
+        Step::new("C threads", move || threads::sanitized(root)),
+        Step::new("C halves in Miri", move || threads::interpreted(root)),
+        Step::new("C on Cortex-M4F", move || run(root, Build::CortexM4F)),
+        Step::new("C on Cortex-M0", move || Ok([run(root, Build::CortexM0)?, microbit(root)?].concat())),
+        Step::new("C spins a motor", move || spin(root)),
+        Step::new("C package", move || package::consumed(root)),
+        Step::new("C sizes", move || sizes::regenerate(root, true)),
+    ]
+}
+
+/// Runs every program that checks itself.
+fn run(root: &Path, build: Build) -> Outcome {
+    let mut lines = Vec::new();
+    for source in CHECKS {
+        lines.extend(build.run(root, source)?);
+    }
+    Ok(lines)
+}
+
+/// What replays recordings, once [`steps`] have built it.
+pub fn replayers(root: &Path) -> Vec<Replayer> {
+    let replayer = |name, build: Build| {
+        let root = root.to_owned();
+        Replayer::new(name, move |arguments| build.start(&root, REPLAY, arguments))
+    };
+    vec![
+        replayer("C x86-64", Build::Gcc),
+        replayer("C Cortex-M4F", Build::CortexM4F),
+        replayer("C Cortex-M0", Build::CortexM0),
+    ]
+}
+
+/// The static library for this machine and every processor, and with a motor where there is a floating point unit to simulate it.
+fn libraries(root: &Path) -> Outcome {
+    library::ALL.iter().try_for_each(|processor| NARX.build(root, *processor).map(drop))?;
+    BENCH.build(root, None)?;
+    BENCH.build(root, Some(Processor::CortexM4F))
+}
+
+/// Smallest machine, real Cortex-M0: 16 KB of RAM for the blocks' examples.
+fn microbit(root: &Path) -> Outcome {
+    let program = build::directory(root).join("microbit");
+    for source in CHECKS.into_iter().filter(|source| source.starts_with("ffi/examples")) {
+        Build::compile_for_microbit(root, source, &program)?;
+        let arguments: [&str; 0] = [];
+        steps::run(&mut qemu::semihosting_on(Machine::Microbit, &program, &arguments))?;
+    }
+    Ok(Vec::new())
+}
+
+/// The motor turns, by hall sensors and without, and the very same is applied to it on this machine and on the emulated one.
+fn spin(root: &Path) -> Outcome {
+    let mut closing = Vec::new();
+    for arguments in [&[][..], &["--sensorless".to_owned()][..]] {
+        let run = |build: Build| {
+            let text = output(&mut build.start(root, SPIN, arguments))?;
+            Ok::<_, String>(text.lines().next().unwrap_or_default().to_owned())
+        };
+        let (here, there) = (run(Build::Sanitized)?, run(Build::CortexM4F)?);
+        if here != there {
+            return Err(format!("{SPIN}: here {here}, on a Cortex-M4F {there}"));
+        }
+        closing.push(here);
+    }
+    Ok(closing)
+}
+
+/// Builds every program, and has C++ read the header.
+fn programs(root: &Path) -> Outcome {
+    build::made_directory(root)?;
+    for build in Build::ALL {
+        for source in CHECKS.into_iter().chain([REPLAY]) {
+            build.compile(root, source)?;
+        }
+    }
+    for build in [Build::Sanitized, Build::CortexM4F] {
+        build.compile_on_bench(root, SPIN)?;
+    }
+    let mut cpp = Command::new("g++");
+    cpp.args(["-std=c++17", "-fsyntax-only", "-x", "c++"]).args(STRICT).arg(root.join("ffi/include/narx.h"));
+    steps::run(&mut cpp)
+}

@@ -1,0 +1,43 @@
+//! C programs under what watches programs: sanitizers, valgrind, cppcheck.
+
+use super::build::{Build, directory};
+use super::{CHECKS, REPLAY};
+use crate::steps::{self, Outcome};
+use crate::vectors;
+use std::path::Path;
+use std::process::Command;
+
+/// The programs under AddressSanitizer and UndefinedBehaviorSanitizer, all vectors too; the digests are compared elsewhere. The library
+/// itself is not instrumented: its memory is valgrind's and Miri's business.
+pub(super) fn sanitized(root: &Path) -> Outcome {
+    let mut replay = Build::Sanitized.start(root, REPLAY, &[]);
+    steps::run(replay.args(vectors::recordings(root)?))?;
+    super::run(root, Build::Sanitized)
+}
+
+/// Program and library under valgrind: no access outside of what was given, nothing that depends on what nobody wrote, no leak.
+pub(super) fn valgrind(root: &Path) -> Outcome {
+    let mut lines = Vec::new();
+    for source in CHECKS {
+        let mut command = Command::new("valgrind");
+        command.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=all"]);
+        lines.extend(steps::run(command.arg(Build::Gcc.program(root, source)))?);
+    }
+    Ok(lines)
+}
+
+/// Every C file of ours, and the header.
+pub(super) fn cppcheck(root: &Path) -> Outcome {
+    let build = directory(root).join("cppcheck");
+    std::fs::create_dir_all(&build).map_err(|error| format!("{}: {error}", build.display()))?;
+    let mut command = Command::new("cppcheck");
+    command.args(["--quiet", "--std=c99", "--error-exitcode=1", "--inline-suppr"]);
+    command.arg("--enable=warning,style,performance,portability");
+    command.args(["--suppress=missingIncludeSystem", "--library=posix"]);
+    // Read by the processor and by the emulator.
+    command.arg("--suppress=unusedStructMember:*startup.c");
+    command.arg(format!("--cppcheck-build-dir={}", build.display()));
+    let folders = ["ffi/include", "ffi/examples", "tests/c"].map(|folder| root.join(folder));
+    command.args(folders.iter().map(|folder| format!("-I{}", folder.display())));
+    steps::run(command.args(&folders))
+}
