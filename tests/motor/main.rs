@@ -5,6 +5,7 @@ mod arithmetic;
 mod bad_signals;
 mod bench;
 mod blocks;
+mod blocks_any_input;
 mod blocks_beside_a_drive;
 mod boot;
 mod build;
