@@ -2,7 +2,7 @@
 
 use crate::error;
 use narx_core::motor::FaultWord;
-use narx_sim::can_log::{CanLog, Config, Ends, Kind, Logged, Signal, Table, Values, flag};
+use narx_host::can_log::{CanLog, Config, Ends, Kind, Logged, Signal, Table, Values, flag};
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::pybacked::{PyBackedBytes, PyBackedStr};

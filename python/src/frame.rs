@@ -6,7 +6,7 @@ use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, Message, MessageId, Me
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Decimal, Dictionary};
 use narx_core::motor::FaultWord;
-use narx_sim::can_log::{Value, node};
+use narx_host::can_log::{Value, node};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyFrozenSet};
 

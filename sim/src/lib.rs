@@ -1,19 +1,15 @@
 //! The bench: the real control core in a simulated world of motor, power stage, supply, load, sensors and CAN bus.
 //!
-//! Everything but the trace builds without std and without heap, because the emulated board carries it too; reading logs of a CAN bus alone needs std.
+//! Everything but the trace builds without std and without heap, because the emulated board carries it too.
 #![no_std]
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "alloc")]
 extern crate alloc;
-#[cfg(feature = "can-log")]
-extern crate std;
 
 #[cfg(feature = "alloc")]
 pub mod bench;
 pub mod can;
-#[cfg(feature = "can-log")]
-pub mod can_log;
 #[cfg(feature = "alloc")]
 mod chip;
 pub mod commissioning;

@@ -2,7 +2,7 @@
 
 use narx_core::bus::candump::{Line, line};
 use narx_core::bus::narmotion::{Addresses, FromDrive, Measurement, ToDrive};
-use narx_sim::can_log::{CanLog, Config, Ends, Kind, LineError, Values};
+use narx_host::can_log::{CanLog, Config, Ends, Kind, LineError, Values};
 use proptest::prelude::*;
 
 const CONFIG: Config = Config { ends: Ends { slave: Some(170), monitor: Some(85) }, encoders: 0 };

@@ -1,6 +1,7 @@
-//! What the bench needs of an operating system: threads for many runs at once, sockets and terminals for other people's tools.
+//! What the bench needs of an operating system: threads for many runs at once and for long logs, sockets and terminals for other people's tools.
 
 #![forbid(unsafe_code)]
 
+pub mod can_log;
 pub mod parallel;
 pub mod serve;

@@ -1,10 +1,10 @@
 //! What the header has from core's tables: messages with their fields, the fields' named values, faults with their causes, and the
 //! TX-Driver's entries.
 
-use narx_sim::can_log::{identifier, message_name};
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, NAMES};
 use narx_core::eddycan::OBJECTS;
 use narx_core::motor::fault::{Cause, FaultWord};
+use narx_host::can_log::{identifier, message_name};
 use std::fmt::Write;
 
 /// The definitions, in C99.

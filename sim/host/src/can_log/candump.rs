@@ -1,8 +1,6 @@
 //! Whole logs of can-utils: cut at line ends, a part for each processor, joined in order.
 
 use super::{CanLog, Frames, LineError, Logged, flag};
-use alloc::string::String;
-use alloc::vec::Vec;
 use narx_core::bus::candump::{Content, Hex, Line};
 use std::thread;
 

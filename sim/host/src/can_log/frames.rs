@@ -1,10 +1,5 @@
 //! Frames as they stand in a log, as columns.
 
-use alloc::borrow::ToOwned;
-use alloc::boxed::Box;
-use alloc::string::String;
-use alloc::vec::Vec;
-
 /// What a frame is, beside identifier and data: a bit each.
 pub mod flag {
     /// 29-bit identifier.

@@ -1,9 +1,6 @@
 //! Messages of TX-Drivers and of their masters (eddyCAN): what is in them as named values.
 
 use super::column::{Signal, Table, Value, Values};
-use alloc::borrow::ToOwned;
-use alloc::vec;
-use alloc::vec::Vec;
 use narx_core::bus::Frame;
 use narx_core::bus::eddycan::{
     Channels, CobId, DecodeError, ErrorCode, FromNode, Layout, NmtCommand, NmtState, PdoKind, Reading,

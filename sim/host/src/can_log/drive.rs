@@ -2,11 +2,9 @@
 
 use super::column::{Signal, Table, Values};
 use super::name::message_name;
-use crate::engineering;
-use alloc::vec;
-use alloc::vec::Vec;
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, Message, MessageKind, Words};
 use narx_core::dictionary::Dictionary;
+use narx_sim::engineering;
 
 /// Whose messages count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,5 @@
 //! Names of the drive's messages and signals that every tool takes: those of the CAN database, too.
 
-use alloc::borrow::ToOwned;
-use alloc::string::String;
-use alloc::vec::Vec;
 use narx_core::bus::narmotion::{MESSAGES, Message, MessageKind};
 
 /// The printed name of a message as an identifier; with its type, where several messages have the name.

@@ -1,8 +1,5 @@
 //! Tables of decoded messages: a column for each signal, a row for each message.
 
-use alloc::string::String;
-use alloc::vec::Vec;
-
 /// What a column is called and what its values mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {

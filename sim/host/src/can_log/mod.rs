@@ -16,12 +16,10 @@ pub use drive::Ends;
 pub use frames::{Frames, Logged, flag};
 pub use name::{identifier, message_name};
 
-use alloc::string::String;
-use alloc::sync::Arc;
-use alloc::vec::Vec;
 use drive::Plans;
 use narx_core::bus::narmotion::MESSAGES;
 use narx_core::bus::{Frame, Id};
+use std::sync::Arc;
 
 /// How a log is decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
