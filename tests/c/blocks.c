@@ -95,8 +95,9 @@ static void storage_is_checked(void)
     CHECK(narx_pi_step(NULL, 1, &value) == NARX_ERROR_NULL);
     CHECK(narx_pi_hold(&pi, NARX_Q16_ONE / 2) == NARX_OK);
     CHECK(narx_pi_step(&pi, 0, &value) == NARX_OK && value == NARX_Q16_ONE / 2);
-    CHECK(narx_pi_track(&pi, 0, 0) == NARX_OK);
-    CHECK(narx_pi_step(&pi, 0, &value) == NARX_OK && value == NARX_Q16_ONE * 7 / 16);
+    /* To an eighth of the way from 1/2 to 0 - 1/4. */
+    CHECK(narx_pi_track(&pi, 0, NARX_Q16_ONE / 4) == NARX_OK);
+    CHECK(narx_pi_step(&pi, 0, &value) == NARX_OK && value == NARX_Q16_ONE * 13 / 32);
     /* A PI is no ramp. */
     memcpy(&other, &pi, sizeof other);
     CHECK(narx_ramp_set(&other, 0) == NARX_ERROR_UNINITIALISED);
