@@ -77,6 +77,14 @@ def test_a_scope_capture_is_a_file(tmp_path: Path) -> None:
     assert lines[0] == "time,HV Voltage,Duty" and len(lines) == 101
 
 
+def test_a_scope_records_what_replays(tmp_path: Path) -> None:
+    file = tmp_path / "now.narxrec"
+    done = run("scope", "--samples", "200", "--before", "50", "--to", str(file), "--json")
+    assert done.returncode == 0 and json.loads(done.stdout)["samples"] >= 200
+    assert narx.replay(file).identical
+    assert run("scope").returncode == 2
+
+
 def test_a_recording_is_replayed(tmp_path: Path) -> None:
     vector = VECTORS / "hall-forward.narxrec"
     assert run("replay", str(vector), virtual=False).returncode == 0

@@ -185,7 +185,7 @@ def test_log_is_written_downloaded_and_erased(drive: narx.Drive) -> None:
     told: list[tuple[int, int]] = []
     records = log.download(progress=lambda received, total: told.append((received, total)))
     assert list(records) == ["index", "time", "HV Voltage mean", "Mechanical estimated speed HES max", "Drive state"]
-    assert len(records) == len(log) > 100 and told[-1][0] == told[-1][1] > 0
+    assert len(records) == len(log) > 20 and told[-1][0] == told[-1][1] > 0
     assert records["index"].tolist() == list(range(len(records)))
     assert np.diff(records.time)[1:-1] == pytest.approx(0.01)
     assert records["Mechanical estimated speed HES max"].max() == pytest.approx(2500, rel=0.05)

@@ -16,12 +16,15 @@ from narx.cli.app import JSON, app, connected, examples, out
     epilog=examples(
         'narx scope Duty "HV Voltage" --trigger "HV Voltage > 20" --before 100 --to capture.csv',
         "narx scope Duty --trigger fault",
+        "narx scope --trigger fault --before 300 --samples 400 --to fault.narxrec",
     )
 )
 def scope(
-    signals: Annotated[list[str], typer.Argument(help="Names of scope signals.")],
-    to: Annotated[Path, typer.Option(help=".csv, .parquet or .xlsx.")] = Path("scope.csv"),
-    samples: Annotated[int, typer.Option(help="Of each signal.")] = 256,
+    signals: Annotated[list[str] | None, typer.Argument(help="Names of scope signals.")] = None,
+    to: Annotated[
+        Path, typer.Option(help=".csv, .parquet or .xlsx; .narxrec records the inputs of every tick instead, for `narx replay`.")
+    ] = Path("scope.csv"),
+    samples: Annotated[int, typer.Option(help="Of each signal; ticks of a .narxrec.")] = 256,
     prescaler: Annotated[int, typer.Option(help="Control ticks from one sample to the next.")] = 1,
     before: Annotated[int, typer.Option(help="Samples from before the trigger.")] = 0,
     trigger: Annotated[
@@ -30,15 +33,21 @@ def scope(
     timeout: Annotated[float, typer.Option(help="How long to wait for the trigger, s.")] = 10.0,
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
-    """Captures signals of the control tick."""
+    """Captures signals of the control tick, or its inputs."""
     with connected() as drive:
         chosen = trigger_of(trigger)
-        trace = drive.scope.capture(signals, samples, prescaler, chosen, before, timeout)
-    trace.save(to)
+        if to.suffix.lower() == ".narxrec":
+            record = drive.scope.record(samples, chosen, before, timeout)
+            record.save(to)
+            rows = narx.replay(record.recording).ticks
+        else:
+            trace = drive.scope.capture(signals or [], samples, prescaler, chosen, before, timeout)
+            trace.save(to)
+            rows = len(trace)
     if as_json:
-        print(json.dumps({"samples": len(trace), "file": str(to)}))
+        print(json.dumps({"samples": rows, "file": str(to)}))
         return
-    out.print(f"{len(trace)} samples in {to}", highlight=False)
+    out.print(f"{rows} samples in {to}", highlight=False)
 
 
 def trigger_of(text: str) -> narx.Trigger | None:
