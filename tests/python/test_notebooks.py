@@ -14,7 +14,12 @@ ROOT = Path(__file__).parents[2] / "python" / "notebooks"
 PICTURES = {
     "01-first-spin": 3,
     "02-speed-loop": 3,
+    "03-sensorless-start": 2,
+    "04-hall-calibration": 2,
     "05-fault": 3,
+    "06-field-log": 1,
+    "07-shaft-displacement": 3,
+    "08-sweep-on-dask": 1,
 }
 """The notebooks, and how many pictures each shows."""
 PLOTS = re.compile(r"\.(plot|subplots)\(")
