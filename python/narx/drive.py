@@ -24,9 +24,13 @@ START_MAX = 10.0
 ANSWER = 0.05
 """A command is on the bus and the drive has acted on it within this time, s."""
 
+CALIBRATION_BEGIN, CALIBRATION_MAX = 3.0, 60.0
+"""Longest waits for a hall calibration to begin and to end, s."""
+
 HALL_ENABLE, SENSORLESS_ENABLE = "Closed-loop Hall Effect Sensors enable", "Closed-loop Sensorless enable"
 START_REFUSAL, REJECTED_PARAMETER = "Start refusal", "Rejected parameter"
 EXTENDED_FAULT_CODE = "Extended fault code"
+CALIBRATION_REQUEST, CALIBRATION_STATE, CALIBRATION_DONE = "Hall calibration request", "Hall calibration state", 2
 REFUSALS = {1: "no mode is enabled", 2: "parameters do not fit together", 4: "it was not asked for Standby before"}
 
 
@@ -247,9 +251,29 @@ class Drive:
         """The present mechanical position becomes that of parameter 16."""
         self._request("set position")
 
-    def calibrate_hall(self) -> None:
-        """The next start turns the motor one electrical revolution each way to find order, polarity and offset of the sensors."""
+    def calibrate_hall(self, run: bool = False) -> None:
+        """The next start turns the motor one electrical revolution each way to find order, polarity and offset of the sensors.
+
+        With `run` that start is made now, and time runs until the motor stands again, some 5 s. The drive goes by what was found from then on
+        (parameters 79, 80, 262 and 263; `parameters.store_once` keeps it). Raises StartError if nothing was found.
+        """
+        if run:
+            self._link.wait(lambda: self.state not in (None, State.INITIALIZATION), CALIBRATION_BEGIN)
         self._request("calibrate hall")
+        if not run:
+            return
+        # It turns at a speed of its own.
+        self._link.start(1.0)
+        turns = (State.ROTOR_LOCK, State.OPEN_LOOP)
+        if self._link.wait(lambda: self.state in (*turns, State.FAULT), CALIBRATION_BEGIN):
+            self._link.wait(lambda: self.state not in turns, CALIBRATION_MAX)
+        found = self._read(CALIBRATION_STATE) == CALIBRATION_DONE and self.state is State.STANDBY
+        self._link.stop()
+        # The next start wants the drive to have heard that.
+        self._link.wait(lambda: False, 2 * self._master.setpoint_period)
+        if not found:
+            self.parameters[CALIBRATION_REQUEST] = 0
+            raise StartError(f"the hall calibration found nothing: the drive is in {name_of(self.state)}{f': {self.fault}' if self.fault else ''}")
 
     def auto_calibrate(self) -> None:
         """With the bridge off: the bus current reads 0 and the bus voltage reads parameter 266."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
+import textwrap
 from collections.abc import Iterable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +28,8 @@ PANELS = [
 """What is drawn of a run when nothing is chosen."""
 ROWS = 20_000
 """More rows than this are drawn by the smallest and largest value of each of half as many stretches."""
+LABEL = 22
+"""Characters of a label beside a panel; the rest goes below them."""
 STATES = {
     State.INITIALIZATION: "#9e9e9e",
     State.STANDBY: "#bdbdbd",
@@ -60,19 +65,24 @@ def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
         panels = [panel for panel in panels if panel != ["crossing"]]
     heights = [2.0] * len(panels) + [1.0] * bool(len(time))
     figure = Figure(figsize=(9.0, 1.0 + sum(heights)), layout="constrained")
+    # A notebook shows it. It knows how to show figures of pyplot only, which stay open until somebody closes them.
+    figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]
     axes = figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     units = trace.signals
     if len(time):
         strip(axes[-1], time, kinds)
     for panel, axis in zip(panels, axes, strict=False):
         for name in panel:
-            axis.plot(*envelope(trace.time, trace[name]), label=name, linewidth=0.9)
+            style = "steps-post" if is_code(trace[name], units[name]) else "default"
+            axis.plot(*envelope(trace.time, trace[name]), label=name, linewidth=0.9, drawstyle=style)
         unit = units[panel[0]]
-        axis.set_ylabel(f"{panel[0]}{f' [{unit}]' if unit else ''}" if len(panel) == 1 else f"[{unit}]")
+        label = f"{panel[0]}{f' [{unit}]' if unit else ''}" if len(panel) == 1 else f"[{unit}]"
+        axis.set_ylabel(textwrap.fill(label, LABEL))
         axis.grid(alpha=0.3)
         axis.margins(x=0.0)
         if len(panel) > 1:
-            axis.legend(loc="upper right", ncols=len(panel), fontsize="small")
+            # Above the panel it hides no curve.
+            axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(panel), fontsize="small", frameon=False, borderpad=0.0)
         if "state" in trace:
             bands(axis, trace.time, trace["state"])
     axes[-1].set_xlabel("time [s]")
@@ -81,6 +91,13 @@ def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
         patches = [Patch(color=STATES[state], alpha=0.4, label=words(state)) for state in seen]
         figure.legend(handles=patches, loc="outside upper center", ncols=len(seen), fontsize="small", frameon=False)
     return figure
+
+
+def png(figure: Figure) -> bytes:
+    """A figure as a picture file."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png")
+    return file.getvalue()
 
 
 def crossings(trace: Trace) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -119,6 +136,11 @@ def by_unit(trace: Trace, names: list[str]) -> list[list[str]]:
         trace[name]  # Names the one that does not exist.
         panels.setdefault(trace.signals[name] or name, []).append(name)
     return list(panels.values())
+
+
+def is_code(values: NDArray[np.float32 | np.float64], unit: str) -> bool:
+    """Whether a signal counts or names something: it has no values between its values."""
+    return not unit and bool(np.all(values == np.rint(values)))
 
 
 def bands(axis: Axes, time: NDArray[np.float64], states: NDArray[np.float32 | np.float64]) -> None:

@@ -1,5 +1,6 @@
 """What breaks on the bench, and what the drive says of it."""
 
+import inspect
 from typing import Any
 
 import pytest
@@ -73,3 +74,27 @@ def test_load_and_inputs_can_change(bench: narx.Bench) -> None:
         bench.set_input("accel_x", 3.0)
     with pytest.raises(narx.ParameterError, match='input "accel": must be one of asi, '):
         bench.set_input("accel", 0.0)
+
+
+def test_halls_are_calibrated_where_they_stand(motor: narx.Motor) -> None:
+    figures = {name: getattr(motor, name) for name in inspect.signature(narx.Motor).parameters}
+    bench = narx.Bench(narx.Motor(**figures | {"hall_offset_deg": 20.0}), supply_voltage=18.0, mode="hall")
+    drive = bench.drive
+    bench.inject("hall-swapped", phase="A")
+    drive.calibrate_hall(run=True)
+    drive.start(2000)
+    assert bench.run(1.0)["speed"][-1] == pytest.approx(2000, rel=0.01)
+    assert drive.parameters["Select control sequence for standard motor"] == 0
+    assert drive.parameters["Hall effect offset angle"] == pytest.approx(20.0, abs=1.0)
+    assert drive.parameters["Hall order"] != 0
+    with pytest.raises(narx.RefusedError, match="not in this state of the drive"):
+        drive.calibrate_hall(run=True)
+    drive.stop()
+    drive.wait(1.0)
+    bench.inject("hall-supply-lost")
+    with pytest.raises(narx.StartError, match="the hall calibration found nothing: the drive is in Standby"):
+        drive.calibrate_hall(run=True)
+    # What was found before stands, and the next start is an ordinary one.
+    bench.clear("hall-supply-lost")
+    drive.start(1000)
+    assert bench.run(0.1)["state"][-1] == narx.State.HALL_CLOSED_LOOP

@@ -76,6 +76,16 @@ def test_plots_have_a_panel_for_each_unit(trace: narx.Trace, tmp_path: Path) -> 
         trace.plot("sped")
 
 
+def test_notebooks_show_plots(trace: narx.Trace) -> None:
+    image = trace.plot("speed")._repr_png_()  # type: ignore[attr-defined]
+    assert image.startswith(b"\x89PNG") and len(image) > 10_000
+
+
+def test_codes_are_drawn_in_steps(trace: narx.Trace) -> None:
+    styles = [str(axis.lines[0].get_drawstyle()) for axis in trace.plot("hall", "duty", "speed").axes]
+    assert styles == ["steps-post", "default", "default"]
+
+
 def test_zero_crossings_are_marked_by_what_became_of_them(motor: narx.Motor) -> None:
     bench = narx.Bench(motor, supply_voltage=18.0, mode="sensorless")
     bench.drive.start(2000, wait=False)
