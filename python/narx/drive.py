@@ -267,13 +267,14 @@ class Drive:
         turns = (State.ROTOR_LOCK, State.OPEN_LOOP)
         if self._link.wait(lambda: self.state in (*turns, State.FAULT), CALIBRATION_BEGIN):
             self._link.wait(lambda: self.state not in turns, CALIBRATION_MAX)
-        found = self._read(CALIBRATION_STATE) == CALIBRATION_DONE and self.state is State.STANDBY
+        state, why = self.state, f": {self.fault}" if self.fault else ""
+        found = self._read(CALIBRATION_STATE) == CALIBRATION_DONE and state is State.STANDBY
         self._link.stop()
         # The next start wants the drive to have heard that.
         self._link.wait(lambda: False, 2 * self._master.setpoint_period)
         if not found:
             self.parameters[CALIBRATION_REQUEST] = 0
-            raise StartError(f"the hall calibration found nothing: the drive is in {name_of(self.state)}{f': {self.fault}' if self.fault else ''}")
+            raise StartError(f"the hall calibration found nothing: the drive is in {name_of(state)}{why}")
 
     def auto_calibrate(self) -> None:
         """With the bridge off: the bus current reads 0 and the bus voltage reads parameter 266."""

@@ -94,7 +94,15 @@ def test_halls_are_calibrated_where_they_stand(motor: narx.Motor) -> None:
     bench.inject("hall-supply-lost")
     with pytest.raises(narx.StartError, match="the hall calibration found nothing: the drive is in Standby"):
         drive.calibrate_hall(run=True)
+    bench.inject("break")
+    drive.wait(0.1)
+    with pytest.raises(narx.RefusedError, match="not in this state of the drive"):
+        drive.calibrate_hall(run=True)
     # What was found before stands, and the next start is an ordinary one.
     bench.clear("hall-supply-lost")
+    bench.clear("break")
+    drive.wait(1.0)
+    drive.stop()
+    drive.wait(0.3)
     drive.start(1000)
     assert bench.run(0.1)["state"][-1] == narx.State.HALL_CLOSED_LOOP
