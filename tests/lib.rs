@@ -30,7 +30,10 @@ pub fn check_blocks(blocks: &[Block]) {
     }
     if std::env::var_os("UPDATE").is_some() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../PROTOCOL.md");
-        std::fs::write(path, &fresh).expect("PROTOCOL.md");
+        // Whole at once: other tests read it meanwhile.
+        let beside = path.with_extension("fresh");
+        std::fs::write(&beside, &fresh).expect("PROTOCOL.md");
+        std::fs::rename(&beside, path).expect("PROTOCOL.md");
         return;
     }
     assert!(text == fresh, "PROTOCOL.md is out of date: cargo xtask generate");

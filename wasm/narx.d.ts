@@ -362,7 +362,9 @@ export type SignalName =
     | "energy_in"
     | "energy_shaft"
     | "winding_temperature"
-    | "peak_current";
+    | "peak_current"
+    | "crossing"
+    | "crossing_margin";
 
 /** Real motors. */
 export type MotorName =
