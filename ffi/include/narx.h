@@ -19,6 +19,7 @@
  *
  * What else there is
  *
+ *     narx_storage_*                                      a drive's flash: stored parameters and the log
  *     narx_pi_*, _ramp_*, _hall_*, _zero_crossing_*,      the drive's blocks one by one, for a driver of
  *     _commutation_*, _fault_*, _state_*                  your own
  *     narx_q16_*, _iq24_*, _q15_*, _q12_*                 its number formats and yours
@@ -33,7 +34,8 @@
  *     A drive has two halves that share nothing but queues. The tick half is narx_drive_step; the
  *     background half is every other narx_drive_* call. Either half may interrupt the other at any
  *     instruction, or run on another thread or processor. Within a half, calls for one drive must
- *     not interrupt each other; narx_drive_init, _init_stored and _attach_scope come before both.
+ *     not interrupt each other; narx_drive_init, _init_stored, _init_storage and _attach_scope come
+ *     before both.
  *
  *     Any other object has one half: calls for one of them must not interrupt each other. A block's
  *     step belongs where you call it from, mostly the control interrupt; its init to power-up.
@@ -898,6 +900,15 @@ typedef union narx_fields_t {
 
 // 64-bit words of a scope's memory on any processor.
 #define NARX_SCOPE_WORDS 1432
+
+// 64-bit words of a narx_storage_t on any processor.
+#define NARX_STORAGE_WORDS 320
+
+// Bytes that one program call writes at most: a page, within which it stays.
+#define NARX_FLASH_PAGE 256
+
+// Bytes of the smallest erase.
+#define NARX_FLASH_SUBSECTOR 4096
 
 // What every call answers: 0 or more when it did its work, negative when it did nothing.
 enum narx_status_t
@@ -2001,6 +2012,27 @@ typedef struct narx_scope_t {
     uint64_t words[NARX_SCOPE_WORDS];
 } narx_scope_t;
 
+// What stores a drive's parameters and its log: memory that the caller owns. Its content is the library's own.
+typedef struct narx_storage_t {
+    // Private.
+    uint64_t words[NARX_STORAGE_WORDS];
+} narx_storage_t;
+
+// A serial NOR flash, as the board drives it. The calls wait until the flash is done and answer 0, or anything else if it is not there or has
+// failed: then fault bit 30 says so on the bus.
+typedef struct narx_flash_t {
+    // Bytes of the flash: whole subsectors, 512 KiB or more. The log takes what the parameters leave.
+    uint32_t size;
+    // Handed to the calls.
+    void *context;
+    // Reads `length` bytes from `address` on.
+    int32_t (*read)(void *context, uint32_t address, uint8_t *bytes, size_t length);
+    // Programs `length` bytes from `address` on, within one page of NARX_FLASH_PAGE: bits go from 1 to 0.
+    int32_t (*program)(void *context, uint32_t address, const uint8_t *bytes, size_t length);
+    // Erases from `from` to before `to`, whole subsectors of NARX_FLASH_SUBSECTOR: all bits become 1. Larger sectors in between are yours to use.
+    int32_t (*erase)(void *context, uint32_t from, uint32_t to);
+} narx_flash_t;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -2540,6 +2572,28 @@ const char *narx_version(void);
 
 // A status in words, for a log: a constant string, never NULL, whatever the number.
 const char *narx_status_text(int32_t status);
+
+// Bytes that a storage needs on this processor: at most sizeof(narx_storage_t). Any context.
+size_t narx_storage_size(void);
+
+// Makes a storage in `size` bytes of memory. `flash` is copied; its calls, none of which may be NULL, are made within narx_drive_init_storage and
+// narx_drive_serve_storage only.
+narx_status_t narx_storage_init(struct narx_storage_t *storage,
+                                size_t size,
+                                const struct narx_flash_t *flash);
+
+// narx_drive_init with what the flash holds: reads it, and makes a drive with the stored parameters, factory values where there are none, whose
+// parameters and log stay on this flash. What it finds is told on the bus, fault bits 26, 30 and 31 included. `identity` may be NULL.
+narx_status_t narx_drive_init_storage(struct narx_drive_t *drive,
+                                      size_t size,
+                                      const struct narx_board_t *board,
+                                      const struct narx_identity_t *identity,
+                                      struct narx_storage_t *storage);
+
+// Does what the drive asks of its flash, one bounded step: a store, a record of the log, a piece of an erase. NARX_NOTHING when nothing is asked.
+// Call it in every pass of the main loop; it takes as long as your flash does, and some 6 KiB of stack. Background half.
+narx_status_t narx_drive_serve_storage(struct narx_drive_t *drive,
+                                       struct narx_storage_t *storage);
 
 #ifdef __cplusplus
 }  // extern "C"

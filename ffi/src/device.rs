@@ -250,7 +250,7 @@ unsafe fn poll(
 
 /// # Safety
 /// `drive` and `board` are NULL or valid, and nobody else uses the drive.
-unsafe fn init(
+pub(crate) unsafe fn init(
     drive: *mut narx_drive_t,
     size: usize,
     board: *const narx_board_t,

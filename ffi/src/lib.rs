@@ -11,6 +11,7 @@
 //!   device      the drive in the caller's memory  narx_drive_*
 //!   inputs      its slow inputs and outputs       narx_drive_*
 //!   scope       the memory of its virtual scope   narx_scope_*
+//!   storage     its flash                         narx_storage_*
 //!   message     NarMotion-X messages              narx_message_*
 //!   master      the master of a drive             narx_master_*
 //!   blocks      the stations of the drive alone   narx_pi_*, narx_ramp_*, narx_hall_*, narx_zero_crossing_*,
@@ -41,6 +42,7 @@ mod recording;
 mod samples;
 mod scope;
 mod status;
+mod storage;
 mod text;
 
 pub use blocks::*;
@@ -69,6 +71,7 @@ pub use samples::{
 };
 pub use scope::{NARX_SCOPE_WORDS, narx_drive_attach_scope, narx_scope_size, narx_scope_t};
 pub use status::{narx_status_t, narx_status_text, narx_version};
+pub use storage::*;
 
 /// The core does not panic. Should it ever, the caller's watchdog is what is left.
 #[cfg(target_os = "none")]

@@ -24,7 +24,7 @@ const HEAD: &str = "\
 ";
 
 /// A part of the interface: its name, what its calls begin with, and its object.
-const PARTS: [(&str, &[&str], Option<&str>); 15] = [
+const PARTS: [(&str, &[&str], Option<&str>); 16] = [
     ("formats", &["narx_q1", "narx_iq24", "narx_milli"], None),
     ("pi", &["narx_pi_"], Some("narx_pi_t")),
     ("ramp", &["narx_ramp_"], Some("narx_ramp_t")),
@@ -38,6 +38,7 @@ const PARTS: [(&str, &[&str], Option<&str>); 15] = [
     ("tx_driver", &["narx_tx_driver_"], Some("narx_tx_driver_t")),
     ("tx_master", &["narx_tx_master_"], Some("narx_tx_master_t")),
     ("drive", &["narx_drive_", "narx_board_", "narx_scope_"], Some("narx_drive_t")),
+    ("storage", &["narx_storage_"], Some("narx_storage_t")),
     ("replay", &["narx_replay"], None),
     ("whole", &["narx_"], None),
 ];

@@ -37,13 +37,16 @@ const DRIVE: &str = "tests/c/drive.c";
 const PROTOCOL: &str = "tests/c/protocol.c";
 /// The blocks' edges.
 const BLOCKS: &str = "tests/c/blocks.c";
+/// A drive's flash.
+const STORAGE: &str = "tests/c/storage.c";
 /// A drive that spins the simulated motor, commanded by a master.
 const SPIN: &str = "tests/c/spin.c";
 /// Programs that check themselves: the tests, and the examples that are whole programs.
-const CHECKS: [&str; 11] = [
+const CHECKS: [&str; 12] = [
     DRIVE,
     PROTOCOL,
     BLOCKS,
+    STORAGE,
     "ffi/examples/commutation.c",
     "ffi/examples/fault.c",
     "ffi/examples/hall.c",

@@ -1,0 +1,206 @@
+//! The drive's flash, where the caller has one: parameters that outlive a power cut, and the log.
+
+use crate::board::narx_board_t;
+use crate::device::{background, init, narx_drive_t, narx_identity_t};
+use crate::handle::{self, Handle};
+use crate::pointer;
+use crate::status::narx_status_t::{self, *};
+use core::ffi::c_void;
+use core::future::Future;
+use core::pin::pin;
+use core::task::{Context, Poll, Waker};
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use narx_core::storage::{Opened, Report, Request, Storage};
+
+/// 64-bit words of a narx_storage_t on any processor.
+pub const NARX_STORAGE_WORDS: usize = 320;
+
+/// What stores a drive's parameters and its log: memory that the caller owns. Its content is the library's own.
+#[repr(C)]
+pub struct narx_storage_t {
+    /// Private.
+    words: [u64; NARX_STORAGE_WORDS],
+}
+
+/// Bytes that one program call writes at most: a page, within which it stays.
+pub const NARX_FLASH_PAGE: usize = 256;
+/// Bytes of the smallest erase.
+pub const NARX_FLASH_SUBSECTOR: usize = 4096;
+
+/// A serial NOR flash, as the board drives it. The calls wait until the flash is done and answer 0, or anything else if it is not there or has
+/// failed: then fault bit 30 says so on the bus.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_flash_t {
+    /// Bytes of the flash: whole subsectors, 512 KiB or more. The log takes what the parameters leave.
+    pub size: u32,
+    /// Handed to the calls.
+    pub context: *mut c_void,
+    /// Reads `length` bytes from `address` on.
+    pub read: Option<
+        unsafe extern "C" fn(context: *mut c_void, address: u32, bytes: *mut u8, length: usize) -> i32,
+    >,
+    /// Programs `length` bytes from `address` on, within one page of NARX_FLASH_PAGE: bits go from 1 to 0.
+    pub program: Option<
+        unsafe extern "C" fn(context: *mut c_void, address: u32, bytes: *const u8, length: usize) -> i32,
+    >,
+    /// Erases from `from` to before `to`, whole subsectors of NARX_FLASH_SUBSECTOR: all bits become 1. Larger sectors in between are yours to use.
+    pub erase: Option<unsafe extern "C" fn(context: *mut c_void, from: u32, to: u32) -> i32>,
+}
+
+/// The flash as core knows it.
+#[derive(Debug)]
+pub(crate) struct Chip(narx_flash_t);
+
+/// The flash has not done it, or it was asked for what lies beyond its end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChipError(NorFlashErrorKind);
+
+impl NorFlashError for ChipError {
+    fn kind(&self) -> NorFlashErrorKind {
+        self.0
+    }
+}
+
+impl Chip {
+    fn check(&self, from: u32, length: usize) -> Result<(), ChipError> {
+        let end = u64::from(from) + length as u64;
+        if end <= u64::from(self.0.size) { Ok(()) } else { Err(ChipError(NorFlashErrorKind::OutOfBounds)) }
+    }
+}
+
+/// What a call answered; `None` is a call that is missing, of which initialising has made sure.
+fn done(answer: Option<i32>) -> Result<(), ChipError> {
+    if answer == Some(0) { Ok(()) } else { Err(ChipError(NorFlashErrorKind::Other)) }
+}
+
+impl ErrorType for Chip {
+    type Error = ChipError;
+}
+
+impl ReadNorFlash for Chip {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), ChipError> {
+        self.check(offset, bytes.len())?;
+        // SAFETY: the caller's function with the caller's context, and memory of that length.
+        done(self.0.read.map(|read| unsafe { read(self.0.context, offset, bytes.as_mut_ptr(), bytes.len()) }))
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.size as usize
+    }
+}
+
+impl NorFlash for Chip {
+    const WRITE_SIZE: usize = 1;
+    const ERASE_SIZE: usize = NARX_FLASH_SUBSECTOR;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), ChipError> {
+        self.check(from, to.saturating_sub(from) as usize)?;
+        // SAFETY: as above.
+        done(self.0.erase.map(|erase| unsafe { erase(self.0.context, from, to) }))
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), ChipError> {
+        self.check(offset, bytes.len())?;
+        let (mut at, mut left) = (offset, bytes);
+        while !left.is_empty() {
+            let room = NARX_FLASH_PAGE - at as usize % NARX_FLASH_PAGE;
+            let (page, rest) = left.split_at(room.min(left.len()));
+            // SAFETY: as above.
+            done(self.0.program.map(|program| unsafe {
+                program(self.0.context, at, page.as_ptr(), page.len())
+            }))?;
+            // Within the flash, as just checked.
+            (at, left) = (at.wrapping_add(page.len() as u32), rest);
+        }
+        Ok(())
+    }
+}
+
+impl Handle for narx_storage_t {
+    type Object = Storage<Chip>;
+    const MARK: u32 = u32::from_be_bytes(*b"nstr");
+}
+
+const _: () = assert!(handle::fits::<narx_storage_t>());
+
+/// Bytes that a storage needs on this processor: at most sizeof(narx_storage_t). Any context.
+#[unsafe(no_mangle)]
+pub extern "C" fn narx_storage_size() -> usize {
+    handle::size::<narx_storage_t>()
+}
+
+/// Makes a storage in `size` bytes of memory. `flash` is copied; its calls, none of which may be NULL, are made within narx_drive_init_storage and
+/// narx_drive_serve_storage only.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_storage_init(
+    storage: *mut narx_storage_t,
+    size: usize,
+    flash: *const narx_flash_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let make = || unsafe {
+        let flash = *pointer::read(flash)?;
+        if flash.read.is_none() || flash.program.is_none() || flash.erase.is_none() {
+            return Err(NARX_ERROR_NULL);
+        }
+        Ok(Storage::new(Chip(flash)))
+    };
+    // SAFETY: as above.
+    pointer::status(unsafe { handle::init(storage, size, make) })
+}
+
+/// narx_drive_init with what the flash holds: reads it, and makes a drive with the stored parameters, factory values where there are none, whose
+/// parameters and log stay on this flash. What it finds is told on the bus, fault bits 26, 30 and 31 included. `identity` may be NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_drive_init_storage(
+    drive: *mut narx_drive_t,
+    size: usize,
+    board: *const narx_board_t,
+    identity: *const narx_identity_t,
+    storage: *mut narx_storage_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        let identity =
+            if identity.is_null() { Default::default() } else { pointer::read(identity)?.into() };
+        let Report::Opened(opened) = finish(handle::object(storage)?.execute(Request::Open)) else {
+            return Err(NARX_ERROR_UNINITIALISED);
+        };
+        let Opened { parameters, .. } = opened.clone();
+        init(drive, size, board, identity, parameters)?;
+        background(drive)?.node().attach_storage(&opened);
+        Ok(())
+    };
+    pointer::status(run())
+}
+
+/// Does what the drive asks of its flash, one bounded step: a store, a record of the log, a piece of an erase. NARX_NOTHING when nothing is asked.
+/// Call it in every pass of the main loop; it takes as long as your flash does, and some 6 KiB of stack. Background half.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_drive_serve_storage(
+    drive: *mut narx_drive_t,
+    storage: *mut narx_storage_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        let node = background(drive)?.node();
+        let storage = handle::object(storage)?;
+        let request = node.poll_storage().ok_or(NARX_NOTHING)?;
+        node.handle_storage(finish(storage.execute(request)));
+        Ok(())
+    };
+    pointer::status(run())
+}
+
+/// What a future over calls that wait comes to: it is ready at once.
+fn finish<T>(future: impl Future<Output = T>) -> T {
+    let mut future = pin!(future);
+    loop {
+        if let Poll::Ready(answer) = future.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
+            return answer;
+        }
+    }
+}
