@@ -9,7 +9,9 @@ use core::ffi::c_void;
 use core::future::Future;
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
-use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use embedded_storage_async::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
 use narx_core::storage::{Opened, Report, Request, Storage};
 
 /// 64-bit words of a narx_storage_t on any processor.
@@ -109,9 +111,11 @@ impl NorFlash for Chip {
             let room = NARX_FLASH_PAGE - at as usize % NARX_FLASH_PAGE;
             let (page, rest) = left.split_at(room.min(left.len()));
             // SAFETY: as above.
-            done(self.0.program.map(|program| unsafe {
-                program(self.0.context, at, page.as_ptr(), page.len())
-            }))?;
+            done(
+                self.0
+                    .program
+                    .map(|program| unsafe { program(self.0.context, at, page.as_ptr(), page.len()) }),
+            )?;
             // Within the flash, as just checked.
             (at, left) = (at.wrapping_add(page.len() as u32), rest);
         }
@@ -164,8 +168,7 @@ pub unsafe extern "C" fn narx_drive_init_storage(
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {
-        let identity =
-            if identity.is_null() { Default::default() } else { pointer::read(identity)?.into() };
+        let identity = if identity.is_null() { Default::default() } else { pointer::read(identity)?.into() };
         let Report::Opened(opened) = finish(handle::object(storage)?.execute(Request::Open)) else {
             return Err(NARX_ERROR_UNINITIALISED);
         };
