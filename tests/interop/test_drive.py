@@ -181,9 +181,11 @@ def test_the_example_of_the_readme_spins_the_motor(drive, capsys, monkeypatch):
     for door in ["tcp", "pty"]:
         exec(example.replace("socket://127.0.0.1:2000", drive.channels[door]), {})
         lines = capsys.readouterr().out.splitlines()
-        assert len(lines) > 40 and lines[0] == "0 rpm"
-        assert abs(int(lines[-1].removesuffix(" rpm")) - 2000) <= 20
-        time.sleep(0.5)
+        first, last = (int(line.removesuffix(" rpm")) for line in (lines[0], lines[-1]))
+        assert len(lines) > 40 and abs(last - 2000) <= 20
+        # It has come to rest, or on a slow machine nearly so.
+        assert first < 100
+        time.sleep(1.0)
 
 
 def speeds(client):

@@ -254,7 +254,13 @@ def test_ctrl_c_ends_a_sweep_with_what_it_has(tmp_path: Path) -> None:
     ]
     # The first ones are short; then it would take hours.
     command += ["--set", "seconds=0.01,0.01,36000,36000,36000"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    # What a shell has put into the background is deaf to Ctrl-C, and so are its children.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    with process:
         try:
             wait_for_work(process)
             process.send_signal(signal.SIGINT)
