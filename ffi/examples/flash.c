@@ -47,7 +47,7 @@ static narx_drive_t drive;
 static void power_up(void)
 {
     if (narx_storage_init(&storage, sizeof storage, &flash) != NARX_OK
-        || narx_drive_init_storage(&drive, sizeof drive, NULL, NULL, &storage) != NARX_OK) {
+        || narx_storage_init_drive(&storage, &drive, sizeof drive, NULL, NULL) != NARX_OK) {
         exit(EXIT_FAILURE);
     }
 }
@@ -66,7 +66,7 @@ static void run(uint64_t *now, uint64_t end)
         samples.tick = *now;
         (void)narx_drive_step(&drive, &samples, &command);
         (void)narx_drive_run(&drive, *now);
-        (void)narx_drive_serve_storage(&drive, &storage);
+        (void)narx_storage_serve(&storage, &drive);
     }
 }
 

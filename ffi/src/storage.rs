@@ -136,8 +136,8 @@ pub extern "C" fn narx_storage_size() -> usize {
     handle::size::<narx_storage_t>()
 }
 
-/// Makes a storage in `size` bytes of memory. `flash` is copied; its calls, none of which may be NULL, are made within narx_drive_init_storage and
-/// narx_drive_serve_storage only.
+/// Makes a storage in `size` bytes of memory. `flash` is copied; its calls, none of which may be NULL, are made within narx_storage_init_drive and
+/// narx_storage_serve only.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_storage_init(
     storage: *mut narx_storage_t,
@@ -159,12 +159,12 @@ pub unsafe extern "C" fn narx_storage_init(
 /// narx_drive_init with what the flash holds: reads it, and makes a drive with the stored parameters, factory values where there are none, whose
 /// parameters and log stay on this flash. What it finds is told on the bus, fault bits 26, 30 and 31 included. `identity` may be NULL.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn narx_drive_init_storage(
+pub unsafe extern "C" fn narx_storage_init_drive(
+    storage: *mut narx_storage_t,
     drive: *mut narx_drive_t,
     size: usize,
     board: *const narx_board_t,
     identity: *const narx_identity_t,
-    storage: *mut narx_storage_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {
@@ -183,9 +183,9 @@ pub unsafe extern "C" fn narx_drive_init_storage(
 /// Does what the drive asks of its flash, one bounded step: a store, a record of the log, a piece of an erase. NARX_NOTHING when nothing is asked.
 /// Call it in every pass of the main loop; it takes as long as your flash does, and some 6 KiB of stack. Background half.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn narx_drive_serve_storage(
-    drive: *mut narx_drive_t,
+pub unsafe extern "C" fn narx_storage_serve(
     storage: *mut narx_storage_t,
+    drive: *mut narx_drive_t,
 ) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     let run = || unsafe {

@@ -102,7 +102,7 @@ static void pass(int milliseconds)
             narx_status_t served;
 
             CHECK_QUIETLY(narx_drive_run(&drive, now) == NARX_OK);
-            served = narx_drive_serve_storage(&drive, &storage);
+            served = narx_storage_serve(&storage, &drive);
             CHECK_QUIETLY(served == NARX_OK || served == NARX_NOTHING);
             while (narx_drive_poll_frame(&drive, &frame) == NARX_OK) {
             }
@@ -118,7 +118,7 @@ static void power_up(void)
     chip.lasts = 1000000;
     now = 0;
     CHECK_QUIETLY(narx_storage_init(&storage, sizeof storage, &flash) == NARX_OK);
-    CHECK_QUIETLY(narx_drive_init_storage(&drive, sizeof drive, NULL, NULL, &storage) == NARX_OK);
+    CHECK_QUIETLY(narx_storage_init_drive(&storage, &drive, sizeof drive, NULL, NULL) == NARX_OK);
     pass(600);
 }
 
@@ -216,17 +216,17 @@ static void arguments_are_checked(void)
     CHECK(narx_storage_init(&blank, narx_storage_size() - 1, &flash) == NARX_ERROR_SIZE);
     other.erase = NULL;
     CHECK(narx_storage_init(&blank, sizeof blank, &other) == NARX_ERROR_NULL);
-    CHECK(narx_drive_init_storage(&drive, sizeof drive, NULL, NULL, &blank) == NARX_ERROR_UNINITIALISED);
-    CHECK(narx_drive_init_storage(&drive, sizeof drive, NULL, NULL, NULL) == NARX_ERROR_NULL);
-    CHECK(narx_drive_init_storage(NULL, sizeof drive, NULL, NULL, &storage) == NARX_ERROR_NULL);
-    CHECK(narx_drive_serve_storage(&drive, &blank) == NARX_ERROR_UNINITIALISED);
-    CHECK(narx_drive_serve_storage(&drive, NULL) == NARX_ERROR_NULL);
-    CHECK(narx_drive_serve_storage(NULL, &storage) == NARX_ERROR_NULL);
+    CHECK(narx_storage_init_drive(&blank, &drive, sizeof drive, NULL, NULL) == NARX_ERROR_UNINITIALISED);
+    CHECK(narx_storage_init_drive(NULL, &drive, sizeof drive, NULL, NULL) == NARX_ERROR_NULL);
+    CHECK(narx_storage_init_drive(&storage, NULL, sizeof drive, NULL, NULL) == NARX_ERROR_NULL);
+    CHECK(narx_storage_serve(&blank, &drive) == NARX_ERROR_UNINITIALISED);
+    CHECK(narx_storage_serve(NULL, &drive) == NARX_ERROR_NULL);
+    CHECK(narx_storage_serve(&storage, NULL) == NARX_ERROR_NULL);
     /* A flash of no size that a layout fits in is one that is not there. */
     other = flash;
     other.size = 100;
     CHECK(narx_storage_init(&blank, sizeof blank, &other) == NARX_OK);
-    CHECK(narx_drive_init_storage(&drive, sizeof drive, NULL, NULL, &blank) == NARX_OK);
+    CHECK(narx_storage_init_drive(&blank, &drive, sizeof drive, NULL, NULL) == NARX_OK);
 }
 
 int main(void)
