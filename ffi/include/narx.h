@@ -34,8 +34,8 @@
  *     A drive has two halves that share nothing but queues. The tick half is narx_drive_step; the
  *     background half is every other narx_drive_* call. Either half may interrupt the other at any
  *     instruction, or run on another thread or processor. Within a half, calls for one drive must
- *     not interrupt each other; narx_drive_init, _init_stored, _init_storage and _attach_scope come
- *     before both.
+ *     not interrupt each other; narx_drive_init, _init_stored and _attach_scope, and
+ *     narx_storage_init_drive, come before both. narx_storage_serve is a call of the background half.
  *
  *     Any other object has one half: calls for one of them must not interrupt each other. A block's
  *     step belongs where you call it from, mostly the control interrupt; its init to power-up.
@@ -2576,24 +2576,24 @@ const char *narx_status_text(int32_t status);
 // Bytes that a storage needs on this processor: at most sizeof(narx_storage_t). Any context.
 size_t narx_storage_size(void);
 
-// Makes a storage in `size` bytes of memory. `flash` is copied; its calls, none of which may be NULL, are made within narx_drive_init_storage and
-// narx_drive_serve_storage only.
+// Makes a storage in `size` bytes of memory. `flash` is copied; its calls, none of which may be NULL, are made within narx_storage_init_drive and
+// narx_storage_serve only.
 narx_status_t narx_storage_init(struct narx_storage_t *storage,
                                 size_t size,
                                 const struct narx_flash_t *flash);
 
 // narx_drive_init with what the flash holds: reads it, and makes a drive with the stored parameters, factory values where there are none, whose
 // parameters and log stay on this flash. What it finds is told on the bus, fault bits 26, 30 and 31 included. `identity` may be NULL.
-narx_status_t narx_drive_init_storage(struct narx_drive_t *drive,
+narx_status_t narx_storage_init_drive(struct narx_storage_t *storage,
+                                      struct narx_drive_t *drive,
                                       size_t size,
                                       const struct narx_board_t *board,
-                                      const struct narx_identity_t *identity,
-                                      struct narx_storage_t *storage);
+                                      const struct narx_identity_t *identity);
 
 // Does what the drive asks of its flash, one bounded step: a store, a record of the log, a piece of an erase. NARX_NOTHING when nothing is asked.
 // Call it in every pass of the main loop; it takes as long as your flash does, and some 6 KiB of stack. Background half.
-narx_status_t narx_drive_serve_storage(struct narx_drive_t *drive,
-                                       struct narx_storage_t *storage);
+narx_status_t narx_storage_serve(struct narx_storage_t *storage,
+                                 struct narx_drive_t *drive);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -148,7 +148,7 @@ def sweep(
 
     A grid alone runs the built-in experiment: power up, ask for `rpm`, run for `seconds` (2) from there, with `fault` (`fault_value`,
     `fault_phase`, `fault_high`) breaking `fault_time` s later; a start that fails is a result like any other. What can be varied: the
-    arguments of Motor and Bench, those of Load with "load_" before them, `motor` and `load` as a whole, and the drive's parameters by name or
+    arguments of Motor and Bench, those of Load with `load_` before them, `motor` and `load` as a whole, and the drive's parameters by name or
     number. A function is called with a `Variant` of `grid` and returns its results by name; it runs on threads, which is worth while because a
     bench lets other threads run.
 
