@@ -34,7 +34,13 @@ impl Library {
             cargo.args(["--target", processor.target()]);
         }
         // Bare metal has no shared libraries.
-        steps::run(cargo.args(["--crate-type", "staticlib"]).current_dir(root))
+        let kinds = if processor.is_some() { "staticlib" } else { "staticlib,cdylib" };
+        steps::run(cargo.args(["--crate-type", kinds]).current_dir(root))
+    }
+
+    /// The shared library of this machine.
+    pub fn shared(self, root: &Path) -> PathBuf {
+        target_directory(root).join("release").join(format!("lib{}.so", self.name))
     }
 
     /// Where it stands then.

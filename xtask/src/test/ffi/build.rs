@@ -67,6 +67,15 @@ impl Build {
         steps::run(&mut compiler)
     }
 
+    /// Compiles a program against the shared library, and runs it.
+    pub(super) fn run_shared(root: &Path, source: &str) -> Outcome {
+        let program = directory(root).join("shared");
+        let mut compiler = Gcc.compiler(root);
+        compiler.arg(root.join(source)).arg(NARX.shared(root)).arg("-o").arg(&program);
+        steps::run(&mut compiler)?;
+        steps::run(&mut Command::new(program))
+    }
+
     /// The same of a program on the simulated board, with the drive of the examples.
     pub(super) fn compile_on_bench(self, root: &Path, source: &str) -> Outcome {
         let mut compiler = self.compiler(root);
