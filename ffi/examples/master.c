@@ -53,7 +53,7 @@ int main(void)
         || narx_master_measurement(&master, NARX_MESSAGE_MEASUREMENT_2, &measured, NULL) != NARX_OK) {
         return 1;
     }
-    printf("Standby at %d of 0.01 V\n", measured.fields.measurement_2.hv_voltage);
+    printf("Standby at %ld of 0.01 V\n", (long)measured.fields.measurement_2.hv_voltage);
 
     /* A request has exactly one answer: done, refused for a reason, or none in time. */
     (void)narx_master_request(&master, &request);
