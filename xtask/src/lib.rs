@@ -30,3 +30,4 @@ pub mod steps;
 pub mod test;
 pub mod vectors;
 pub mod web;
+pub mod worlds;

@@ -20,6 +20,7 @@ use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
 use xtask::web;
+use xtask::worlds;
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
@@ -42,6 +43,8 @@ enum Job {
         #[arg(long)]
         python: bool,
     },
+    /// Let everything go wrong at once, and watch what may never happen
+    Worlds(worlds::Arguments),
     /// Test everything, or one target; installs what that needs
     Test {
         /// What to test; without a name everything
@@ -117,6 +120,7 @@ fn main() -> ExitCode {
         Job::Drive(arguments) => drive::run(&arguments),
         Job::Bench(arguments) => bench::command(&arguments),
         Job::Speed { python } => bench::speed(python),
+        Job::Worlds(arguments) => worlds::command(&arguments),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Callgrind { check } => callgrind::command(root, check),

@@ -13,6 +13,8 @@ const LENGTH_MAX: f64 = 100e-6;
 /// Part of the shaft's and the circuit's common swing, rad, that a course may be long: a rotor that is light for its torque swings
 /// against the winding's inductance within a period.
 const SWING_MAX: f64 = 0.1;
+/// The same of the swing about where currents hold the rotor: without friction its energy has to last for many of them.
+const HOLD_MAX: f64 = 0.07;
 /// Courses are not made shorter than this because of a wrong prediction, s.
 const LENGTH_MIN: f64 = 5e-6;
 /// Less is no course, s: rounding may leave the shaft a hair before a corner.
@@ -164,7 +166,18 @@ impl Stage {
         if rate * length > ANGLE_MAX {
             length = ANGLE_MAX / rate;
         }
+        let hold = self.hold();
+        if hold * length * length > HOLD_MAX * HOLD_MAX {
+            length = (HOLD_MAX / libm::sqrt(hold)).max(LENGTH_MIN);
+        }
         if self.shape.is_sine() { length } else { self.to_corner(length) }
+    }
+
+    /// Square of the rate at which the rotor swings about where the present currents hold it, (rad/s)2, at most.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn hold(&self) -> f64 {
+        let [a, b, c] = self.electric.i;
+        0.5 * (a.abs() + b.abs() + c.abs()) * self.shape.peak() * self.shaft.pole_pairs() * self.shaft.per_inertia()
     }
 
     /// `length`, or less if the back-EMF has a corner before.

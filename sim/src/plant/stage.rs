@@ -301,10 +301,20 @@ impl Stage {
                 let before = self.stored();
                 self.set_leg(x, Leg::Idle);
                 self.end_current(x);
+                self.turn_diodes();
                 self.ledger.arc += before - self.stored();
             }
         }
         self.open = open;
+    }
+
+    /// A current that has turned round at once goes through the other diode of its leg.
+    fn turn_diodes(&mut self) {
+        for x in 0..3 {
+            if self.legs[x].is_diode() {
+                self.set_leg(x, if self.electric.i[x] > 0.0 { Leg::LowDiode } else { Leg::HighDiode });
+            }
+        }
     }
 
     /// Leg `x` carries no current any more; the others still sum to zero.

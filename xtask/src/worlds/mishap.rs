@@ -1,0 +1,286 @@
+//! What goes wrong: drawn here, done by the world.
+
+use narx_core::bus::{Frame, Id};
+use narx_core::bus::narmotion::DigitalOutputs;
+use narx_core::dictionary::{Access, Dictionary, number};
+use narx_core::master::{Download, Request, Service};
+use narx_sim::flash::Tear;
+use narx_sim::plant::{Injection, Phase};
+use narx_sim::random::Random;
+
+/// A kind of mishap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Kind {
+    /// The operator commands the motor.
+    Command,
+    /// The operator asks for something else.
+    Request,
+    /// The operator downloads something, or gives up doing so.
+    Download,
+    /// The master is silent for a while.
+    Silence,
+    /// Somebody sends frames that nobody has asked for.
+    Frames,
+    /// Something breaks.
+    Break,
+    /// Something is mended.
+    Mend,
+    /// Load or supply change.
+    World,
+    /// Frames on the bus are disturbed.
+    Disturb,
+    /// The master's cable is off for a while.
+    Unplug,
+    /// The power fails, perhaps while the flash is being written.
+    Cut,
+    /// A bit of the log's memory falls over.
+    Flip,
+}
+
+/// All of them.
+pub const KINDS: [Kind; 12] = [
+    Kind::Command,
+    Kind::Request,
+    Kind::Download,
+    Kind::Silence,
+    Kind::Frames,
+    Kind::Break,
+    Kind::Mend,
+    Kind::World,
+    Kind::Disturb,
+    Kind::Unplug,
+    Kind::Cut,
+    Kind::Flip,
+];
+
+impl Kind {
+    /// What a summary calls it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Command => "commands",
+            Self::Request => "requests",
+            Self::Download => "downloads",
+            Self::Silence => "silences",
+            Self::Frames => "stray frames",
+            Self::Break => "breaks",
+            Self::Mend => "repairs",
+            Self::World => "loads and supplies",
+            Self::Disturb => "disturbances",
+            Self::Unplug => "unplugged",
+            Self::Cut => "power cuts",
+            Self::Flip => "flipped bits",
+        }
+    }
+
+    /// How often it is drawn, of the sum of all.
+    const fn weight(self) -> f64 {
+        match self {
+            Self::Command => 30.0,
+            Self::Request => 20.0,
+            Self::Break | Self::Frames => 6.0,
+            Self::Mend => 8.0,
+            Self::World | Self::Disturb => 4.0,
+            Self::Download | Self::Silence => 3.0,
+            Self::Unplug => 2.0,
+            Self::Cut | Self::Flip => 1.0,
+        }
+    }
+}
+
+/// What happens next.
+#[derive(Clone, Debug)]
+pub(super) enum Mishap {
+    Start(f64),
+    SetSpeed(f64),
+    Stop,
+    ShutDown,
+    Request(Request),
+    Download(Download),
+    AbortDownload,
+    /// s.
+    Silence(f64),
+    Frames(Vec<Frame>),
+    Break(Injection),
+    Mend(Option<Injection>),
+    /// Share of the rated torque.
+    Load(f64),
+    /// Source resistance, ohm, and whether the source takes current back.
+    Source(f64, bool),
+    /// Frames, and at which bit.
+    Disturb(u32, u32),
+    /// s.
+    Unplug(f64),
+    /// Steps of the flash from now, and what is left of the last.
+    Cut(u64, Tear),
+    /// Share of the log's part of the flash, and the bit.
+    Flip(f64, u8),
+}
+
+impl Mishap {
+    pub(super) const fn kind(&self) -> Kind {
+        match self {
+            Self::Start(_) | Self::SetSpeed(_) | Self::Stop | Self::ShutDown => Kind::Command,
+            Self::Request(_) => Kind::Request,
+            Self::Download(_) | Self::AbortDownload => Kind::Download,
+            Self::Silence(_) => Kind::Silence,
+            Self::Frames(_) => Kind::Frames,
+            Self::Break(_) => Kind::Break,
+            Self::Mend(_) => Kind::Mend,
+            Self::Load(_) | Self::Source(..) => Kind::World,
+            Self::Disturb(..) => Kind::Disturb,
+            Self::Unplug(_) => Kind::Unplug,
+            Self::Cut(..) => Kind::Cut,
+            Self::Flip(..) => Kind::Flip,
+        }
+    }
+}
+
+/// Draws what happens.
+pub(super) struct Fate(pub(super) Random);
+
+impl Fate {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.0.uniform()
+    }
+
+    pub(super) fn below(&mut self, count: usize) -> usize {
+        self.between(0.0, count as f64) as usize
+    }
+
+    fn chance(&mut self, share: f64) -> bool {
+        self.0.uniform() < share
+    }
+
+    fn one<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())]
+    }
+
+    pub(super) fn draw(&mut self) -> Mishap {
+        let sum: f64 = KINDS.iter().map(|kind| kind.weight()).sum();
+        let mut left = self.between(0.0, sum);
+        let kind = KINDS.into_iter().find(|kind| {
+            left -= kind.weight();
+            left < 0.0
+        });
+        match kind.unwrap_or(Kind::Command) {
+            Kind::Command => self.command(),
+            Kind::Request => Mishap::Request(self.request()),
+            Kind::Download => self.download(),
+            Kind::Silence => Mishap::Silence(self.between(0.0, 0.6)),
+            Kind::Frames => Mishap::Frames(self.frames()),
+            Kind::Break => Mishap::Break(self.injection()),
+            Kind::Mend => Mishap::Mend(if self.chance(0.5) { None } else { Some(self.injection()) }),
+            Kind::World if self.chance(0.5) => Mishap::Load(self.between(0.0, 0.6)),
+            Kind::World => Mishap::Source(self.between(0.0, 0.5), self.chance(0.5)),
+            Kind::Disturb => Mishap::Disturb(self.between(1.0, 60.0) as u32, self.between(0.0, 120.0) as u32),
+            Kind::Unplug => Mishap::Unplug(self.between(0.0, 1.0)),
+            Kind::Cut => Mishap::Cut(
+                self.between(0.0, 3000.0) as u64,
+                self.one(&[Tear::Nothing, Tear::Partial, Tear::Garbage]),
+            ),
+            Kind::Flip => Mishap::Flip(self.0.uniform(), self.below(8) as u8),
+        }
+    }
+
+    fn command(&mut self) -> Mishap {
+        match self.below(10) {
+            0..=4 => Mishap::Start(self.between(-1.2, 1.2)),
+            5..=6 => Mishap::SetSpeed(self.between(0.0, 1.2)),
+            7..=8 => Mishap::Stop,
+            _ => Mishap::ShutDown,
+        }
+    }
+
+    fn request(&mut self) -> Request {
+        const SERVICES: [Service; 7] = [
+            Service::SetPosition,
+            Service::EraseLog,
+            Service::Store,
+            Service::StoreOnce,
+            Service::ResetCalibration,
+            Service::AutoCalibrate,
+            Service::CalibrateHall,
+        ];
+        match self.below(20) {
+            0..=8 => self.write(),
+            9..=10 => Request::Read { number: self.below(400) as u16 },
+            11..=14 => Request::Run(self.one(&SERVICES)),
+            15 => Request::Reboot,
+            16 => Request::RestoreFactory { serial: self.one(&[0, 1, 0xFFFF]) },
+            17 => Request::DigitalOutputs(DigitalOutputs::default()),
+            18 => Request::DisableHallSupply(self.chance(0.5)),
+            _ => Request::TriggerScope,
+        }
+    }
+
+    /// A write of any parameter, mostly within its range. An operator who changes the addresses has lost his drive, so he does not.
+    fn write(&mut self) -> Request {
+        let rows: Vec<_> = Dictionary::rows()
+            .filter(|row| ![number::SLAVE_CAN_ADDRESS, number::MASTER_CAN_ADDRESS].contains(&row.number))
+            .filter(|row| row.access != Access::ReadOnly || self.0.uniform() < 0.1)
+            .collect();
+        let row = rows[self.below(rows.len())];
+        let raw = match self.below(8) {
+            0 => self.0.bits() as i32 as i64,
+            1 => row.min - 1,
+            2 => row.max + 1,
+            3 => row.min,
+            4 => row.max,
+            _ => self.between(row.min as f64, row.max as f64) as i64,
+        };
+        Request::Write { number: row.number, raw: raw as i32 }
+    }
+
+    fn download(&mut self) -> Mishap {
+        match self.below(4) {
+            0 => Mishap::Download(Download::Description),
+            1 => Mishap::Download(Download::Scope { words: 1 + self.below(4096) as u32 }),
+            2 => Mishap::Download(Download::Log {
+                first: self.below(100) as u32,
+                records: 1 + self.below(100) as u32,
+            }),
+            _ => Mishap::AbortDownload,
+        }
+    }
+
+    /// Up to 50 frames: of other devices, of the master's address with any contents, of other addresses, remote ones.
+    fn frames(&mut self) -> Vec<Frame> {
+        let count = 1 + self.below(50);
+        (0..count).filter_map(|_| self.frame()).collect()
+    }
+
+    fn frame(&mut self) -> Option<Frame> {
+        let bits = self.0.bits();
+        let bytes = self.0.bits().to_be_bytes();
+        let id = match self.below(4) {
+            // 0AAD5200h is the master's Data Set, 0AAD5400h its Data Request, to the drive with factory addresses.
+            0 => Id::extended(0x0AAD_5200 | (bits & 0x1FF) as u32)?,
+            1 => Id::extended(0x0AAD_5400 | (bits & 0x1FF) as u32)?,
+            2 => Id::extended((bits & 0x1FFF_FFFF) as u32)?,
+            _ => Id::standard((bits & 0x7FF) as u16)?,
+        };
+        let length = if self.chance(0.8) { 8 } else { self.below(9) };
+        if self.chance(0.05) { Frame::remote(id, length as u8) } else { Frame::data(id, &bytes[..length]) }
+    }
+
+    fn injection(&mut self) -> Injection {
+        let phase = self.one(&Phase::ALL);
+        match self.below(14) {
+            0 => Injection::Ambient(self.between(-40.0, 200.0)),
+            1 => Injection::Supply(self.between(5.0, 61.0)),
+            2 => Injection::Leak(self.between(5.0, 200.0)),
+            3 => Injection::Driver(phase),
+            4 => Injection::OpenPhase(phase),
+            5 => Injection::HallStuck { line: phase, high: self.chance(0.5) },
+            6 => Injection::HallSwapped(phase),
+            7 => Injection::HallGlitches(self.between(0.0, 2000.0)),
+            8 => Injection::HallSupplyLost,
+            9 => Injection::BlockedRotor,
+            10 => Injection::Pressure(self.between(0.0, 3.3)),
+            11 => Injection::Break,
+            12 => Injection::Dsi1,
+            _ => Injection::Dsi2,
+        }
+    }
+}

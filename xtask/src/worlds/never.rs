@@ -1,0 +1,98 @@
+//! What may never happen, whatever else does.
+
+use narx_core::bus::Frame;
+use narx_core::bus::narmotion::{FromDrive, MessageId, MessageKind};
+use narx_core::motor::fault::FaultWord;
+use narx_core::motor::{State, Step};
+use narx_sim::bench::Bench;
+use std::fmt;
+
+/// Boot takes half a second, and a start needs requests that the drive has not heard before: no drive turns a motor sooner after power-up, ticks.
+const REST: u64 = 5_000;
+/// Above this over-voltage qualifies at once, V: no drive drives on. What the windings hold then still goes into the capacitor (12 A in 2 mH: 0.14 J,
+/// 18 V), because no brake chopper takes it.
+const BUS_MAX: f64 = 62.0;
+const BUS_TOP: f64 = 82.0;
+/// A command that has expired, or a critical fault, may be seen beside a driving state in the report that tells of it, not in the next tick.
+const LATE: u32 = 1;
+/// A voltage above the limit is seen by the next sample, and by the one behind it if noise hides it.
+const HIGH: u32 = 2;
+/// Something that may never happen has happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Broken {
+    /// When, s of the world's time.
+    pub time: f64,
+    /// What.
+    pub what: String,
+}
+
+impl fmt::Display for Broken {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "at {:.4} s: {}", self.time, self.what)
+    }
+}
+
+/// Watches one drive from power-up.
+#[derive(Default)]
+pub(super) struct Watch {
+    ticks: u64,
+    expired: u32,
+    critical: u32,
+    high: u32,
+}
+
+impl Watch {
+    /// Looks at a tick.
+    pub(super) fn tick(&mut self, bench: &Bench) -> Result<(), String> {
+        self.ticks += 1;
+        let (status, command) = (bench.status(), bench.command());
+        let driving = status.state.is_driving();
+        if !driving && (command.step != Step::Coast || command.commutations.iter().next().is_some()) {
+            return Err(format!("the bridge is on in {}: {command:?}", status.state.name()));
+        }
+        if driving && self.ticks < REST {
+            return Err(format!("{} ticks after power-up it drives", self.ticks));
+        }
+        self.expired = if driving && status.command_expired { self.expired + 1 } else { 0 };
+        self.critical = if driving && !status.critical.is_empty() { self.critical + 1 } else { 0 };
+        if self.expired > LATE {
+            return Err(format!("it drives ({}) though the command has expired", status.state.name()));
+        }
+        if self.critical > LATE {
+            return Err(format!("it drives ({}) with a critical fault: {:?}", status.state.name(), status.critical));
+        }
+        self.high = if driving && bench.plant().observe().bus_voltage > BUS_MAX { self.high + 1 } else { 0 };
+        if self.high > HIGH {
+            return Err(format!("it drives ({}) with the bus above {BUS_MAX} V", status.state.name()));
+        }
+        if status.state == State::Fault && status.critical.is_empty() {
+            return Err("it is in Fault without a critical fault".into());
+        }
+        if status.faults.intersects(FaultWord::STORE) {
+            return Err(format!("the parameter store is broken: {:?}", status.faults));
+        }
+        Ok(())
+    }
+
+    /// Looks at the physics, which changes less quickly than it costs to look.
+    pub(super) fn physics(bench: &Bench) -> Result<(), String> {
+        let seen = bench.plant().observe();
+        let [a, b, c] = seen.current;
+        if !(a + b + c + seen.speed + seen.bus_voltage + seen.angle + seen.winding_temperature).is_finite() {
+            return Err(format!("physics has left the numbers: {seen:?}"));
+        }
+        if seen.bus_voltage > BUS_TOP {
+            return Err(format!("the bus has risen to {:.1} V", seen.bus_voltage));
+        }
+        Ok(())
+    }
+
+    /// Looks at a frame of the drive.
+    pub(super) fn frame(frame: &Frame, address: u8) -> Result<(), String> {
+        let Ok(id) = MessageId::of(frame) else { return Ok(()) };
+        if id.source != address || id.kind != MessageKind::SlaveTx {
+            return Ok(());
+        }
+        FromDrive::decode(frame).map(drop).map_err(|error| format!("{frame:?} of the drive: {error:?}"))
+    }
+}
