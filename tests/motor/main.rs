@@ -35,4 +35,5 @@ mod start;
 mod steady;
 mod support;
 mod transition_table;
+mod worlds;
 mod zero_crossing;

@@ -257,7 +257,8 @@ impl Fate {
             // 0AAD5200h is the master's Data Set, 0AAD5400h its Data Request, to the drive with factory addresses.
             0 => Id::extended(0x0AAD_5200 | (bits & 0x1FF) as u32)?,
             1 => Id::extended(0x0AAD_5400 | (bits & 0x1FF) as u32)?,
-            2 => Id::extended((bits & 0x1FFF_FFFF) as u32)?,
+            // Any but the drive's own address: no bus has two devices with one.
+            2 => Id::extended((bits & 0x1FFF_FFFF) as u32).filter(|id| id.raw() >> 19 & 0xFF != 0xAA)?,
             _ => Id::standard((bits & 0x7FF) as u16)?,
         };
         let length = if self.chance(0.8) { 8 } else { self.below(9) };
