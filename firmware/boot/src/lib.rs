@@ -17,7 +17,9 @@
 //! to [`Map::entry`], loads the stack pointer from its first word and enters at its second; with [`Outcome::Stay`], and with a
 //! [`Failure`], it enters nothing, says so with whatever the board has for it, and waits for a reset.
 //!
-//! An application gives its node's update requests to [`Slot::execute`] (feature `node`), and what that answers back to the node.
+//! An application (feature `node`) makes a `Server` over its [`Slot`], gives its `slots()` to `Node::attach_update` at power-up, and in every pass
+//! of its loop one of `Node::poll_update` to `Server::execute`, whose report goes to `Node::handle_update`. An erase takes a page's time (22 ms on the
+//! ST board); nothing of it happens beside a motor that turns.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -26,6 +28,8 @@ mod image;
 pub mod key;
 mod map;
 mod mark;
+#[cfg(feature = "node")]
+mod serve;
 #[cfg(feature = "sign")]
 pub mod sign;
 mod slot;
@@ -37,6 +41,8 @@ pub use image::{BODY_ALIGNMENT, HEADER_LENGTH, Header, HeaderError, SIGNATURE_LE
 pub use key::Key;
 pub use map::{Map, MapError};
 pub use mark::Mark;
+#[cfg(feature = "node")]
+pub use serve::Server;
 pub use slot::{Condition, Slot, SlotError, Verdict};
 pub use verify::{Board, ImageError, Refused};
 pub use version::{NoVersion, Version};
