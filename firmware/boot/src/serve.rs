@@ -1,7 +1,7 @@
 //! The slot as the node of narx-core asks for it (feature `node`).
 
 use crate::slot::{Condition, Slot, SlotError, Verdict};
-use crate::verify::{ImageError, Refused};
+use crate::verify::Refused;
 use crate::version::Version;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
