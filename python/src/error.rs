@@ -53,7 +53,9 @@ pub(crate) fn image(message: impl Display) -> PyErr {
 pub(crate) fn update(error: UpdateError) -> PyErr {
     match error {
         UpdateError::NoAnswer => no_answer(error),
-        UpdateError::Hardware { .. } | UpdateError::TooLong { .. } | UpdateError::Older { .. } => image(error),
+        UpdateError::Hardware { .. } | UpdateError::TooLong { .. } | UpdateError::Older { .. } => {
+            image(error)
+        }
         _ => refused(error),
     }
 }

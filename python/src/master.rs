@@ -4,9 +4,9 @@ use crate::error;
 use crate::frame;
 use crate::session::Shared;
 use crate::state;
+use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, DigitalOutputs, StatusWord};
 use narx_core::dictionary::Decimal;
-use narx_core::bus::Frame;
 use narx_core::master::{
     Answer, Config, Download, Heard, Image, Master as Core, Request, RequestError, Service, UpdateProgress,
 };

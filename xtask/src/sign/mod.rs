@@ -1,6 +1,8 @@
 //! Images for the bootloader: a program with a header that its owner has signed (docs/UPDATE.md).
 
 mod program;
+#[cfg(test)]
+mod tests;
 
 use crate::steps::{self, Outcome};
 use narx_boot::sign::SecretKey;
@@ -89,7 +91,11 @@ fn new_key(file: &Path) -> Outcome {
     writeln!(secret_file, "{}", hexadecimal(&secret)).map_err(|error| at(file, &error))?;
     let public_file = file.with_extension("pub");
     fs::write(&public_file, format!("{public}\n")).map_err(|error| at(&public_file, &error))?;
-    Ok(vec![format!("{}: keep it secret; {}: what boards are built with", file.display(), public_file.display())])
+    Ok(vec![format!(
+        "{}: keep it secret; {}: what boards are built with",
+        file.display(),
+        public_file.display()
+    )])
 }
 
 /// A line of 64 hexadecimal digits.

@@ -31,7 +31,9 @@ pub(super) fn flat(file: &[u8]) -> Result<Vec<u8>, String> {
     parts.sort_by_key(|(address, _)| *address);
     let Some(&(start, _)) = parts.first() else { return Err("nothing to load".into()) };
     if !start.is_multiple_of(ALIGNMENT) {
-        return Err(format!("linked to {start:08X}h: a program begins {ALIGNMENT} bytes behind the slot, on a multiple of that"));
+        return Err(format!(
+            "linked to {start:08X}h: a program begins {ALIGNMENT} bytes behind the slot, on a multiple of that"
+        ));
     }
     let mut program = Vec::new();
     for (address, bytes) in parts {
