@@ -75,13 +75,11 @@ impl fmt::Display for BuildError {
         let decimal = |digits| Decimal { digits, exponent: row.exponent };
         write!(
             f,
-            "parameter {} \"{}\": {} does not fit the other parameters, which allow {} to {} {}",
-            row.number,
-            row.name,
+            "{row}: {} does not fit the other parameters, which allow {} to {} {}",
             row.engineering(self.raw),
             decimal(self.min),
             decimal(self.max),
-            row.unit
+            row.unit()
         )
     }
 }
@@ -194,7 +192,7 @@ impl Builder<'_> {
     #[inline(never)]
     fn wide_gain(&mut self, number: u16, numerator: i128, denominator: i128) -> Gain {
         Gain::from_ratio(numerator, denominator).unwrap_or_else(|| {
-            let (min, max) = Dictionary::row(number).map_or((0, 0), |row| (row.min, row.max));
+            let (min, max) = Dictionary::row(number).map_or((0, 0), |row| (row.min(), row.max()));
             self.note(number, min, max);
             Gain::ZERO
         })
