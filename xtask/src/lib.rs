@@ -26,6 +26,7 @@ pub mod qemu;
 pub mod running;
 pub mod setup;
 pub mod sizes;
+pub mod small;
 pub mod steps;
 pub mod test;
 pub mod vectors;

@@ -15,11 +15,11 @@ use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
-use xtask::sizes;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
 use xtask::web;
+use xtask::{sizes, small};
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
@@ -94,7 +94,8 @@ enum Job {
     },
     /// Test what other people's tools make of our files and of the virtual drive: a part of `test rust`
     Interop,
-    /// Make tests/golden/ffi_sizes.toml anew: flash, RAM and instructions of the C library, whole and by parts
+    /// Make tests/golden/ffi_sizes.toml and small_board.toml anew: flash, RAM and instructions of the C library, whole and by parts; flash of the
+    /// core on a small board
     Sizes {
         /// Write nothing; fail if a figure is another one
         #[arg(long)]
@@ -129,7 +130,10 @@ fn main() -> ExitCode {
         Job::Header { check } => header::command(root, check),
         Job::Interop => finish(interop::run(root)),
         Job::Archive => archive::command(root),
-        Job::Sizes { check } => sizes::command(root, check),
+        Job::Sizes { check } => run_all(vec![
+            Step::new("small board", move || small::regenerate(root, check)),
+            Step::new("C sizes", move || sizes::generate(root, check)),
+        ]),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),
     }
@@ -157,6 +161,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
         Step::new("callgrind", move || callgrind::regenerate(root, false)),
+        Step::new("small board", move || small::regenerate(root, false)),
         Step::new("C sizes", move || sizes::generate(root, false)),
         Step::new("wasm", move || web::generate(root)),
     ])
