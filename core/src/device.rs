@@ -50,7 +50,7 @@ impl<'m> Queues<'m> {
     ) -> (ControlTick<'_, 'm>, Background<'_, 'm>) {
         // What waits from before a reboot belongs to nobody.
         *self = Self::new();
-        let drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
+        let drive = Drive::new(built(&parameters, &board));
         let node = Node::with_parameters(identity, board, parameters);
         let (events_in, events) = self.events.split();
         let (statuses, statuses_out) = self.statuses.split();
@@ -68,6 +68,12 @@ impl<'m> Queues<'m> {
         let scope = Scope::default();
         (ControlTick { drive, events, statuses, scope, orders, answers }, background)
     }
+}
+
+/// Out of line, like what else is done once at power-up: laid out field by field among the caller's, it takes twice the flash.
+#[inline(never)]
+fn built(parameters: &Parameters, board: &Board) -> Coefficients {
+    Coefficients::build(parameters, board).unwrap_or_default()
 }
 
 /// The half of the control interrupt.

@@ -27,6 +27,7 @@ pub mod running;
 pub mod setup;
 pub mod sign;
 pub mod sizes;
+pub mod small;
 pub mod steps;
 pub mod test;
 pub mod vectors;

@@ -16,12 +16,12 @@ use xtask::header;
 use xtask::instructions;
 use xtask::interop;
 use xtask::sign;
-use xtask::sizes;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
 use xtask::web;
 use xtask::worlds;
+use xtask::{sizes, small};
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", about = "Developer commands of narx", version)]
@@ -100,7 +100,8 @@ enum Job {
     Interop,
     /// Sign a program for the bootloader, or make a key
     Sign(sign::Arguments),
-    /// Make tests/golden/ffi_sizes.toml anew: flash, RAM and instructions of the C library, whole and by parts
+    /// Make tests/golden/ffi_sizes.toml and small_board.toml anew: flash, RAM and instructions of the C library, whole and by parts; flash of the
+    /// core on a small board
     Sizes {
         /// Write nothing; fail if a figure is another one
         #[arg(long)]
@@ -137,7 +138,10 @@ fn main() -> ExitCode {
         Job::Interop => finish(interop::run(root)),
         Job::Archive => archive::command(root),
         Job::Sign(arguments) => sign::command(&arguments),
-        Job::Sizes { check } => sizes::command(root, check),
+        Job::Sizes { check } => run_all(vec![
+            Step::new("small board", move || small::regenerate(root, check)),
+            Step::new("C sizes", move || sizes::generate(root, check)),
+        ]),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),
     }
@@ -165,6 +169,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
         Step::new("callgrind", move || callgrind::regenerate(root, false)),
+        Step::new("small board", move || small::regenerate(root, false)),
         Step::new("C sizes", move || sizes::generate(root, false)),
         Step::new("wasm", move || web::generate(root)),
     ])

@@ -5,14 +5,14 @@ use crate::driven::output;
 use crate::install::{self, Package, target_directory};
 use crate::library::NARX;
 use crate::qemu::{self, Machine};
-use crate::steps::{self, Outcome};
+use crate::steps::Outcome;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 /// Largest difference from the golden figure, as a share of it, or as a few instructions: compilers and linkers round and pad differently.
-const TOLERANCE: f64 = 0.01;
+pub(crate) const TOLERANCE: f64 = 0.01;
 const FEW: f64 = 3.0;
 const GOLDEN: &str = "tests/golden/ffi_sizes.toml";
 const HEAD: &str = "\
@@ -42,11 +42,6 @@ const PARTS: [(&str, &[&str], Option<&str>); 16] = [
     ("replay", &["narx_replay"], None),
     ("whole", &["narx_"], None),
 ];
-
-/// `cargo xtask sizes [--check]`.
-pub fn command(root: &Path, check: bool) -> ExitCode {
-    steps::finish(generate(root, check))
-}
 
 /// Builds the libraries first.
 ///

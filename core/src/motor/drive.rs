@@ -25,7 +25,7 @@ use super::samples::Samples;
 use super::sensorless::Sensorless;
 use super::state::State;
 use crate::units::{Amps, ElectricalSpeed};
-use calm::Calm;
+use calm::{Calm, SHORTCUTS};
 use core::borrow::Borrow;
 pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use pattern::Pattern;
@@ -75,6 +75,7 @@ mod place {
 
 impl Drive {
     /// A drive at power-up with a parameter set that builds.
+    #[inline(never)]
     pub fn new(coefficients: Coefficients) -> Self {
         Self {
             coefficients,
@@ -173,6 +174,10 @@ impl Drive {
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         let place = self.control.tick(&self.coefficients.control);
         let current = self.measurement.step(&self.coefficients.measurement, samples);
+        if !SHORTCUTS {
+            self.look(place, samples, current);
+            return self.applied;
+        }
         let in_lane = self.is_in_lane(current);
         let step = if self.is_calm(samples, current, in_lane) {
             Some(self.go_on(current))
@@ -195,7 +200,7 @@ impl Drive {
         };
         self.do_due(place, speed, samples, current);
         let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
-        if speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
+        if SHORTCUTS && speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
             self.applied.commutations = pattern.commutations;
         } else {
             self.finish(pattern, current);

@@ -6,6 +6,9 @@ use super::state::{Conditions, State, Transition, transition};
 use crate::units::ElectricalSpeed;
 use serde::{Deserialize, Serialize};
 
+/// Whether this build calibrates hall sensors.
+pub(crate) const CALIBRATES: bool = cfg!(feature = "hall-calibration");
+
 /// What the master asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Command {
@@ -162,7 +165,7 @@ impl Machine {
 
     /// Arms or withdraws the hall calibration; acts at the next start.
     pub fn handle_calibration(&mut self, run: bool) {
-        self.calibrate = run;
+        self.calibrate = run && CALIBRATES;
     }
 
     /// Time passes. True in the ordinary tick of a state, in which no row of the table can hold; else [`advance`](Self::advance) looks. The
@@ -379,7 +382,7 @@ impl Machine {
 
     /// This start is a hall calibration.
     pub const fn calibrating(&self) -> bool {
-        self.mode.contains(Conditions::CALIBRATION)
+        CALIBRATES && self.mode.contains(Conditions::CALIBRATION)
     }
 
     /// This start is a sensorless one.

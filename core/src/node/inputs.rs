@@ -5,6 +5,9 @@ use crate::motor::event::SlowMeasurements;
 use crate::units::{Celsius, Volts};
 use serde::{Deserialize, Serialize};
 
+/// Whether this build has use for an accelerometer.
+pub(super) const ACCELEROMETER: bool = cfg!(feature = "accelerometer");
+
 /// The accelerometer's sensitivity turned round. Its zero-g level is the 1.8 V of Table 10, so 0.5 V a g brings +-2 g to 0.8 V and
 /// 2.8 V, within the converter's 3.3 V; the specification prints no sensitivity.
 const MILLI_G_PER_VOLT: i32 = 2000;
@@ -63,6 +66,9 @@ impl SlowInputs {
 
     /// Calibrated acceleration, 0.001 g: (output - zero-g level) / sensitivity + offset.
     pub(super) fn calibrated_accel(&self, parameters: &Parameters) -> [i16; 3] {
+        if !ACCELEROMETER {
+            return [0; 3];
+        }
         let zero = if parameters.raw(number::ACCEL_USE_REFERENCE) != 0 {
             self.accel_reference
         } else {

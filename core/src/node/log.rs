@@ -111,6 +111,9 @@ impl Log {
 
     /// What the log asks of the flash next: records first, because they have a time.
     pub(super) fn next_request(&mut self, driving: bool) -> Option<Request> {
+        if !LOGS {
+            return None;
+        }
         if let Some(entry) = self.entry.take() {
             self.writing = true;
             return Some(Request::Append(entry));
@@ -316,7 +319,7 @@ impl Node {
 
     /// A rising edge of parameter 76.
     pub(super) fn begin_erase(&mut self) -> ParameterStatus {
-        if !self.flash.is_ready() || !self.log.is_idle() {
+        if !LOGS || !self.flash.is_ready() || !self.log.is_idle() {
             return ParameterStatus::Storage;
         }
         self.log.entry = None;
@@ -327,7 +330,7 @@ impl Node {
     /// What the status word says of the log: nothing without a memory.
     pub(super) fn log_status(&self) -> LogStatus {
         let Log { memory, .. } = &self.log;
-        if memory.records == 0 || self.status.state == State::Initialization {
+        if !LOGS || memory.records == 0 || self.status.state == State::Initialization {
             return LogStatus::default();
         }
         let idle = self.log.is_idle() && self.flash.is_ready();
@@ -428,6 +431,17 @@ fn is_signal(what: u16) -> bool {
     let (opcode, word) = (signal >> 2, signal & 3);
     match opcode {
         STATUS | FAULTS => word == 0,
-        _ => SIGNALS.iter().any(|known| known.opcode.raw() == opcode && u16::from(known.word) == word),
+        _ => FIRST_WORDS.contains(&signal),
     }
 }
+
+/// First word of each signal, opcode * 4 + word: made by the compiler, so that no board carries the table with its texts.
+static FIRST_WORDS: [u16; SIGNALS.len()] = {
+    let mut words = [0; SIGNALS.len()];
+    let mut at = 0;
+    while at < words.len() {
+        words[at] = SIGNALS[at].opcode.raw() << 2 | SIGNALS[at].word as u16;
+        at += 1;
+    }
+    words
+};

@@ -33,6 +33,7 @@ mod storage;
 pub mod update;
 
 pub use crate::description::Identity;
+use inputs::ACCELEROMETER;
 pub use inputs::SlowInputs;
 
 use crate::bus::Frame;
@@ -132,6 +133,7 @@ impl Node {
     }
 
     /// A device at power-up with a stored parameter set. Addresses are taken from it now and kept until reboot.
+    #[inline(never)]
     pub fn with_parameters(identity: Identity, board: Board, parameters: Parameters) -> Self {
         let addresses = Addresses {
             drive: parameters.raw(number::SLAVE_CAN_ADDRESS) as u8,
@@ -208,7 +210,9 @@ impl Node {
     /// Takes a reading of the slow inputs, about every 10 ms.
     pub fn handle_inputs(&mut self, inputs: SlowInputs) {
         self.inputs = Some(inputs);
-        self.motion.note(inputs.calibrated_accel(&self.parameters));
+        if ACCELEROMETER {
+            self.motion.note(inputs.calibrated_accel(&self.parameters));
+        }
         self.calibrate_inputs();
     }
 

@@ -5,6 +5,7 @@ use super::{Node, scale};
 use crate::bus::narmotion::{FromDrive, ParameterStatus};
 use crate::dictionary::{Access, Category, Dictionary, Parameter, ParameterError, number};
 use crate::motor::event::{HallCalibration, HallWiring};
+use crate::motor::machine::CALIBRATES;
 use crate::motor::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -174,6 +175,7 @@ impl Node {
             // A line that is an output cannot command a shutdown.
             number::SHUTDOWN_INPUT => !input(raw),
             // The bridge must be off and the next start not yet begun.
+            number::HALL_CALIBRATE if !CALIBRATES => raw == 0,
             number::HALL_CALIBRATE | number::AUTO_CALIBRATE => self.status.state == State::Standby,
             number::LOG_ERASE_REQUEST => !self.status.state.is_driving(),
             _ => true,

@@ -6,6 +6,7 @@ use crate::bus::Frame;
 use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
 use crate::dictionary::{Category, Parameters, number};
 use crate::motor::state::State;
+use crate::scope::SCOPE;
 
 /// A well-formed request that is not obeyed: silent on the bus, counted in parameter 274.
 pub(super) struct Refused;
@@ -81,6 +82,7 @@ impl Node {
             ToDrive::DisableHallSupply(disable) => self.disable_hall_supply(disable)?,
             ToDrive::DownloadXml(command) if SERVES => self.serve_description(command),
             ToDrive::DownloadXml(_) => return Err(Refused),
+            ToDrive::TriggerScope | ToDrive::DownloadScope if !SCOPE => return Err(Refused),
             ToDrive::TriggerScope => self.scope.trigger(&self.parameters, self.board.tick_rate)?,
             ToDrive::DownloadScope => self.scope.download()?,
             #[cfg(feature = "update")]

@@ -6,7 +6,7 @@ use crate::bus::Frame;
 use crate::bus::narmotion::FromDrive;
 use crate::dictionary::{Parameters, number};
 use crate::motor::signal::{Signal, SpeedScale};
-use crate::scope::{Block, Report, Request, Setup, State, Threshold, Trigger, period};
+use crate::scope::{Block, Report, Request, SCOPE, Setup, State, Threshold, Trigger, period};
 use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
@@ -115,7 +115,7 @@ impl Node {
 
     /// The next frame of the download, as far as it has come.
     pub(super) fn next_of_scope(&mut self) -> Option<Frame> {
-        let Block { address, words, .. } = self.scope.blocks.pop_front()?;
+        let Block { address, words, .. } = self.scope.blocks.pop_front().filter(|_| SCOPE)?;
         Some(FromDrive::ScopeData { address, data: words }.encode(self.addresses))
     }
 }

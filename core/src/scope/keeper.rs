@@ -1,7 +1,7 @@
 //! The background's half of the scope: it keeps the memory while the other half has no use for it.
 
 use super::memory::Memory;
-use super::{Answer, Order, Report, Request, Setup, State};
+use super::{Answer, Order, Report, Request, SCOPE, Setup, State};
 use core::borrow::BorrowMut;
 
 /// Stands between the node and the [`Scope`](super::Scope). `H` holds the memory.
@@ -28,6 +28,10 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
         Self { memory: Some(memory), ..Self::default() }
     }
 
+    fn memory(&mut self) -> Option<&mut Memory> {
+        if SCOPE { self.memory.as_mut().map(BorrowMut::borrow_mut) } else { None }
+    }
+
     /// Takes what the node asks for, once the order before was taken.
     pub fn handle(&mut self, request: Request) {
         match request {
@@ -39,8 +43,8 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
             }
             Request::Force => self.order = Some(Order::Force),
             Request::Read => {
-                if let Some(memory) = &mut self.memory {
-                    memory.borrow_mut().read();
+                if let Some(memory) = self.memory() {
+                    memory.read();
                 }
             }
         }
@@ -48,7 +52,7 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
 
     /// Without room for a record the scope stays idle.
     fn arm(&mut self, setup: &Setup) {
-        self.lent = self.memory.as_mut().is_some_and(|memory| memory.borrow_mut().begin(setup));
+        self.lent = self.memory().is_some_and(|memory| memory.begin(setup));
         if self.lent {
             self.order = self.memory.take().map(Order::Arm);
         }
@@ -85,11 +89,10 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
 
     /// What the node has to hear. Ask only if it takes it.
     pub fn poll_report(&mut self) -> Option<Report> {
-        let memory: Option<&mut Memory> = self.memory.as_mut().map(BorrowMut::borrow_mut);
         if !self.told {
             self.told = true;
-            return Some(Report::State(self.state, memory.map_or(0, |memory| memory.record_words())));
+            return Some(Report::State(self.state, self.memory().map_or(0, |memory| memory.record_words())));
         }
-        memory?.next().map(Report::Block)
+        self.memory()?.next().map(Report::Block)
     }
 }

@@ -1,5 +1,6 @@
 //! The scope's memory.
 
+use super::RECORDER;
 use super::inputs::{self, Before, Note};
 use super::plan::Plan;
 use super::read::Reader;
@@ -10,12 +11,15 @@ use core::borrow::{Borrow, BorrowMut};
 /// Words of a scope that holds as much as parameter 23 can ask for of one signal: 8 KiB.
 pub const WORDS: usize = 4096;
 
+/// One for each half of a recording.
+const CHECKPOINTS: usize = if RECORDER { 2 } else { 0 };
+
 /// The memory of a scope, of its shell's choice: of signals `W` holds one word a sample, of inputs two halves of about six words a tick.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Memory<W: ?Sized = [u16]> {
     /// State of the drive before the first inputs of each half.
-    pub(super) checkpoints: [Option<Drive>; 2],
+    pub(super) checkpoints: [Option<Drive>; CHECKPOINTS],
     pub(super) record: Record,
     /// Who reads it, while it is downloaded.
     pub(super) reader: Option<Reader>,
@@ -133,7 +137,7 @@ impl<const N: usize> Memory<[u16; N]> {
     /// An empty one of `N` words, at most 65 535 of which are used.
     pub const fn new() -> Self {
         Self {
-            checkpoints: [const { None }; 2],
+            checkpoints: [const { None }; CHECKPOINTS],
             record: Record::Nothing,
             reader: None,
             plan: Plan::new(),
@@ -166,7 +170,7 @@ impl Memory {
     pub(super) fn begin(&mut self, setup: &Setup) -> bool {
         (self.record, self.reader) = (Record::Nothing, None);
         let Some(plan) = Plan::of(setup, self) else { return false };
-        self.progress = Progress::new(if plan.inputs { 1 } else { plan.before });
+        self.progress = Progress::new(if plan.keeps_inputs() { 1 } else { plan.before });
         self.plan = plan;
         true
     }
@@ -174,7 +178,7 @@ impl Memory {
     /// The record is full: from now on it can be read.
     pub(super) fn close(&mut self) {
         let Progress { ring, course, .. } = &self.progress;
-        self.record = if self.plan.inputs {
+        self.record = if self.plan.keeps_inputs() {
             let halves = [course.older, course.now];
             let count = halves.iter().flatten().count() as u8;
             let [older, now] = halves.map(Option::unwrap_or_default);

@@ -27,6 +27,10 @@ pub use tick::Scope;
 
 use serde::{Deserialize, Serialize};
 
+/// Whether this build has a scope at all, and one that records inputs.
+pub(crate) const SCOPE: bool = cfg!(feature = "scope");
+const RECORDER: bool = cfg!(feature = "recorder");
+
 /// What the node asks of the scope.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request {

@@ -1,5 +1,6 @@
 //! A set-up as the control tick follows it: what can be computed beforehand is, by the background.
 
+use super::RECORDER;
 use super::memory::Memory;
 use super::setup::{SIGNALS_A_TICK, Setup, Threshold, Trigger};
 use crate::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
@@ -9,7 +10,7 @@ use heapless::Vec;
 pub(super) struct Plan {
     /// The signals of a sample.
     pub(super) signals: Vec<Signal, { DRIVE_SIGNALS.len() }>,
-    pub(super) inputs: bool,
+    inputs: bool,
     pub(super) tick_rate: u32,
     /// Words of a record of signals.
     pub(super) length: usize,
@@ -40,12 +41,18 @@ impl Plan {
         }
     }
 
+    /// Of inputs, not of signals.
+    #[inline]
+    pub(super) const fn keeps_inputs(&self) -> bool {
+        RECORDER && self.inputs
+    }
+
     /// As much of `setup` as `memory` has room for; `None` if it has none.
     pub(super) fn of(setup: &Setup, memory: &Memory) -> Option<Self> {
         let Setup { inputs, tick_rate, speed, .. } = *setup;
         let wide = setup.signals.len();
         let samples = if inputs {
-            (memory.half() > 0).then_some(setup.samples)?
+            (RECORDER && memory.half() > 0).then_some(setup.samples)?
         } else {
             memory.room().checked_div(wide)?.min(setup.samples.into()) as u16
         };

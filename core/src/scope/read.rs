@@ -15,9 +15,9 @@
 //!
 //! The second segment goes on where the first ends. Its state tells whether a replay of the first came to the same.
 
-use super::Block;
 use super::inputs::{self, Before, In};
 use super::memory::{Half, Memory, Record};
+use super::{Block, RECORDER};
 use crate::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use crate::motor::{Drive, Event, Samples};
 use core::fmt;
@@ -70,7 +70,7 @@ impl Reader {
         let words = match memory.record {
             Record::Nothing => 0,
             Record::Signals { words, .. } => words,
-            Record::Inputs { halves, count, .. } => {
+            Record::Inputs { halves, count, .. } if RECORDER => {
                 let mut words = HEAD;
                 for (half, bytes) in halves.iter().take(count.into()).zip(&mut states) {
                     *bytes = checkpoint(memory, *half).map_or(0, size);
@@ -78,6 +78,7 @@ impl Reader {
                 }
                 words as u16
             }
+            Record::Inputs { .. } => 0,
         };
         Self { address: 0, words, states, piece: Vec::new(), at: (0, 0) }
     }
@@ -104,7 +105,7 @@ impl Reader {
                 let place = place.checked_sub(words.into()).unwrap_or(place);
                 memory.words.get(place).copied().unwrap_or(0)
             }
-            Record::Inputs { rate, halves, count } => {
+            Record::Inputs { rate, halves, count } if RECORDER => {
                 let head = [
                     FORMAT,
                     LAYOUT_VERSION,
@@ -125,6 +126,7 @@ impl Reader {
                 }
                 0
             }
+            Record::Inputs { .. } => 0,
         }
     }
 

@@ -13,7 +13,7 @@ use super::inputs::{self, Before, Note};
 use super::memory::{Course, Half, Memory, PATIENCE, Phase, Progress};
 use super::plan::Watch;
 use super::setup::SIGNALS_A_TICK;
-use super::{Answer, Order, State};
+use super::{Answer, Order, SCOPE, State};
 use crate::motor::signal::{Signal, SpeedScale};
 use crate::motor::{Drive, Event, Samples};
 use core::borrow::BorrowMut;
@@ -35,6 +35,11 @@ impl<H> Default for Scope<H> {
 }
 
 impl<H: BorrowMut<Memory>> Scope<H> {
+    #[inline]
+    fn memory(&mut self) -> Option<&mut Memory> {
+        if SCOPE { self.memory.as_mut().map(BorrowMut::borrow_mut) } else { None }
+    }
+
     /// What it does: without a memory nothing, done or not.
     pub fn state(&self) -> State {
         self.memory.as_ref().map_or(State::Idle, |memory| match memory.borrow().progress.phase {
@@ -55,8 +60,8 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         match order {
             Order::Arm(memory) => self.memory = Some(memory),
             Order::Force => {
-                if let Some(memory) = &mut self.memory {
-                    memory.borrow_mut().progress.force();
+                if let Some(memory) = self.memory() {
+                    memory.progress.force();
                 }
             }
         }
@@ -65,9 +70,8 @@ impl<H: BorrowMut<Memory>> Scope<H> {
     /// The event of this tick, before the drive takes it.
     #[inline]
     pub fn handle_event(&mut self, event: &Event) {
-        if let Some(memory) = &mut self.memory {
-            let memory = memory.borrow_mut();
-            if memory.plan.inputs {
+        if let Some(memory) = self.memory() {
+            if memory.plan.keeps_inputs() {
                 memory.progress.course.note = Note::from(event);
             }
         }
@@ -76,21 +80,21 @@ impl<H: BorrowMut<Memory>> Scope<H> {
     /// One control tick, after the drive's and after its status was polled.
     #[inline]
     pub fn step(&mut self, drive: &Drive, samples: &Samples) {
-        if let Some(memory) = &mut self.memory {
-            memory.borrow_mut().step(drive, samples);
+        if let Some(memory) = self.memory() {
+            memory.step(drive, samples);
         }
     }
 
     /// There is something to tell.
     #[inline]
     pub fn has_answer(&self) -> bool {
-        self.memory.as_ref().is_some_and(|memory| memory.borrow().progress.changed)
+        SCOPE && self.memory.as_ref().is_some_and(|memory| memory.borrow().progress.changed)
     }
 
     /// What there is to tell. Ask only if it can be taken: it is told once.
     #[inline]
     pub fn poll(&mut self) -> Option<Answer<H>> {
-        let progress = &mut self.memory.as_mut()?.borrow_mut().progress;
+        let progress = &mut self.memory()?.progress;
         if !core::mem::take(&mut progress.changed) {
             return None;
         }
@@ -112,7 +116,7 @@ impl Memory {
             Phase::Recording => {}
             Phase::Done => return,
         }
-        if self.plan.inputs {
+        if self.plan.keeps_inputs() {
             self.record_inputs(drive, samples);
         } else {
             self.record_signals(drive, samples);

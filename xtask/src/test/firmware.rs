@@ -4,7 +4,7 @@ use crate::firmware::{self, Image};
 use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
 use crate::test::rust::EMBEDDED;
-use crate::{install, instructions, qemu};
+use crate::{install, instructions, qemu, small};
 use std::path::Path;
 use std::process::Command;
 
@@ -30,6 +30,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("emulator", firmware::emulator),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::sizes(root))),
         Step::command(root, "image lints", "cargo", &LINTS),
+        Step::new("small board", move || small::regenerate(root, true)),
         Step::new("instructions", move || instructions::regenerate(root, true)),
         Step::new("virtual drive", move || drive(root)),
     ]

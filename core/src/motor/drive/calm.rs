@@ -19,8 +19,10 @@ use crate::motor::state::State;
 use crate::units::Amps;
 use serde::{Deserialize, Serialize};
 
-/// A page has time but no room: there the shortest ways are left out. The answers are the same.
-const SAVES_TIME: bool = cfg!(not(target_arch = "wasm32"));
+/// A small board has time but no room: there all of these ways are left out. The answers are the same.
+pub(super) const SHORTCUTS: bool = cfg!(feature = "shortcuts");
+/// A page leaves out the shortest ones.
+const SAVES_TIME: bool = SHORTCUTS && cfg!(not(target_arch = "wasm32"));
 
 /// What goes on by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -374,7 +376,7 @@ impl Drive {
     pub(super) fn calm_down(&mut self, samples: &Samples, demand: Demand) {
         let c = &self.coefficients;
         let Demand::Speed { measured: speed, fade } = demand else { return };
-        if !self.protection.is_quiet() {
+        if !SHORTCUTS || !self.protection.is_quiet() {
             return;
         }
         let own = match self.machine.state() {

@@ -3,7 +3,7 @@
 use super::{Limit, ProtectionCoefficients};
 use crate::motor::fault::Cause;
 use crate::motor::samples::Lines;
-use crate::units::saturate;
+use crate::units::saturate64;
 
 /// What trips the fault logic, raw I16F16 of the quantity's unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +37,20 @@ const VOLTAGE_HYSTERESIS: i32 = (1 << 16) / 2;
 /// Hysteresis of the temperature faults: 2 degrees C.
 const TEMPERATURE_HYSTERESIS: i32 = 2 << 16;
 
+/// How long each must hold, us: looked up by the compiler, so that no board carries the table with its texts.
+mod times {
+    use super::Cause;
+
+    pub(super) const OVERSPEED: u32 = Cause::Overspeed.qualification();
+    pub(super) const OVER_VOLTAGE: u32 = Cause::OverVoltage.qualification();
+    pub(super) const UNDER_VOLTAGE: u32 = Cause::UnderVoltage.qualification();
+    pub(super) const OVER_CURRENT: u32 = Cause::OverCurrent.qualification();
+    pub(super) const OVER_TEMPERATURE: u32 = Cause::OverTemperature.qualification();
+    pub(super) const TEMPERATURE_WARNING: u32 = Cause::TemperatureWarning.qualification();
+    pub(super) const OVER_PRESSURE: u32 = Cause::OverPressure.qualification();
+    pub(super) const SHUTDOWN_LINE: u32 = Cause::ShutdownLine.qualification();
+}
+
 impl ProtectionCoefficients {
     /// Limits at so many ticks a second.
     pub fn new(rate: u32, at: &Thresholds) -> Self {
@@ -45,22 +59,26 @@ impl ProtectionCoefficients {
             ticks.clamp(1, u16::MAX.into()) as u16
         };
         let limit =
-            |cause: Cause, trip: i32, clear: i32| Limit { trip, clear, ticks: ticks(cause.qualification()) };
-        let overspeed = |most: i32| limit(Cause::Overspeed, saturate(i128::from(most) * 13 / 10), most);
+            |microseconds: u32, trip: i32, clear: i32| Limit { trip, clear, ticks: ticks(microseconds) };
+        let overspeed = |most: i32| limit(times::OVERSPEED, saturate64(i64::from(most) * 13 / 10), most);
         let Thresholds { over_voltage: over, under_voltage: under, over_current: current, .. } = *at;
         let (hot, warm, pressure) = (at.over_temperature, at.warning, at.over_pressure);
         Self {
-            over_voltage: limit(Cause::OverVoltage, over, over.saturating_sub(VOLTAGE_HYSTERESIS)),
+            over_voltage: limit(times::OVER_VOLTAGE, over, over.saturating_sub(VOLTAGE_HYSTERESIS)),
             over_voltage_at_once: over.saturating_add(1 << 16),
-            under_voltage: limit(Cause::UnderVoltage, under, under.saturating_add(VOLTAGE_HYSTERESIS)),
-            over_current: limit(Cause::OverCurrent, current, current - current / 16),
-            over_temperature: limit(Cause::OverTemperature, hot, hot.saturating_sub(TEMPERATURE_HYSTERESIS)),
-            warning: limit(Cause::TemperatureWarning, warm, warm.saturating_sub(TEMPERATURE_HYSTERESIS)),
-            over_pressure: limit(Cause::OverPressure, pressure, pressure.saturating_sub(pressure.abs() / 16)),
+            under_voltage: limit(times::UNDER_VOLTAGE, under, under.saturating_add(VOLTAGE_HYSTERESIS)),
+            over_current: limit(times::OVER_CURRENT, current, current - current / 16),
+            over_temperature: limit(times::OVER_TEMPERATURE, hot, hot.saturating_sub(TEMPERATURE_HYSTERESIS)),
+            warning: limit(times::TEMPERATURE_WARNING, warm, warm.saturating_sub(TEMPERATURE_HYSTERESIS)),
+            over_pressure: limit(
+                times::OVER_PRESSURE,
+                pressure,
+                pressure.saturating_sub(pressure.abs() / 16),
+            ),
             overspeed_hall: overspeed(at.speed_max_hall),
             overspeed_sensorless: overspeed(at.speed_max_sensorless),
             shutdown_lines: at.shutdown_lines,
-            shutdown_ticks: ticks(Cause::ShutdownLine.qualification()),
+            shutdown_ticks: ticks(times::SHUTDOWN_LINE),
             critical_mask: at.critical_mask,
             hall_stall_ticks: at.hall_stall_ticks,
             supply_low: 18 << 16,
