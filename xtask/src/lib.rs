@@ -22,6 +22,7 @@ pub mod interop;
 pub mod library;
 pub mod parity;
 pub mod plot;
+pub mod proof;
 pub mod qemu;
 pub mod running;
 pub mod setup;

@@ -15,6 +15,7 @@ use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
+use xtask::proof;
 use xtask::sizes;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
@@ -94,6 +95,12 @@ enum Job {
     },
     /// Test what other people's tools make of our files and of the virtual drive: a part of `test rust`
     Interop,
+    /// Prove what no linked program may contain, and make tests/golden/proof.toml anew: panics, floating point, stack, unsafe
+    Proof {
+        /// Write nothing; fail if a figure or a name is another one
+        #[arg(long)]
+        check: bool,
+    },
     /// Make tests/golden/ffi_sizes.toml anew: flash, RAM and instructions of the C library, whole and by parts
     Sizes {
         /// Write nothing; fail if a figure is another one
@@ -129,6 +136,7 @@ fn main() -> ExitCode {
         Job::Header { check } => header::command(root, check),
         Job::Interop => finish(interop::run(root)),
         Job::Archive => archive::command(root),
+        Job::Proof { check } => proof::command(root, check),
         Job::Sizes { check } => sizes::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),
@@ -156,6 +164,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
+        Step::new("proof", move || proof::regenerate(root, false)),
         Step::new("callgrind", move || callgrind::regenerate(root, false)),
         Step::new("C sizes", move || sizes::generate(root, false)),
         Step::new("wasm", move || web::generate(root)),

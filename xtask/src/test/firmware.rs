@@ -4,7 +4,7 @@ use crate::firmware::{self, Image};
 use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
 use crate::test::rust::EMBEDDED;
-use crate::{install, instructions, qemu};
+use crate::{install, instructions, proof, qemu};
 use std::path::Path;
 use std::process::Command;
 
@@ -31,6 +31,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::sizes(root))),
         Step::command(root, "image lints", "cargo", &LINTS),
         Step::new("instructions", move || instructions::regenerate(root, true)),
+        Step::new("proof", move || proof::regenerate(root, true)),
         Step::new("virtual drive", move || drive(root)),
     ]
 }

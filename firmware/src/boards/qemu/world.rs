@@ -11,6 +11,7 @@ use heapless::spsc::{Consumer, Producer};
 use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
 use narx_core::node::{Outputs, SlowInputs};
+use narx_core::queue::{dequeue, enqueue};
 use narx_sim::can::slcan::{Adapter, LINE_MAX};
 use narx_sim::plant::Plant;
 
@@ -33,12 +34,12 @@ pub struct Period {
 
 impl TickSide for Period {
     fn samples(&mut self) -> Option<Samples> {
-        self.samples.dequeue()
+        dequeue(&mut self.samples)
     }
 
     fn apply(&mut self, command: &PwmCommand) {
         // The plant has taken the one before, or it would not have sampled again.
-        let _ = self.commands.enqueue(*command);
+        let _ = enqueue(&mut self.commands, *command);
     }
 }
 
@@ -85,12 +86,12 @@ impl BackgroundSide for World {
 
     fn wait(&mut self) {
         // There is room: the interrupt takes samples as soon as they are there.
-        let _ = self.samples.enqueue(self.plant.sample());
+        let _ = enqueue(&mut self.samples, self.plant.sample());
         SCB::set_pendsv();
         // The interrupt strikes here.
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
-        let command = self.commands.dequeue().unwrap_or_default();
+        let command = dequeue(&mut self.commands).unwrap_or_default();
         self.plant.finish_period(&command);
         self.uart.pump();
         let tick = self.plant.tick();
