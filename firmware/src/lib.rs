@@ -7,10 +7,11 @@
 //!                           └─────────────────────────┘
 //! ```
 //!
-//! [`shell`] holds what every board does alike and nothing about control; [`board`] says what a board gives; [`boards`]
-//! are the boards.
+//! [`shell`] holds what every board does alike and nothing about control; [`board`] says what a board gives; [`self_test`] is what boards
+//! test of themselves; [`boards`] are the boards.
 #![no_std]
 
 pub mod board;
 pub mod boards;
+pub mod self_test;
 pub mod shell;

@@ -15,6 +15,7 @@ pub mod driven;
 pub mod eds;
 pub mod firmware;
 pub mod floor;
+pub mod hangs;
 pub mod header;
 pub mod install;
 pub mod instructions;

@@ -17,6 +17,7 @@
 mod broadcast;
 mod bulk;
 mod commands;
+mod condition;
 mod description;
 mod inputs;
 mod link;
@@ -30,6 +31,7 @@ mod scope;
 mod storage;
 
 pub use crate::description::Identity;
+pub use condition::{ResetCause, SelfTests};
 pub use inputs::SlowInputs;
 
 use crate::bus::Frame;

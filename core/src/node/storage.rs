@@ -52,6 +52,11 @@ impl Flash {
         self.health = health;
     }
 
+    /// What was noted last.
+    pub(super) const fn health(&self) -> Health {
+        self.health
+    }
+
     /// The flash is there and has our layout.
     pub(super) fn is_ready(&self) -> bool {
         let unusable = FaultWord::STORE_ABSENT.union(FaultWord::STORE_MISMATCH);

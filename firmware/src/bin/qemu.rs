@@ -1,4 +1,5 @@
-//! The virtual drive: `qemu [--motor NAME] [--supply V]`, a commissioned hall drive on the emulated board, with slcan on UART0.
+//! The virtual drive: `qemu [--motor NAME] [--supply V] [--watchdog MS] [--trouble WHAT] [--after TICKS]`, a commissioned hall drive on the emulated board,
+//! with slcan on UART0.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -7,21 +8,24 @@ fn main() {}
 #[cfg(target_os = "none")]
 mod image {
     use core::fmt;
+    use core::future::poll_fn;
+    use core::pin::pin;
     use cortex_m::peripheral::scb::SystemHandler;
     use cortex_m_rt::{entry, exception};
     use cortex_m_semihosting::hprintln;
     use heapless::spsc::Queue;
     use narx_core::device::Queues;
     use narx_core::motor::{Board, PwmCommand, Samples};
-    use narx_core::node::Identity;
+    use narx_core::node::{Identity, ResetCause};
     use narx_core::scope::{self, Memory};
     use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
-    use narx_firmware::boards::qemu::flash::Chip;
-    use narx_firmware::boards::qemu::pace::{Pace, count_millisecond};
+    use narx_firmware::boards::qemu::flash::{self, Chip};
+    use narx_firmware::boards::qemu::pace::{Pace, count_millisecond, look_for_millisecond};
+    use narx_firmware::boards::qemu::trouble::{Task, Trouble};
     use narx_firmware::boards::qemu::uart::{self, INCOMING, Receiver};
-    use narx_firmware::boards::qemu::watchdog::Watchdog;
-    use narx_firmware::boards::qemu::world::{Period, World};
-    use narx_firmware::boards::qemu::{ARGUMENTS_MAX, MOTOR, Owned, kept_settings, semihosting};
+    use narx_firmware::boards::qemu::watchdog::{self, Watchdog};
+    use narx_firmware::boards::qemu::world::{Period, Tests, World};
+    use narx_firmware::boards::qemu::{ARGUMENTS_MAX, MOTOR, Owned, kept, program, semihosting};
     use narx_firmware::shell::{Background, Control, Progress};
     use narx_sim::can::slcan::Adapter;
     use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
@@ -45,9 +49,15 @@ mod image {
         static mut MAILBOX: Mailbox = Mailbox::new();
         static mut SCOPE: Memory<[u16; scope::WORDS]> = Memory::new();
 
-        let Some((preset, supply)) = choose(semihosting::arguments(ARGUMENTS)) else {
+        // Before anything else is in RAM that could not bear it.
+        let is_ram_sound = program::is_ram_sound();
+        let cause = kept::take_cause();
+        let Some(Options { preset, supply, watchdog_ms, trouble }) =
+            choose(semihosting::arguments(ARGUMENTS))
+        else {
             semihosting::exit(false)
         };
+        let trouble = report(cause, trouble);
         let commissioning = match commission(preset, supply) {
             Ok(commissioning) => commissioning,
             Err(error) => fail(&error),
@@ -70,25 +80,50 @@ mod image {
         let (samples, samples_out) = SAMPLES.split();
         let (commands_in, commands) = COMMANDS.split();
         let (uart, receiver) = uart::open(INCOMING_BYTES);
-        CONTROL.give(Control::new(tick, Period { samples: samples_out, commands: commands_in }, &PROGRESS));
+        CONTROL.give(Control::new(
+            tick,
+            Period { samples: samples_out, commands: commands_in, trouble },
+            &PROGRESS,
+        ));
         RECEIVER.give(receiver);
         uart.listen();
         hprintln!("narx on mps2-an386: {} at {} V, hall closed loop, slcan on UART0", preset.name, supply);
+        // It takes its time, for which no watchdog waits.
+        let tests = Tests::boot(is_ram_sound);
         let world = World {
             plant: Plant::new(&PlantConfig { angle_deg: 77.0, ..PlantConfig::new(preset.motor, supply) }),
             samples,
             commands,
             uart,
-            adapter: Adapter::with_settings(kept_settings()),
+            adapter: Adapter::with_settings(kept::settings()),
             pace: Pace::start(peripherals.SYST),
-            watchdog: Watchdog::start(),
+            watchdog: Watchdog::start(watchdog_ms),
             stack: 0,
             bus_free_at: 0,
+            tests,
+            trouble,
         };
         storage.flash().start_clock();
+        let mut serve = pin!(mailbox.serve(&mut storage));
+        let task = poll_fn(move |context| {
+            if let Some(trouble) = trouble {
+                trouble.meet(Task::Flash, flash::now());
+            }
+            serve.as_mut().poll(context)
+        });
         Background::new(device, world, &PROGRESS)
             .with_flash(mailbox, &opened)
-            .run_with(mailbox.serve(&mut storage))
+            .with_reset_cause(cause)
+            .run_with(task)
+    }
+
+    /// Tells what the reset before was; trouble comes once.
+    fn report(cause: ResetCause, trouble: Option<Trouble>) -> Option<Trouble> {
+        if cause == ResetCause::PowerUp {
+            return trouble;
+        }
+        hprintln!("reset: {:?}, {} ms after the trouble", cause, kept::take_hanging());
+        None
     }
 
     /// What the flash holds. One that holds nothing, as after power-up, becomes that of a commissioned drive.
@@ -128,9 +163,10 @@ mod image {
     /// The watchdog, the first time: the second resets the machine.
     #[exception]
     unsafe fn NonMaskableInt() -> ! {
+        kept::note_cause(ResetCause::Watchdog);
         hprintln!("watchdog: control, CAN or background has stood still");
         loop {
-            cortex_m::asm::nop();
+            look_for_millisecond();
         }
     }
 
@@ -143,25 +179,52 @@ mod image {
         software_release: 0x0001,
     };
 
-    /// Motor and supply voltage; nothing, and a word why, if the arguments are none.
-    fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<(&'static Preset, f64)> {
+    /// What the arguments say.
+    struct Options {
+        preset: &'static Preset,
+        /// V.
+        supply: f64,
+        watchdog_ms: u32,
+        trouble: Option<Trouble>,
+    }
+
+    /// Nothing, and a word why, if the arguments are none.
+    fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<Options> {
         let mut motor = MOTOR;
         let mut supply = None;
+        let mut watchdog_ms = watchdog::PERIOD_MS;
+        let (mut task, mut after) = (None, 0);
         while let Some(option) = arguments.next() {
-            match (option, arguments.next()) {
-                ("--motor", Some(name)) => motor = name,
-                ("--supply", Some(volts)) if volts.parse::<u8>().is_ok() => supply = volts.parse::<u8>().ok(),
-                (option, value) => {
-                    hprintln!("{} {}: expected --motor NAME or --supply VOLTS", option, value.unwrap_or(""));
-                    return None;
+            let value = arguments.next().unwrap_or("");
+            let is_understood = match option {
+                "--motor" => {
+                    motor = value;
+                    true
                 }
+                "--supply" => value.parse::<u8>().map(|volts| supply = Some(f64::from(volts))).is_ok(),
+                "--watchdog" => value.parse().map(|ms| watchdog_ms = ms).is_ok(),
+                "--after" => value.parse().map(|ticks| after = ticks).is_ok(),
+                "--trouble" => {
+                    task = Task::named(value);
+                    task.is_some()
+                }
+                _ => false,
+            };
+            if !is_understood {
+                hprintln!(
+                    "{} {}: expected --motor NAME, --supply VOLTS, --watchdog MS, --trouble WHAT or --after TICKS",
+                    option,
+                    value
+                );
+                return None;
             }
         }
         let Some(preset) = preset(motor) else {
             hprintln!("--motor {}: no such motor", motor);
             return None;
         };
-        Some((preset, supply.map_or(preset.data.nominal_voltage, f64::from)))
+        let supply = supply.unwrap_or(preset.data.nominal_voltage);
+        Some(Options { preset, supply, watchdog_ms, trouble: task.map(|task| Trouble { task, after }) })
     }
 
     fn commission(preset: &Preset, supply: f64) -> Result<Commissioning, impl fmt::Display> {

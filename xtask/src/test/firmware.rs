@@ -4,7 +4,7 @@ use crate::firmware::{self, Image};
 use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
 use crate::test::rust::EMBEDDED;
-use crate::{install, instructions, proof, qemu};
+use crate::{hangs, install, instructions, proof, qemu};
 use std::path::Path;
 use std::process::Command;
 
@@ -32,6 +32,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::command(root, "image lints", "cargo", &LINTS),
         Step::new("instructions", move || instructions::regenerate(root, true)),
         Step::new("proof", move || proof::regenerate(root, true)),
+        Step::new("watchdog", move || hangs::run(root)),
         Step::new("virtual drive", move || drive(root)),
     ]
 }

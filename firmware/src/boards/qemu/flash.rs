@@ -25,6 +25,11 @@ pub(super) fn set_now(tick: u64) {
     NOW.store(tick as u32, Ordering::Relaxed);
 }
 
+/// Control ticks since power-up, their low 32 bits.
+pub fn now() -> u64 {
+    NOW.load(Ordering::Relaxed).into()
+}
+
 /// The chip on the board.
 pub struct Chip {
     model: Flash<&'static mut [u8]>,

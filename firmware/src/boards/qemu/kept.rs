@@ -1,6 +1,8 @@
-//! What outlives a reset: the adapter is a device of its own, and its channel stays open when the drive reboots.
+//! What outlives a reset: the adapter is a device of its own, and its channel stays open when the drive reboots; and why there was a reset,
+//! for which this machine has no register.
 
 use core::sync::atomic::{AtomicU32, Ordering};
+use narx_core::node::ResetCause;
 use narx_sim::can::slcan::{BITRATES, Channel, Settings};
 
 /// Above the settings; RAM that was never written holds something else.
@@ -40,4 +42,50 @@ pub fn settings() -> Settings {
         _ => Channel::Open,
     };
     Settings { bitrate: bitrate as u8, channel, timestamps: bits & TIMESTAMPS != 0 }
+}
+
+/// Above the cause of the next reset.
+const CAUSE_MARK: u32 = 0x6E61_7800;
+const CAUSES: [ResetCause; 4] =
+    [ResetCause::Unknown, ResetCause::Requested, ResetCause::Watchdog, ResetCause::Program];
+
+// SAFETY: every bit pattern is a number.
+#[unsafe(link_section = ".uninit.CAUSE")]
+static CAUSE: AtomicU32 = AtomicU32::new(0);
+// SAFETY: every bit pattern is a number.
+#[unsafe(link_section = ".uninit.HANGING")]
+static HANGING: AtomicU32 = AtomicU32::new(0);
+
+/// Whoever is about to end the program says why.
+pub fn note_cause(cause: ResetCause) {
+    let index = CAUSES.iter().position(|known| *known == cause).unwrap_or(0);
+    CAUSE.store(CAUSE_MARK | index as u32, Ordering::Relaxed);
+}
+
+/// Why the program started; asked once. Without a note in RAM it had no power before.
+pub fn take_cause() -> ResetCause {
+    let bits = CAUSE.load(Ordering::Relaxed);
+    note_cause(ResetCause::Unknown);
+    if bits & MARK_MASK != CAUSE_MARK {
+        return ResetCause::PowerUp;
+    }
+    CAUSES.get((bits & !MARK_MASK) as usize).copied().unwrap_or_default()
+}
+
+/// From now on milliseconds are counted until [`take_hanging`], also beyond a reset.
+pub(super) fn begin_hanging() {
+    let _ = HANGING.compare_exchange(0, 1, Ordering::Relaxed, Ordering::Relaxed);
+}
+
+/// A millisecond has passed.
+pub(super) fn count_hanging() {
+    let count = HANGING.load(Ordering::Relaxed);
+    if count > 0 {
+        HANGING.store(count + 1, Ordering::Relaxed);
+    }
+}
+
+/// Milliseconds that something has hung before the reset.
+pub fn take_hanging() -> u32 {
+    HANGING.swap(0, Ordering::Relaxed).saturating_sub(1)
 }

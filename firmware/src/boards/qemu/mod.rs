@@ -8,18 +8,20 @@
 //! ```
 
 pub mod flash;
+
 pub mod instructions;
-mod kept;
+pub mod kept;
 mod owned;
 pub mod pace;
+pub mod program;
 mod register;
 pub mod semihosting;
 pub mod stack;
+pub mod trouble;
 pub mod uart;
 pub mod watchdog;
 pub mod world;
 
-pub use kept::settings as kept_settings;
 pub use owned::Owned;
 
 use panic_semihosting as _;
