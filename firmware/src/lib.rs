@@ -8,9 +8,10 @@
 //! ```
 //!
 //! [`shell`] holds what every board does alike and nothing about control; [`board`] says what a board gives; [`boards`]
-//! are the boards.
+//! are those that need no silicon, [`owned`] is how an interrupt gets what is its own. A board on silicon is a package of its own.
 #![no_std]
 
 pub mod board;
 pub mod boards;
+pub mod owned;
 pub mod shell;

@@ -10,7 +10,6 @@
 pub mod flash;
 pub mod instructions;
 mod kept;
-mod owned;
 pub mod pace;
 mod register;
 pub mod semihosting;
@@ -20,7 +19,7 @@ pub mod watchdog;
 pub mod world;
 
 pub use kept::settings as kept_settings;
-pub use owned::Owned;
+pub use crate::owned::Owned;
 
 use panic_semihosting as _;
 
