@@ -32,6 +32,8 @@ mod parameters;
 mod report;
 mod requests;
 mod stream;
+#[cfg(feature = "update")]
+mod update;
 mod waiting;
 
 pub use described::{DescribedParameter, DescriptionError, DescriptionReader, Reason};
@@ -41,6 +43,8 @@ pub use measurements::Measurements;
 pub use parameters::ParameterMirror;
 pub use report::{BuildInfo, CriticalFault, DeviceInfo, Heard, Report};
 pub use requests::{Answer, Request, Service};
+#[cfg(feature = "update")]
+pub use update::{Image, PACE, UpdateError, UpdateProgress, UpdateStage};
 
 use crate::bus::Frame;
 use crate::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, ToDrive};
@@ -101,6 +105,8 @@ pub struct Master {
     parameters: ParameterMirror,
     report: Report,
     measurements: Measurements,
+    #[cfg(feature = "update")]
+    update: update::Update,
 }
 
 impl Master {
@@ -120,6 +126,8 @@ impl Master {
             parameters: ParameterMirror::default(),
             report: Report::default(),
             measurements: Measurements::default(),
+            #[cfg(feature = "update")]
+            update: update::Update::default(),
         }
     }
 
@@ -248,6 +256,37 @@ impl Master {
         self.transfer.abort();
     }
 
+    /// Begins to program the drive with this image. Its bytes are asked for by [`Master::poll_update_frame`]; the drive must be in Standby, or
+    /// in Fault at standstill, and takes no start until it is done.
+    ///
+    /// # Errors
+    /// A silent master, or an update whose end was not taken yet.
+    #[cfg(feature = "update")]
+    pub fn update(&mut self, image: Image) -> Result<(), NotTaken> {
+        if self.config.silent {
+            return Err(NotTaken::Silent);
+        }
+        self.update.begin(image, self.config.attempts, self.config.timeout)
+    }
+
+    /// How far the update is; `None` without one.
+    #[cfg(feature = "update")]
+    pub fn update_progress(&self) -> Option<UpdateProgress> {
+        self.update.progress()
+    }
+
+    /// The end of the update: the drive runs the image and keeps it, or what went wrong. What ran before then still runs.
+    #[cfg(feature = "update")]
+    pub const fn poll_update(&mut self) -> Option<Result<(), UpdateError>> {
+        self.update.poll_end()
+    }
+
+    /// Ends the update; its end is [`UpdateError::Aborted`]. An image that is swapped in already is not confirmed then, and its drive goes back.
+    #[cfg(feature = "update")]
+    pub const fn abort_update(&mut self) {
+        self.update.abort();
+    }
+
     /// Reads every parameter anew in the background.
     pub fn read_parameters(&mut self) {
         self.reader.read_all();
@@ -284,6 +323,8 @@ impl Master {
             _ => {}
         }
         self.transfer.take(&message, now);
+        #[cfg(feature = "update")]
+        self.update.take(&message, now);
         if let Some(owner) = self.exchange.answer(&message) {
             self.finish(owner, Some(&message), now);
         }
@@ -294,8 +335,17 @@ impl Master {
         if self.config.silent {
             return None;
         }
-        let message =
-            self.commands.poll(now, self.config.setpoint_period).or_else(|| self.poll_message(now))?;
+        let message = self.commands.poll(now, self.config.setpoint_period);
+        let message = message.or_else(|| self.poll_message(now));
+        #[cfg(feature = "update")]
+        let message = message.or_else(|| self.update.next(now));
+        Some(message?.encode(self.config.addresses))
+    }
+
+    /// The next block of the update that is due at `now`, of the bytes of its image. Ask when [`Master::poll_frame`] has nothing left.
+    #[cfg(feature = "update")]
+    pub fn poll_update_frame(&mut self, now: u64, image: &[u8]) -> Option<Frame> {
+        let message = self.update.next_block(now, image)?;
         Some(message.encode(self.config.addresses))
     }
 
@@ -311,6 +361,8 @@ impl Master {
             None if self.is_connected(now) => self.reader.due(),
             None => u64::MAX,
         };
+        #[cfg(feature = "update")]
+        let next = next.min(self.update.due());
         next.min(self.transfer.deadline()).min(self.commands.due()).max(now)
     }
 

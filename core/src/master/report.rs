@@ -105,6 +105,8 @@ impl Report {
             | FromDrive::XmlData { .. }
             | FromDrive::LogData { .. }
             | FromDrive::Measurement(_) => {}
+            #[cfg(feature = "update")]
+            FromDrive::Update(_) => {}
         }
     }
 

@@ -7,6 +7,7 @@
 //!  slow inputs handle_inputs --> |      | -- poll_action --> what only the shell can do
 //!  Report ----- handle_scope --> |      | --- poll_scope --> Request, to the scope in the control tick's half
 //!  flash ---- handle_storage --> |      | - poll_storage --> what the flash shall do
+//!  slot ------ handle_update --> |      | -- poll_update --> what the slot of the bootloader shall do (feature `update`)
 //!  controller handle_bus_state > |      |
 //!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
 //! ```
@@ -28,6 +29,8 @@ mod requests;
 mod scale;
 mod scope;
 mod storage;
+#[cfg(feature = "update")]
+pub mod update;
 
 pub use crate::description::Identity;
 pub use inputs::SlowInputs;
@@ -99,6 +102,8 @@ pub struct Node {
     flash: Flash,
     log: Log,
     scope: ScopeLink,
+    #[cfg(feature = "update")]
+    update: update::Update,
     /// Parameter for which the present set does not build.
     rejected: Option<u16>,
 }
@@ -156,6 +161,8 @@ impl Node {
             flash: Flash::default(),
             log: Log::default(),
             scope: ScopeLink::default(),
+            #[cfg(feature = "update")]
+            update: update::Update::default(),
             rejected: None,
         };
         node.put(number::HARDWARE_RELEASE, identity.hardware_release.into());
@@ -217,6 +224,8 @@ impl Node {
     pub fn poll(&mut self, now: u64) {
         self.flash.advance(now);
         self.run_log(now);
+        #[cfg(feature = "update")]
+        self.run_update();
         if !self.link.state.is_off() && self.autosend.is_due(now, &self.parameters, &self.board) {
             self.broadcast();
         }

@@ -44,6 +44,8 @@ impl Node {
             return Err(Refused);
         }
         match message {
+            #[cfg(feature = "update")]
+            ToDrive::RequestWord(word) if self.update.forbids(word.mode) => return Err(Refused),
             ToDrive::RequestWord(word) => self.commands.request(word.mode, &self.parameters),
             ToDrive::MotorCommand { speed } => {
                 let speed = self.commands.set_speed(speed, &self.parameters);
@@ -81,6 +83,8 @@ impl Node {
             ToDrive::DownloadXml(_) => return Err(Refused),
             ToDrive::TriggerScope => self.scope.trigger(&self.parameters, self.board.tick_rate)?,
             ToDrive::DownloadScope => self.scope.download()?,
+            #[cfg(feature = "update")]
+            ToDrive::Update(request) => self.obey_update(request)?,
         }
         Ok(())
     }

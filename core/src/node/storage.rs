@@ -47,6 +47,12 @@ impl Flash {
         self.now = now;
     }
 
+    /// Tick of the last `poll`.
+    #[cfg(feature = "update")]
+    pub(super) const fn now(&self) -> u64 {
+        self.now
+    }
+
     /// What the self-tests and the store said last.
     pub(super) const fn note_health(&mut self, health: Health) {
         self.health = health;

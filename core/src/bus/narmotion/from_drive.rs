@@ -3,6 +3,8 @@
 use super::id::{Addresses, MessageId, MessageKind, Opcode};
 use super::measurement::Measurement;
 use super::to_drive::flag;
+#[cfg(feature = "update")]
+use super::update::UpdateAnswer;
 use super::word::StatusWord;
 use super::words::{DecodeError, Words, long};
 use crate::bus::Frame;
@@ -85,6 +87,9 @@ pub enum FromDrive {
         /// Words of log records.
         data: [u16; 3],
     },
+    /// UPDATE_*: programming.
+    #[cfg(feature = "update")]
+    Update(UpdateAnswer),
     /// MEASUREMENT_0 to MEASUREMENT_8.
     Measurement(Measurement),
 }
@@ -124,6 +129,8 @@ impl FromDrive {
             Self::XmlLength { .. } => Opcode::XML_DOWNLOAD_REQUEST,
             Self::XmlData { .. } => Opcode::XML_DOWNLOAD_DATA,
             Self::LogData { .. } => Opcode::EXT_MEM_LOG_READ_DATA,
+            #[cfg(feature = "update")]
+            Self::Update(answer) => answer.opcode(),
             Self::Measurement(measurement) => measurement.opcode(),
         }
     }
@@ -149,6 +156,8 @@ impl FromDrive {
             Self::ScopeData { address, data: [a, b, c] }
             | Self::XmlData { address, data: [a, b, c] }
             | Self::LogData { counter: address, data: [a, b, c] } => Words([address, a, b, c]),
+            #[cfg(feature = "update")]
+            Self::Update(answer) => answer.encode(),
             Self::Measurement(measurement) => measurement.encode(),
         };
         words.frame(addresses.from_drive(self.opcode()))
@@ -189,6 +198,8 @@ impl FromDrive {
             Opcode::XML_DOWNLOAD_REQUEST => Self::XmlLength { words: word0 },
             Opcode::XML_DOWNLOAD_DATA => Self::XmlData { address: word0, data },
             Opcode::EXT_MEM_LOG_READ_DATA => Self::LogData { counter: word0, data },
+            #[cfg(feature = "update")]
+            opcode if let Some(answer) = UpdateAnswer::decode(opcode, words) => Self::Update(answer?),
             opcode => Self::Measurement(Measurement::decode(opcode, words)?),
         };
         Ok((id, message))

@@ -87,6 +87,22 @@ impl Opcode {
     pub const XML_DOWNLOAD_DATA: Self = Self(131);
     /// Download of the log: data.
     pub const EXT_MEM_LOG_READ_DATA: Self = Self(140);
+    /// Programming: hardware id and room.
+    pub const UPDATE_DEVICE: Self = Self(160);
+    /// Programming: version of the running image.
+    pub const UPDATE_VERSION: Self = Self(161);
+    /// Programming: begin.
+    pub const UPDATE_BEGIN: Self = Self(162);
+    /// Programming: a block of the image.
+    pub const UPDATE_DATA: Self = Self(163);
+    /// Programming: how far it is.
+    pub const UPDATE_STATUS: Self = Self(164);
+    /// Programming: the image is complete.
+    pub const UPDATE_END: Self = Self(165);
+    /// Programming: end without an image.
+    pub const UPDATE_ABORT: Self = Self(166);
+    /// Programming: the running image stays.
+    pub const UPDATE_CONFIRM: Self = Self(167);
     /// First of the measurement frames, 200 to 205 and the reserved 207 and 208.
     pub const MEASUREMENT_0: Self = Self(200);
 

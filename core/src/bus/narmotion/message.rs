@@ -6,7 +6,7 @@ use super::id::{Addresses, MessageId, MessageKind, Opcode};
 use super::signal::{SIGNALS, Signal};
 use super::words::{DecodeError, Words};
 
-/// One row of Figure 14, or the request of REBOOT.
+/// One row of Figure 14, the request of REBOOT, or a message of programming, which is ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message {
     /// Name as printed.
@@ -63,11 +63,22 @@ pub struct Names {
 }
 
 /// Every set of names that a field has.
-pub const NAMES: [&Names; 7] =
-    [&FLAG, &LEVEL, &MOTOR_MODE, &CONTROL_MODE, &LOGGING_STATE, &PARAMETER_STATUS, &DOWNLOAD_COMMAND];
+pub const NAMES: [&Names; if cfg!(feature = "update") { 9 } else { 7 }] = [
+    &FLAG,
+    &LEVEL,
+    &MOTOR_MODE,
+    &CONTROL_MODE,
+    &LOGGING_STATE,
+    &PARAMETER_STATUS,
+    &DOWNLOAD_COMMAND,
+    #[cfg(feature = "update")]
+    &UPDATE_STATE,
+    #[cfg(feature = "update")]
+    &UPDATE_CODE,
+];
 
 /// Every message in the order of the opcodes.
-pub static MESSAGES: [Message; 33] = [
+pub static MESSAGES: [Message; if cfg!(feature = "update") { 44 } else { 33 }] = [
     message("BUILD_INFO", Opcode::BUILD_INFO, DataRequest, &[]),
     message(
         "BUILD_INFO",
@@ -161,6 +172,63 @@ pub static MESSAGES: [Message; 33] = [
         SlaveTx,
         &[word("Word counter", 0), word("Data 1", 16), word("Data 2", 32), word("Data 3", 48)],
     ),
+    #[cfg(feature = "update")]
+    message("UPDATE_DEVICE", Opcode::UPDATE_DEVICE, DataRequest, &[]),
+    #[cfg(feature = "update")]
+    message(
+        "UPDATE_DEVICE",
+        Opcode::UPDATE_DEVICE,
+        SlaveTx,
+        &[long("Hardware id", 0), Field { unit: "bytes", ..long("Room", 32) }],
+    ),
+    #[cfg(feature = "update")]
+    message("UPDATE_VERSION", Opcode::UPDATE_VERSION, DataRequest, &[]),
+    #[cfg(feature = "update")]
+    message(
+        "UPDATE_VERSION",
+        Opcode::UPDATE_VERSION,
+        SlaveTx,
+        &[
+            byte("Major version", 0),
+            byte("Minor version", 8),
+            word("Patch level", 16),
+            word("Build number", 32),
+        ],
+    ),
+    #[cfg(feature = "update")]
+    message(
+        "UPDATE_BEGIN",
+        Opcode::UPDATE_BEGIN,
+        DataSet,
+        &[Field { unit: "bytes", ..long("Length", 0) }, long("Hardware id", 32)],
+    ),
+    #[cfg(feature = "update")]
+    message(
+        "UPDATE_DATA",
+        Opcode::UPDATE_DATA,
+        DataSet,
+        &[word("Block", 0), word("Image 1", 16), word("Image 2", 32), word("Image 3", 48)],
+    ),
+    #[cfg(feature = "update")]
+    message("UPDATE_STATUS", Opcode::UPDATE_STATUS, DataRequest, &[]),
+    #[cfg(feature = "update")]
+    message(
+        "UPDATE_STATUS",
+        Opcode::UPDATE_STATUS,
+        SlaveTx,
+        &[
+            named("State", 0, 8, &UPDATE_STATE),
+            named("Code", 8, 8, &UPDATE_CODE),
+            Field { unit: "blocks", ..word("Window", 16) },
+            Field { unit: "bytes", ..long("Offset", 32) },
+        ],
+    ),
+    #[cfg(feature = "update")]
+    message("UPDATE_END", Opcode::UPDATE_END, DataSet, &[long("Checksum", 0)]),
+    #[cfg(feature = "update")]
+    message("UPDATE_ABORT", Opcode::UPDATE_ABORT, DataSet, &[]),
+    #[cfg(feature = "update")]
+    message("UPDATE_CONFIRM", Opcode::UPDATE_CONFIRM, DataSet, &[]),
     measurement("MEASUREMENT_0", 0),
     measurement("MEASUREMENT_1", 1),
     measurement("MEASUREMENT_2", 2),
@@ -214,6 +282,35 @@ const PARAMETER_STATUS: Names = Names {
 };
 /// Word 0 of XML_DOWNLOAD_REQUEST.
 const DOWNLOAD_COMMAND: Names = Names { of: "download command", values: &[(0, "Length"), (1, "Start")] };
+
+/// High byte of word 0 of UPDATE_STATUS.
+#[cfg(feature = "update")]
+const UPDATE_STATE: Names = Names {
+    of: "update state",
+    values: &[(0, "Idle"), (1, "Erasing"), (2, "Receiving"), (3, "Verifying"), (4, "Marked"), (5, "Trial")],
+};
+/// Low byte of word 0 of UPDATE_STATUS.
+#[cfg(feature = "update")]
+const UPDATE_CODE: Names = Names {
+    of: "update code",
+    values: &[
+        (0, "Done"),
+        (1, "Wrong state"),
+        (2, "Not now"),
+        (3, "On trial"),
+        (4, "Hardware"),
+        (5, "Length"),
+        (6, "Sequence"),
+        (7, "Flash"),
+        (8, "Checksum"),
+        (9, "No image"),
+        (10, "Older"),
+        (11, "Timed out"),
+        (12, "Aborted"),
+        (13, "Signature"),
+        (14, "Reverted"),
+    ],
+};
 
 const FAULTS: Field = Field { meaning: Meaning::Faults, ..long("Faults", 0) };
 const SPEED: Field = Field { unit: "rpm", ..word("Speed", 0) };
@@ -285,6 +382,11 @@ const fn message(name: &'static str, opcode: Opcode, kind: MessageKind, own: &'s
 const fn measurement(name: &'static str, number: u32) -> Message {
     let opcode = Opcode::masked(Opcode::MEASUREMENT_0.raw() as u32 + number);
     message(name, opcode, SlaveTx, &[])
+}
+
+#[cfg(feature = "update")]
+const fn byte(name: &'static str, first_bit: u8) -> Field {
+    Field { bits: 8, ..word(name, first_bit) }
 }
 
 const fn word(name: &'static str, first_bit: u8) -> Field {

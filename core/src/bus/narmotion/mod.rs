@@ -8,6 +8,8 @@ mod measurement;
 mod message;
 mod signal;
 mod to_drive;
+#[cfg(feature = "update")]
+pub mod update;
 mod word;
 mod words;
 

@@ -1,6 +1,8 @@
 //! What masters send (Figure 14, types 1 and 2).
 
 use super::id::{Addresses, MessageId, MessageKind, Opcode};
+#[cfg(feature = "update")]
+use super::update::UpdateRequest;
 use super::word::RequestWord;
 use super::words::{DecodeError, Words, long};
 use crate::bus::Frame;
@@ -49,6 +51,9 @@ pub enum ToDrive {
     },
     /// XML_DOWNLOAD_REQUEST, type 2.
     DownloadXml(XmlCommand),
+    /// UPDATE_*: programming.
+    #[cfg(feature = "update")]
+    Update(UpdateRequest),
 }
 
 /// DSIO_DATA_CMD: a line is an input while its output enable is false.
@@ -92,6 +97,8 @@ impl ToDrive {
             Self::DownloadScope => (DataRequest, Opcode::LOG_VIRTUAL_SCOPE),
             Self::RestoreFactory { .. } => (DataSet, Opcode::RESTORE_FACTORY_SETTING),
             Self::DownloadXml(_) => (DataRequest, Opcode::XML_DOWNLOAD_REQUEST),
+            #[cfg(feature = "update")]
+            Self::Update(request) => request.kind(),
         }
     }
 
@@ -114,6 +121,8 @@ impl ToDrive {
             | Self::Reboot
             | Self::TriggerScope
             | Self::DownloadScope => Words::default(),
+            #[cfg(feature = "update")]
+            Self::Update(request) => request.encode(),
         };
         let (kind, opcode) = self.kind();
         words.frame(addresses.to_drive(kind, opcode))
@@ -133,7 +142,8 @@ impl ToDrive {
         Ok((id, message?))
     }
 
-    fn decode_set(opcode: Opcode, Words([word0, word1, word2, word3]): Words) -> Result<Self, DecodeError> {
+    fn decode_set(opcode: Opcode, words: Words) -> Result<Self, DecodeError> {
+        let Words([word0, word1, word2, word3]) = words;
         Ok(match opcode {
             Opcode::REQUEST_WORD => Self::RequestWord(RequestWord::decode(long(word0, word1))?),
             Opcode::REBOOT => Self::Reboot,
@@ -148,6 +158,9 @@ impl ToDrive {
             Opcode::PARAMETER => Self::SetParameter { number: word0, value: long(word1, word2) as i32 },
             Opcode::LOG_VIRTUAL_SCOPE => Self::TriggerScope,
             Opcode::RESTORE_FACTORY_SETTING => Self::RestoreFactory { serial: word0 },
+            #[cfg(feature = "update")]
+            _ => Self::Update(UpdateRequest::decode_set(opcode, words)?),
+            #[cfg(not(feature = "update"))]
             _ => return Err(DecodeError::Opcode),
         })
     }
@@ -163,6 +176,9 @@ impl ToDrive {
                 1 => Self::DownloadXml(XmlCommand::Start),
                 _ => return Err(DecodeError::Value),
             },
+            #[cfg(feature = "update")]
+            _ => Self::Update(UpdateRequest::decode_request(opcode)?),
+            #[cfg(not(feature = "update"))]
             _ => return Err(DecodeError::Opcode),
         })
     }

@@ -1,0 +1,446 @@
+//! Receives an image and has the shell write it into the slot that the bootloader looks at. Motor and flash have nothing to do with each other:
+//! while it receives, and while an image is on trial, starts are refused.
+//!
+//! ```text
+//!  BEGIN            +-> Clear, Erase ... -> Write ... -> Sum ... -> Mark          requests to the shell, one at a time,
+//!  DATA ...  Node --+                                                             each answered by a report
+//!  END              +<- STATUS: erasing, receiving, verifying, marked
+//! ```
+
+use super::Node;
+use super::requests::Refused;
+use crate::bus::narmotion::update::{
+    BLOCK, ImageVersion, UpdateAnswer, UpdateCode, UpdateRequest, UpdateState, UpdateStatus,
+};
+use crate::bus::narmotion::{FromDrive, MotorMode};
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Bytes that the shell writes at once: whole blocks, and whole words of any flash up to 32 bytes.
+pub const PIECE: usize = 96;
+/// Bytes that may wait to be written: one piece is filled while another is written.
+const HELD: usize = 2 * PIECE;
+/// Bytes that are read back at once.
+const SUMMED: u32 = 1024;
+/// Shortest image: a header of 512 bytes and the shortest body.
+const SHORTEST: u32 = 520;
+/// Without a block for so long the update is over, ms.
+const SILENCE_MS: u64 = 10_000;
+/// Without a confirmation for so long an image on trial restarts the drive, ms; the bootloader then takes the swap back.
+const TRIAL_MS: u64 = 60_000;
+/// A start that was asked for before the update is in the status by then, ms.
+const SETTLE_MS: u64 = 5;
+
+/// What the shell knows of the slots at power-up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Slots {
+    /// Hardware id that an image must have.
+    pub hardware: u32,
+    /// Longest image, header included, bytes.
+    pub room: u32,
+    /// Bytes that one [`Request::Erase`] erases.
+    pub page: u32,
+    /// Version of the running image; zeros where that is none.
+    pub running: ImageVersion,
+    /// What the bootloader has left.
+    pub condition: Condition,
+}
+
+/// What the bootloader has left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Condition {
+    /// Nothing is under way; why the last image does not run, or [`UpdateCode::Done`].
+    Settled(UpdateCode),
+    /// An image is marked for the next boot.
+    Marked,
+    /// The running image wants a confirmation.
+    Trial,
+}
+
+impl Default for Condition {
+    fn default() -> Self {
+        Self::Settled(UpdateCode::Done)
+    }
+}
+
+/// What the shell is to do with the slot. Offsets are bytes from its beginning.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Take back a mark, if there is one.
+    Clear,
+    /// Erase a page.
+    Erase {
+        /// Where it begins.
+        offset: u32,
+    },
+    /// Write into erased flash. The last piece is filled up with ones to a whole number of 32 bytes.
+    Write {
+        /// Where.
+        offset: u32,
+        /// What.
+        data: Vec<u8, PIECE>,
+    },
+    /// Read back and go on with the CRC-32 (ISO-HDLC) of all from the beginning on: those at 0 begin anew.
+    Sum {
+        /// Where: behind the last one.
+        offset: u32,
+        /// How many bytes.
+        length: u32,
+    },
+    /// Look at the header, and mark the image for the next boot.
+    Mark {
+        /// Length of the image, bytes.
+        length: u32,
+    },
+    /// Keep the running image.
+    Confirm,
+}
+
+/// What has become of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Report {
+    /// Done.
+    Done,
+    /// The CRC-32 so far.
+    Sum(u32),
+    /// Not done.
+    Failed(UpdateCode),
+}
+
+/// The node's side of the slot.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Update {
+    /// There is a shell that serves requests.
+    slots: Option<Slots>,
+    state: UpdateState,
+    code: UpdateCode,
+    length: u32,
+    crc: u32,
+    /// Bytes erased, then bytes read back.
+    done: u32,
+    received: u32,
+    written: u32,
+    /// Received and not written.
+    held: Vec<u8, HELD>,
+    asked: Option<Asked>,
+    /// What is asked for belongs to an update that is over.
+    stale: bool,
+    /// A mark has been taken back.
+    cleared: bool,
+    /// The master wants the mark taken back, or the running image kept.
+    wanted: Option<Asked>,
+    /// That a block is missing has been told.
+    gap_told: bool,
+    /// Erasing: not before this tick. Receiving, on trial: over at this tick.
+    due: u64,
+}
+
+/// The request under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Asked {
+    Clear,
+    Erase,
+    Write,
+    Sum(u32),
+    Mark,
+    Confirm,
+}
+
+impl Update {
+    /// Flash is written, or the image has not proved itself: no motor starts.
+    pub(super) fn forbids(&self, mode: MotorMode) -> bool {
+        let starts = matches!(mode, MotorMode::Drive | MotorMode::Reverse);
+        starts && (self.is_busy() || self.state == UpdateState::Trial)
+    }
+
+    const fn is_busy(&self) -> bool {
+        matches!(self.state, UpdateState::Erasing | UpdateState::Receiving | UpdateState::Verifying)
+    }
+
+    fn status(&self, code: UpdateCode) -> UpdateStatus {
+        let (window, offset) = match self.state {
+            UpdateState::Erasing | UpdateState::Verifying => (0, self.done.min(self.length)),
+            UpdateState::Receiving => ((self.room() / BLOCK) as u16, self.received),
+            UpdateState::Marked => (0, self.length),
+            UpdateState::Idle | UpdateState::Trial => (0, 0),
+        };
+        UpdateStatus { state: self.state, code, window, offset }
+    }
+
+    /// Bytes that may still wait.
+    fn room(&self) -> usize {
+        HELD - self.held.len()
+    }
+
+    fn begin(&mut self, length: u32, not_before: u64) {
+        let Self { slots, asked, .. } = self;
+        let (slots, asked) = (slots.take(), asked.take());
+        let stale = asked.is_some();
+        *self = Self {
+            slots,
+            asked,
+            stale,
+            state: UpdateState::Erasing,
+            length,
+            due: not_before,
+            ..Self::default()
+        };
+    }
+
+    /// Over, for this reason.
+    fn end(&mut self, code: UpdateCode) {
+        let Self { slots, asked, .. } = self;
+        let (slots, asked) = (slots.take(), asked.take());
+        let stale = asked.is_some();
+        *self = Self { slots, asked, stale, code, ..Self::default() };
+    }
+
+    /// Takes a block. True if its sender must know that one before it is missing.
+    fn take_block(&mut self, block: u16, data: [u8; BLOCK]) -> bool {
+        let expected = (self.received / BLOCK as u32) as u16;
+        // Behind: it was here before.
+        if (block.wrapping_sub(expected) as i16) < 0 {
+            return false;
+        }
+        let bytes = data.get(..BLOCK.min((self.length - self.received) as usize)).unwrap_or(&data);
+        if block != expected || bytes.is_empty() || self.held.extend_from_slice(bytes).is_err() {
+            return !core::mem::replace(&mut self.gap_told, true);
+        }
+        self.received += bytes.len() as u32;
+        self.gap_told = false;
+        false
+    }
+
+    /// The next request of an update under way.
+    fn next(&mut self) -> Option<(Asked, Request)> {
+        let is_complete = self.received == self.length;
+        match self.state {
+            UpdateState::Erasing if !self.cleared => Some((Asked::Clear, Request::Clear)),
+            UpdateState::Erasing => Some((Asked::Erase, Request::Erase { offset: self.done })),
+            UpdateState::Receiving | UpdateState::Verifying
+                if self.held.len() >= PIECE || (is_complete && !self.held.is_empty()) =>
+            {
+                let mut data = Vec::new();
+                let piece = self.held.get(..PIECE).unwrap_or(&self.held);
+                let _ = data.extend_from_slice(piece);
+                // A piece has room for it.
+                let _ = data.resize(data.len().next_multiple_of(32), 0xFF);
+                Some((Asked::Write, Request::Write { offset: self.written, data }))
+            }
+            UpdateState::Verifying if self.done < self.length => {
+                let length = SUMMED.min(self.length - self.done);
+                Some((Asked::Sum(length), Request::Sum { offset: self.done, length }))
+            }
+            UpdateState::Verifying => Some((Asked::Mark, Request::Mark { length: self.length })),
+            _ => match self.wanted.take()? {
+                Asked::Confirm => Some((Asked::Confirm, Request::Confirm)),
+                _ => Some((Asked::Clear, Request::Clear)),
+            },
+        }
+    }
+
+    /// A piece was written.
+    fn drop_piece(&mut self) {
+        let piece = self.held.len().min(PIECE);
+        self.written += piece as u32;
+        self.held.rotate_left(piece);
+        self.held.truncate(self.held.len() - piece);
+    }
+}
+
+impl Node {
+    /// Joins the node to its slots, at power-up: from now on requests are taken by [`Node::poll_update`].
+    pub fn attach_update(&mut self, slots: &Slots) {
+        let (state, code) = match slots.condition {
+            Condition::Settled(code) => (UpdateState::Idle, code),
+            Condition::Marked => (UpdateState::Marked, UpdateCode::Done),
+            Condition::Trial => (UpdateState::Trial, UpdateCode::Done),
+        };
+        let due = self.update_tick(TRIAL_MS);
+        self.update = Update { slots: Some(*slots), state, code, due, ..Update::default() };
+    }
+
+    /// The next thing to do with the slot; at most one request is under way.
+    pub fn poll_update(&mut self) -> Option<Request> {
+        let waits = self.update.state == UpdateState::Erasing && self.flash.now() < self.update.due;
+        if self.update.slots.is_none() || self.update.asked.is_some() || waits {
+            return None;
+        }
+        // Nothing is written beside a motor that turns.
+        if self.update.is_busy() && !self.is_stopped() {
+            self.end_update(UpdateCode::WrongState);
+            return None;
+        }
+        let (asked, request) = self.update.next()?;
+        self.update.asked = Some(asked);
+        Some(request)
+    }
+
+    /// Takes what has become of the last request.
+    pub fn handle_update(&mut self, report: Report) {
+        let Some(asked) = self.update.asked.take() else { return };
+        if core::mem::take(&mut self.update.stale) {
+            return;
+        }
+        match (report, asked) {
+            (Report::Failed(code), Asked::Confirm) => self.tell_update(code),
+            (Report::Failed(code), _) => self.end_update(code),
+            (Report::Sum(crc), Asked::Sum(length)) => self.note_sum(crc, length),
+            (_, Asked::Clear) if self.update.state == UpdateState::Erasing => self.update.cleared = true,
+            (_, Asked::Clear) => self.end_update(UpdateCode::Aborted),
+            (_, Asked::Erase) => self.note_erased(),
+            (_, Asked::Write) => {
+                self.update.drop_piece();
+                if self.update.state == UpdateState::Receiving {
+                    self.tell_update(UpdateCode::Done);
+                }
+            }
+            (_, Asked::Mark) => {
+                self.update.state = UpdateState::Marked;
+                self.tell_update(UpdateCode::Done);
+            }
+            (_, Asked::Confirm) => self.end_update(UpdateCode::Done),
+            (_, Asked::Sum(_)) => self.end_update(UpdateCode::Flash),
+        }
+    }
+
+    /// Obeys a message. One that is refused is answered with the reason, so it is not counted.
+    pub(super) fn obey_update(&mut self, request: UpdateRequest) -> Result<(), Refused> {
+        let Some(slots) = self.update.slots else { return Err(Refused) };
+        let code = match request {
+            UpdateRequest::Device => {
+                let Slots { hardware, room, .. } = slots;
+                self.send(FromDrive::Update(UpdateAnswer::Device { hardware, room }));
+                return Ok(());
+            }
+            UpdateRequest::Version => {
+                self.send(FromDrive::Update(UpdateAnswer::Version(slots.running)));
+                return Ok(());
+            }
+            UpdateRequest::Data { block, data } => return self.take_block(block, data),
+            UpdateRequest::Status => self.update.code,
+            UpdateRequest::Begin { length, hardware } => self.begin_update(&slots, length, hardware),
+            UpdateRequest::End { crc } => self.end_of_image(crc),
+            UpdateRequest::Abort => self.abort_update(),
+            UpdateRequest::Confirm => self.confirm_image(),
+        };
+        self.tell_update(code);
+        Ok(())
+    }
+
+    /// What time brings.
+    pub(super) fn run_update(&mut self) {
+        let is_due = self.flash.now() >= self.update.due;
+        match self.update.state {
+            UpdateState::Receiving if is_due => self.end_update(UpdateCode::TimedOut),
+            UpdateState::Trial if is_due && self.update.asked.is_none() => {
+                self.update.due = u64::MAX;
+                self.pending.reboot = true;
+            }
+            _ => {}
+        }
+    }
+
+    fn begin_update(&mut self, slots: &Slots, length: u32, hardware: u32) -> UpdateCode {
+        let Update { state, received, .. } = self.update;
+        // Asked again, because the answer was lost.
+        let is_begun = state == UpdateState::Erasing || (state == UpdateState::Receiving && received == 0);
+        match state {
+            UpdateState::Trial => UpdateCode::Trial,
+            _ if !self.is_stopped() => UpdateCode::WrongState,
+            _ if hardware != slots.hardware => UpdateCode::Hardware,
+            _ if length < SHORTEST || length > slots.room => UpdateCode::Length,
+            UpdateState::Verifying => UpdateCode::NotNow,
+            _ if is_begun && length == self.update.length => UpdateCode::Done,
+            _ => {
+                let not_before = self.update_tick(SETTLE_MS);
+                self.update.begin(length, not_before);
+                UpdateCode::Done
+            }
+        }
+    }
+
+    fn take_block(&mut self, block: u16, data: [u8; BLOCK]) -> Result<(), Refused> {
+        if self.update.state != UpdateState::Receiving {
+            // As many answers as blocks would fill the bus.
+            return Err(Refused);
+        }
+        self.update.due = self.update_tick(SILENCE_MS);
+        if self.update.take_block(block, data) {
+            self.tell_update(UpdateCode::Sequence);
+        }
+        Ok(())
+    }
+
+    fn end_of_image(&mut self, crc: u32) -> UpdateCode {
+        match self.update.state {
+            UpdateState::Receiving if self.update.received < self.update.length => UpdateCode::Sequence,
+            UpdateState::Receiving => {
+                (self.update.state, self.update.crc, self.update.done) = (UpdateState::Verifying, crc, 0);
+                UpdateCode::Done
+            }
+            // Asked again, because the answer was lost.
+            UpdateState::Verifying | UpdateState::Marked if self.update.crc == crc => UpdateCode::Done,
+            _ => UpdateCode::NotNow,
+        }
+    }
+
+    fn abort_update(&mut self) -> UpdateCode {
+        match self.update.state {
+            UpdateState::Trial => UpdateCode::NotNow,
+            // A mark that is being written cannot be called back; behind it this can.
+            _ if self.update.asked == Some(Asked::Mark) => UpdateCode::NotNow,
+            UpdateState::Marked => {
+                self.update.wanted = Some(Asked::Clear);
+                UpdateCode::Done
+            }
+            UpdateState::Idle => self.update.code,
+            UpdateState::Erasing | UpdateState::Receiving | UpdateState::Verifying => {
+                self.update.end(UpdateCode::Aborted);
+                UpdateCode::Aborted
+            }
+        }
+    }
+
+    fn confirm_image(&mut self) -> UpdateCode {
+        match self.update.state {
+            UpdateState::Trial => {
+                self.update.wanted = Some(Asked::Confirm);
+                UpdateCode::Done
+            }
+            UpdateState::Idle => self.update.code,
+            _ => UpdateCode::NotNow,
+        }
+    }
+
+    fn note_erased(&mut self) {
+        let page = self.update.slots.map_or(0, |slots| slots.page);
+        self.update.done = self.update.done.saturating_add(page);
+        if self.update.done >= self.update.length {
+            (self.update.state, self.update.due) = (UpdateState::Receiving, self.update_tick(SILENCE_MS));
+            self.tell_update(UpdateCode::Done);
+        }
+    }
+
+    fn note_sum(&mut self, crc: u32, length: u32) {
+        self.update.done += length;
+        if self.update.done >= self.update.length && crc != self.update.crc {
+            self.end_update(UpdateCode::Checksum);
+        }
+    }
+
+    fn end_update(&mut self, code: UpdateCode) {
+        self.update.end(code);
+        self.tell_update(code);
+    }
+
+    fn tell_update(&mut self, code: UpdateCode) {
+        let status = self.update.status(code);
+        self.send(FromDrive::Update(UpdateAnswer::Status(status)));
+    }
+
+    /// The tick in so many ms.
+    fn update_tick(&self, milliseconds: u64) -> u64 {
+        self.flash.now().saturating_add(self.ticks(milliseconds))
+    }
+}

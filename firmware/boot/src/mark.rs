@@ -1,0 +1,126 @@
+//! The state pages: what is marked to be swapped, and how far the swap is. They are embassy-boot's, which writes them; here they are
+//! read more closely, because it does not tell a swap that has begun from one that has not.
+//!
+//! ```text
+//!  word 0            magic: swap, reverted, or anything else
+//!  word 1            erased: what follows counts
+//!  words 2..2+2n     a word for each page that was copied in the swap, n pages in the active slot
+//!  then 2n           likewise in the revert
+//!  last word         ours: why the last candidate was refused
+//! ```
+
+use crate::map::Map;
+use embassy_boot::State;
+use embedded_storage::nor_flash::{NorFlash, NorFlashError, NorFlashErrorKind};
+
+/// The longest word of a flash.
+pub(crate) const WORD_MAX: usize = 32;
+const ERASED: u8 = 0xFF;
+
+/// What the state pages say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Nothing is to be done.
+    Settled {
+        /// The last swap was taken back.
+        reverted: bool,
+    },
+    /// A candidate is to be swapped in; no page was moved yet.
+    Candidate,
+    /// A swap is under way.
+    Swapping,
+    /// The swap is done, and nobody has confirmed the image.
+    Trial,
+    /// The swap is being taken back.
+    Reverting,
+    /// A confirmation, or the end of a revert, was cut off: the active image is the one to keep.
+    Settling,
+}
+
+impl Mark {
+    /// Reads the state pages.
+    pub(crate) fn read<F: NorFlash>(flash: &mut F, map: &Map) -> Result<Self, NorFlashErrorKind> {
+        let mut pages = StatePages { flash, from: map.state.start, to: map.state.end };
+        let magic = pages.word(0)?;
+        match State::from(magic.as_ref()) {
+            State::Swap => {}
+            State::Revert => return Ok(Self::Settled { reverted: true }),
+            State::Boot | State::DfuDetach => return Ok(Self::Settled { reverted: false }),
+        }
+        if !pages.word(1)?.is_erased() {
+            return Ok(Self::Settling);
+        }
+        let swapped = 2 * map.room() / F::ERASE_SIZE as u32;
+        Ok(match pages.progress(2 * swapped)? {
+            0 => Self::Candidate,
+            moved if moved < swapped => Self::Swapping,
+            moved if moved == swapped => Self::Trial,
+            _ => Self::Reverting,
+        })
+    }
+}
+
+/// Why the bootloader has refused the last candidate: a code of ours, 0 for none.
+pub(crate) fn verdict<F: NorFlash>(flash: &mut F, map: &Map) -> Result<u8, NorFlashErrorKind> {
+    let mut pages = StatePages { flash, from: map.state.start, to: map.state.end };
+    let last = (pages.to - pages.from) / F::WRITE_SIZE as u32 - 1;
+    let word = pages.word(last)?;
+    // Torn, it says nothing.
+    Ok(match word.as_ref() {
+        [code, rest @ ..] if rest.iter().all(|byte| *byte == !*code) => *code,
+        _ => 0,
+    })
+}
+
+/// Notes it, in state pages that have been erased since.
+pub(crate) fn note_verdict<F: NorFlash>(flash: &mut F, map: &Map, code: u8) -> Result<(), NorFlashErrorKind> {
+    let mut word = [!code; WORD_MAX];
+    let [first, ..] = &mut word;
+    *first = code;
+    let at = map.state.end - F::WRITE_SIZE as u32;
+    let word = word.get(..F::WRITE_SIZE).unwrap_or(&word);
+    flash.write(at, word).map_err(|error| error.kind())
+}
+
+struct StatePages<'f, F> {
+    flash: &'f mut F,
+    from: u32,
+    to: u32,
+}
+
+struct Word {
+    bytes: [u8; WORD_MAX],
+    length: usize,
+}
+
+impl<F: NorFlash> StatePages<'_, F> {
+    fn word(&mut self, index: u32) -> Result<Word, NorFlashErrorKind> {
+        let mut word = Word { bytes: [0; WORD_MAX], length: F::WRITE_SIZE.min(WORD_MAX) };
+        let at = self.from + index * F::WRITE_SIZE as u32;
+        let place = word.bytes.get_mut(..word.length).unwrap_or_default();
+        self.flash.read(at, place).map_err(|error| error.kind())?;
+        Ok(word)
+    }
+
+    /// Pages that were copied: a word that is not wholly programmed does not count, as in embassy-boot.
+    fn progress(&mut self, most: u32) -> Result<u32, NorFlashErrorKind> {
+        for moved in 0..most {
+            if self.word(2 + moved)?.as_ref().contains(&ERASED) {
+                return Ok(moved);
+            }
+        }
+        Ok(most)
+    }
+}
+
+impl Word {
+    fn is_erased(&self) -> bool {
+        self.as_ref().iter().all(|byte| *byte == ERASED)
+    }
+}
+
+impl AsRef<[u8]> for Word {
+    fn as_ref(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or(&self.bytes)
+    }
+}
