@@ -1,20 +1,26 @@
-//! Gives the linker the memory of the board and the layout of an image, when an image is what is built.
+//! Gives the linker the memory and the layout of each image, when images are what is built.
 
 use std::path::Path;
 use std::{env, fs};
 
+/// What an image may use of the memory. The linker looks for `memory.x` in folders, so each has one of its own.
+const IMAGES: [(&str, &str); 3] = [("drive", "memory.x"), ("bare", "memory.x"), ("boot", "boot.x")];
+
 fn main() -> std::io::Result<()> {
-    println!("cargo::rerun-if-changed=memory.x");
     println!("cargo::rerun-if-changed=build.rs");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return Ok(());
     }
     let out = env::var("OUT_DIR").map_err(std::io::Error::other)?;
-    fs::copy("memory.x", Path::new(&out).join("memory.x"))?;
-    println!("cargo::rustc-link-search={out}");
-    // The layout of cortex-m-rt, without padding between its sections and the pages of a file that nobody maps.
-    for argument in ["-Tlink.x", "--nmagic"] {
-        println!("cargo::rustc-link-arg-bins={argument}");
+    for (image, memory) in IMAGES {
+        println!("cargo::rerun-if-changed={memory}");
+        let folder = Path::new(&out).join(image);
+        fs::create_dir_all(&folder)?;
+        fs::copy(memory, folder.join("memory.x"))?;
+        // The layout of cortex-m-rt, without padding between its sections and the pages of a file that nobody maps.
+        println!("cargo::rustc-link-arg-bin={image}=-L{}", folder.display());
+        println!("cargo::rustc-link-arg-bin={image}=-Tlink.x");
+        println!("cargo::rustc-link-arg-bin={image}=--nmagic");
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use narx_b_g431b_esc1::analog::{self, FRONT_END, SHUNT_ZERO, terminal};
 use narx_b_g431b_esc1::bridge::{Gates, gates, pause, registers};
 use narx_b_g431b_esc1::can::{BIT_RATE, BitTiming, CLOCK_HZ, bus_state, decode, encode};
 use narx_b_g431b_esc1::edges::{Capture, Edges};
-use narx_b_g431b_esc1::flash_map::{ACTIVE, BOOT, DFU, PAGE, PARAMETERS, SIZE, STATE};
+use narx_b_g431b_esc1::flash_map::{MAP, PAGE, SIZE, START};
 use narx_b_g431b_esc1::pins::{Function, PINS, Port, words};
 use narx_b_g431b_esc1::timing::{
     COMPARE_MAX, DEAD_TIME, PERIOD, TOP, compare, dead_time_code, has_come, instant, part, position,
@@ -361,8 +361,8 @@ fn the_controllers_word_is_its_state() {
 }
 
 #[test]
-fn the_flash_is_divided_without_gaps() {
-    let regions = [BOOT, ACTIVE, DFU, STATE, PARAMETERS];
+fn the_flash_is_divided_without_gaps_and_the_linker_agrees() {
+    let regions = [MAP.bootloader, MAP.active, MAP.dfu, MAP.state, MAP.parameters];
     assert_eq!(regions.each_ref().map(|region| (region.end - region.start) >> 10), [24, 46, 48, 2, 8]);
     let mut end = 0;
     for region in regions {
@@ -370,8 +370,11 @@ fn the_flash_is_divided_without_gaps() {
         end = region.end;
     }
     assert_eq!(end, SIZE);
-    let linker = include_str!("../memory.x");
-    assert!(linker.contains(&format!("ORIGIN = 0x{:08X}", 0x0800_0000 + ACTIVE.start)), "{linker}");
+    let origin = |linker: &str, address: u32| linker.contains(&format!("ORIGIN = 0x{address:08X}"));
+    assert!(origin(include_str!("../memory.x"), START + MAP.entry()));
+    assert!(origin(include_str!("../boot.x"), START));
+    // The vector table of 16 + 102 words begins at a multiple of the next power of two (PM0214, SCB_VTOR).
+    assert!(MAP.entry().is_multiple_of(512));
 }
 
 #[test]

@@ -15,7 +15,8 @@ mod image {
     use narx_b_g431b_esc1::chip::power_stage::{BRIDGE, Bridge};
     use narx_b_g431b_esc1::chip::tick::Tick;
     use narx_b_g431b_esc1::chip::{self, reset};
-    use narx_b_g431b_esc1::flash_map::PARAMETERS;
+    use narx_b_g431b_esc1::flash_map::{HARDWARE, MAP, SIZE};
+    use narx_boot::{Server, Slot};
     use narx_core::bus::Frame;
     use narx_core::device::Queues;
     use narx_core::dictionary::number;
@@ -45,17 +46,24 @@ mod image {
         let cause = reset::cause();
         chip::start();
         let Some(mut core) = cortex_m::Peripherals::take() else { reset::reset() };
-        let storage = STORAGE.init_with(|| Storage::new(Region::new(PARAMETERS)));
+        let storage = STORAGE.init_with(|| Storage::of_maps(Region::new(MAP.parameters)));
         let Some(opened) = open(storage) else { reset::reset() };
         let mailbox: &'static Mailbox = MAILBOX.init_with(Mailbox::new);
         let (tick, mut device) = QUEUES.power_up(IDENTITY, BOARD, opened.parameters.clone());
         device.attach_scope(SCOPE.init_with(Memory::new));
+        device.node().store_at_rest_only();
+        let Ok(slot) = Slot::new(Region::new(0..SIZE), MAP, HARDWARE) else { reset::reset() };
+        let mut server = Server::new(slot);
+        // A flash that cannot be read takes no update.
+        if let Ok(slots) = server.slots() {
+            device.node().attach_update(&slots);
+        }
         let (arriving_in, arriving) = ARRIVING_FRAMES.split();
         ARRIVING.give(arriving_in);
         BRIDGE.give(Bridge::default());
         CONTROL.give(CONTROL_PLACE.init_with(|| Control::new(tick, Tick::default(), &PROGRESS)));
         chip::listen(&mut core.NVIC);
-        Background::new(device, Loop { arriving, cause, blink_due: 0 }, &PROGRESS)
+        Background::new(device, Loop { arriving, cause, server, blink_due: 0 }, &PROGRESS)
             .with_flash(mailbox, &opened)
             .run_with(mailbox.serve(storage))
     }

@@ -1,10 +1,13 @@
 //! The background's side of the board.
 
+use super::memory::Region;
 use super::reset::Cause;
 use super::{converter, fdcan, ports, reset, tick, watchdog};
 use crate::analog::{pin, reference_tap, temperature};
 use heapless::spsc::Consumer;
+use narx_boot::Server;
 use narx_core::bus::{BusState, Frame};
+use narx_core::node::update::{Report, Request};
 use narx_core::node::{Outputs, SlowInputs};
 use narx_firmware::board::BackgroundSide;
 use stm32_metapac::VREFINTCAL;
@@ -15,6 +18,8 @@ pub struct Loop {
     pub arriving: Consumer<'static, Frame>,
     /// Why the chip began anew.
     pub cause: Cause,
+    /// Writes the slot of the bootloader.
+    pub server: Server<Region>,
     /// When the LED changes next, ticks.
     pub blink_due: u64,
 }
@@ -75,6 +80,10 @@ impl BackgroundSide for Loop {
 
     /// Nothing to set: both lines are inputs, and the hall sensors' supply has no switch.
     fn apply(&mut self, _: Outputs) {}
+
+    fn serve_update(&mut self, request: &Request) -> Report {
+        self.server.execute(request)
+    }
 
     fn feed_watchdog(&mut self) {
         watchdog::feed();

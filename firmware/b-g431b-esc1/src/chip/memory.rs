@@ -1,14 +1,13 @@
-//! The chip's own flash as memory for parameters. While a page is erased (22 ms) or a word is programmed (0.1 ms) the processor stands still, because its code is in the same flash: storing is for a
-//! drive at rest.
+//! The chip's own flash as memory. While a page is erased (22 ms) or a word is programmed (0.1 ms) the processor stands still, because its code is in the same flash: it is for a drive at
+//! rest.
 
 use super::{wait_for, watchdog};
 use crate::flash_map::{PAGE, START, WORD};
 use core::future::poll_fn;
 use core::ops::Range;
 use core::task::Poll;
-use embedded_storage_async::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
-};
+use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
+use embedded_storage_async::nor_flash as in_turns;
 use stm32_metapac::FLASH;
 use stm32_metapac::flash::regs::Sr;
 
@@ -46,8 +45,8 @@ impl Region {
     }
 
     /// The address of `offset`, if there are `length` bytes behind it.
-    fn address(&self, offset: u32, length: usize, unit: u32) -> Result<u32, Error> {
-        let end = offset.checked_add(length as u32).ok_or(Error::Address)?;
+    fn address(&self, offset: u32, length: u32, unit: u32) -> Result<u32, Error> {
+        let end = offset.checked_add(length).ok_or(Error::Address)?;
         let fits = end <= self.range.end - self.range.start
             && offset.is_multiple_of(unit)
             && end.is_multiple_of(unit);
@@ -108,8 +107,8 @@ impl ErrorType for Region {
 impl ReadNorFlash for Region {
     const READ_SIZE: usize = 1;
 
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Error> {
-        let address = self.address(offset, bytes.len(), 1)?;
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Error> {
+        let address = self.address(offset, bytes.len() as u32, 1)?;
         for (byte, at) in bytes.iter_mut().zip(address..) {
             // SAFETY: the address lies in the region, and every byte of flash may be read.
             *byte = unsafe { (at as *const u8).read_volatile() };
@@ -126,8 +125,8 @@ impl NorFlash for Region {
     const WRITE_SIZE: usize = WORD as usize;
     const ERASE_SIZE: usize = PAGE as usize;
 
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
-        let address = self.address(offset, bytes.len(), WORD)?;
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
+        let address = self.address(offset, bytes.len() as u32, WORD)?;
         let (words, _) = bytes.as_chunks::<8>();
         for ([a, b, c, d, e, f, g, h], at) in words.iter().zip((address..).step_by(WORD as usize)) {
             write_word(at, [u32::from_le_bytes([*a, *b, *c, *d]), u32::from_le_bytes([*e, *f, *g, *h])])?;
@@ -135,11 +134,41 @@ impl NorFlash for Region {
         Ok(())
     }
 
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Error> {
-        let address = self.address(from, to.saturating_sub(from) as usize, PAGE)?;
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Error> {
+        let address = self.address(from, to.saturating_sub(from), PAGE)?;
         let first = (address - START) / PAGE;
         for page in first..first + to.saturating_sub(from) / PAGE {
             erase_page(page)?;
+        }
+        Ok(())
+    }
+}
+
+// The same for the storage of parameters: between two pages the background loop has its turn.
+
+impl in_turns::ReadNorFlash for Region {
+    const READ_SIZE: usize = <Self as ReadNorFlash>::READ_SIZE;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Error> {
+        ReadNorFlash::read(self, offset, bytes)
+    }
+
+    fn capacity(&self) -> usize {
+        ReadNorFlash::capacity(self)
+    }
+}
+
+impl in_turns::NorFlash for Region {
+    const WRITE_SIZE: usize = <Self as NorFlash>::WRITE_SIZE;
+    const ERASE_SIZE: usize = <Self as NorFlash>::ERASE_SIZE;
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
+        NorFlash::write(self, offset, bytes)
+    }
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Error> {
+        for page in (from..to).step_by(PAGE as usize) {
+            NorFlash::erase(self, page, page + PAGE)?;
             turn().await;
         }
         Ok(())

@@ -30,6 +30,22 @@ pub fn start() {
     fdcan::start();
 }
 
+/// What a bootloader needs: the watchdog, which goes on into the application, and the LED. The clock stays the internal one of 16 MHz, which cannot fail.
+pub fn start_for_boot() {
+    watchdog::start_slow();
+    ports::start_led();
+}
+
+/// There is no image to enter: the LED flickers until somebody programs one.
+pub fn stay() -> ! {
+    loop {
+        watchdog::feed();
+        ports::toggle_led();
+        // 0.1 s at 16 MHz.
+        cortex_m::asm::delay(1_600_000);
+    }
+}
+
 /// Lets the interrupts in: what they own has been given to them.
 pub fn listen(nvic: &mut NVIC) {
     for (interrupt, urgency) in URGENCY {

@@ -4,7 +4,7 @@ use crate::pins::{Port, words};
 use core::sync::atomic::{AtomicBool, Ordering};
 use stm32_metapac::gpio::Gpio;
 use stm32_metapac::gpio::regs::{Afr, Bsrr, Moder, Odr, Ospeedr, Pupdr};
-use stm32_metapac::{GPIOA, GPIOB, GPIOC};
+use stm32_metapac::{GPIOA, GPIOB, GPIOC, RCC};
 
 const LED: u32 = 6;
 const BUTTON: u32 = 10;
@@ -17,6 +17,12 @@ pub(super) fn start() {
     set(GPIOA, Port::A);
     set(GPIOB, Port::B);
     set(GPIOC, Port::C);
+}
+
+/// The LED alone, for the bootloader.
+pub(super) fn start_led() {
+    RCC.ahb2enr().modify(|enable| enable.set_gpiocen(true));
+    GPIOC.moder().modify(|modes| modes.set_moder(LED as usize, stm32_metapac::gpio::vals::Moder::OUTPUT));
 }
 
 fn set(gpio: Gpio, port: Port) {

@@ -79,6 +79,18 @@ unsafe fn DefaultHandler(_: i16) {
     reset()
 }
 
+/// Enters the image whose vector table stands at `vectors`.
+pub fn enter(vectors: u32) -> ! {
+    let core = cortex_m::Peripherals::take();
+    // SAFETY: the caller has verified the image there. No interrupt is on, and nothing of this program is used again.
+    unsafe {
+        if let Some(core) = core {
+            core.SCB.vtor.write(vectors);
+        }
+        cortex_m::asm::bootload(vectors as *const u32)
+    }
+}
+
 /// Lets an interrupt in.
 pub(super) fn enable(nvic: &mut NVIC, interrupt: Interrupt, urgency: u8) {
     // SAFETY: what the handlers own is given to them under a critical section; none relies on a priority being masked.

@@ -13,13 +13,26 @@ fn key(key: Key) {
     IWDG.kr().write_value(word);
 }
 
+/// For the application: see [`RELOAD`].
 pub(super) fn start() {
+    run(Pr::DIVIDE_BY16, RELOAD);
+}
+
+/// For the bootloader: 32 s, because at 16 MHz a signature takes a second, and a swap of 23 pages three.
+pub(super) fn start_slow() {
+    run(Pr::DIVIDE_BY256, 4000);
+}
+
+fn run(prescaler: Pr, reload: u16) {
     key(Key::START);
     key(Key::ENABLE);
-    IWDG.pr().modify(|prescaler| prescaler.set_pr(Pr::DIVIDE_BY16));
-    let mut reload = Rlr(0);
-    reload.set_rl(RELOAD);
-    IWDG.rlr().write_value(reload);
+    // What was written before takes some of the oscillator's periods to arrive.
+    super::wait_for(|| IWDG.sr().read().0 == 0);
+    IWDG.pr().modify(|register| register.set_pr(prescaler));
+    let mut word = Rlr(0);
+    word.set_rl(reload);
+    IWDG.rlr().write_value(word);
+    super::wait_for(|| IWDG.sr().read().0 == 0);
     feed();
 }
 

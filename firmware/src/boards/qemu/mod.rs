@@ -18,8 +18,8 @@ pub mod uart;
 pub mod watchdog;
 pub mod world;
 
-pub use kept::settings as kept_settings;
 pub use crate::owned::Owned;
+pub use kept::settings as kept_settings;
 
 use panic_semihosting as _;
 
