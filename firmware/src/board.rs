@@ -4,6 +4,8 @@
 
 use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
+#[cfg(feature = "update")]
+use narx_core::node::update;
 use narx_core::node::{Outputs, SelfTests, SlowInputs};
 
 /// The control interrupt's side.
@@ -56,6 +58,10 @@ pub trait BackgroundSide {
     fn self_test(&mut self) -> SelfTests {
         SelfTests::empty()
     }
+
+    /// Does what the node asks for the slot of the bootloader, all of it before it returns: a page erased, a piece written.
+    #[cfg(feature = "update")]
+    fn serve_update(&mut self, request: &update::Request) -> update::Report;
 
     /// Puts off the watchdog's reset.
     fn feed_watchdog(&mut self);

@@ -132,6 +132,8 @@ impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
         self.read_inputs(now);
         self.device.run(now);
         self.serve_flash();
+        #[cfg(feature = "update")]
+        self.serve_update();
         self.send();
         self.board.apply(self.device.node().outputs());
         self.board.rest(!self.device.node().status().state.is_driving());
@@ -189,6 +191,14 @@ impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
         }
         if let Some(request) = self.device.node().poll_storage() {
             mailbox.ask(request);
+        }
+    }
+
+    #[cfg(feature = "update")]
+    fn serve_update(&mut self) {
+        if let Some(request) = self.device.node().poll_update() {
+            let report = self.board.serve_update(&request);
+            self.device.node().handle_update(report);
         }
     }
 

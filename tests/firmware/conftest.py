@@ -118,16 +118,19 @@ def pytest_configure(config):
     config.addinivalue_line("markers", "arguments(*words): what the image is started with")
 
 
-@contextlib.contextmanager
 def virtual_drive(*arguments):
+    # They stand behind the image's own name in an option of the emulator.
+    return running(os.environ["NARX_QEMU"].replace(",arg=qemu", ",arg=".join([",arg=qemu", *arguments])))
+
+
+@contextlib.contextmanager
+def running(command):
+    """A bus of the image that a developer command knows how to start: one word a line, with {port} in it. It is killed at the end."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    # A command with {port} in it, from the developer command that knows how to start an image.
-    command = os.environ["NARX_QEMU"].replace("{port}", str(port))
-    # They stand behind the image's own name in an option of the emulator.
-    command = command.replace(",arg=qemu", ",arg=".join([",arg=qemu", *arguments])).split("\n")
-    emulator = subprocess.Popen(command, stdin=subprocess.DEVNULL)
+    words = command.replace("{port}", str(port)).split("\n")
+    emulator = subprocess.Popen(words, stdin=subprocess.DEVNULL)
     try:
         bus = connect(port, emulator)
         try:

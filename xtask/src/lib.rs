@@ -28,6 +28,7 @@ pub mod qemu;
 pub mod running;
 pub mod setup;
 pub mod sizes;
+pub mod slots;
 pub mod steps;
 pub mod test;
 pub mod vectors;

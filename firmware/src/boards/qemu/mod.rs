@@ -8,21 +8,21 @@
 //! ```
 
 pub mod flash;
-
 pub mod instructions;
 pub mod kept;
-mod owned;
 pub mod pace;
 pub mod program;
 mod register;
 pub mod semihosting;
+pub mod slots;
 pub mod stack;
 pub mod trouble;
 pub mod uart;
+mod vectors;
 pub mod watchdog;
 pub mod world;
 
-pub use owned::Owned;
+pub use crate::owned::Owned;
 
 use panic_semihosting as _;
 

@@ -1,5 +1,6 @@
 //! The image's own program and the RAM that it runs in, as bytes and cells: for the self-tests.
 
+use super::slots;
 use crate::self_test::march::{Cells, march_keeping};
 use core::ptr;
 
@@ -23,6 +24,11 @@ pub fn program() -> &'static [u8] {
     let end = (&raw const __sidata) as usize + variables;
     // SAFETY: the linker script's symbols enclose what the image's file has put into the flash, and nobody writes there.
     unsafe { core::slice::from_raw_parts(start, end - start as usize) }
+}
+
+/// Whether a bootloader has entered it: it stands in its slot.
+pub fn is_in_slot() -> bool {
+    (&raw const __vector_table) as usize >= slots::START
 }
 
 /// Flips a bit of the program, in a word that nobody reads: this machine's flash can be written.

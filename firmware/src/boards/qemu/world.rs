@@ -1,6 +1,7 @@
 //! The two sides of the board: a simulated motor and power stage, and an slcan adapter on the serial port.
 
 use super::pace::Pace;
+use super::slots::Slots;
 use super::trouble::{Task, Trouble};
 use super::uart::Uart;
 use super::watchdog::Watchdog;
@@ -11,8 +12,11 @@ use crate::self_test::walk::Walk;
 use cortex_m::peripheral::SCB;
 use cortex_m_semihosting::hprintln;
 use heapless::spsc::{Consumer, Producer};
+use narx_boot::Server;
+use narx_core::bus::narmotion::update::UpdateCode;
 use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
+use narx_core::node::update;
 use narx_core::node::{Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_core::queue::{dequeue, enqueue};
 use narx_sim::can::slcan::{Adapter, LINE_MAX};
@@ -80,6 +84,8 @@ pub struct World {
     pub tests: Tests,
     /// Trouble on order.
     pub trouble: Option<Trouble>,
+    /// Writes the slots, where there is a bootloader that looks at them.
+    pub server: Option<Server<Slots>>,
 }
 
 /// What this board tests of itself. It has no second clock: all that count in the emulator count the same time, so there is no test of clocks at boot; and
@@ -215,6 +221,13 @@ impl BackgroundSide for World {
             stack::spoil();
         }
         self.tests.step(self.plant.tick())
+    }
+
+    fn serve_update(&mut self, request: &update::Request) -> update::Report {
+        match &mut self.server {
+            Some(server) => server.execute(request),
+            None => update::Report::Failed(UpdateCode::Flash),
+        }
     }
 
     fn feed_watchdog(&mut self) {
