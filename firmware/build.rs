@@ -4,12 +4,13 @@ use std::path::Path;
 use std::{env, fs};
 
 /// The images, and the memory that each stands in.
-const IMAGES: [(&str, &str); 7] = [
+const IMAGES: [(&str, &str); 8] = [
     ("qemu", "memory.x"),
     ("replay", "memory.x"),
     ("count", "memory.x"),
     ("plant", "memory.x"),
     ("stack", "memory.x"),
+    ("standby", "memory.x"),
     ("bootloader", "memory.x"),
     ("application", "slot.x"),
 ];

@@ -49,6 +49,8 @@ pub enum Image {
     Plant,
     /// Measures how much stack the calls of a shell take.
     Stack,
+    /// Counts what a drive does between two sleeps in Standby.
+    Standby,
     /// Swaps and verifies images in the slots, and enters one.
     Bootloader,
     /// The virtual drive in a slot.
@@ -57,12 +59,13 @@ pub enum Image {
 
 impl Image {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Drive,
         Self::Replay,
         Self::Count,
         Self::Plant,
         Self::Stack,
+        Self::Standby,
         Self::Bootloader,
         Self::Application,
     ];
@@ -75,6 +78,7 @@ impl Image {
             Self::Count => "count",
             Self::Plant => "plant",
             Self::Stack => "stack",
+            Self::Standby => "standby",
             Self::Bootloader => "bootloader",
             Self::Application => "application",
         }
