@@ -13,6 +13,7 @@
 use crate::dictionary::Parameters;
 use crate::motor::{Board, Coefficients, Drive, Event, PwmCommand, Samples, Status};
 use crate::node::{Identity, Node};
+use crate::queue::{dequeue, enqueue, has_room};
 use crate::scope::{Answer, Keeper, Memory, Order, Scope};
 #[cfg(not(thread_sanitizer))]
 use core::sync::atomic::{Ordering, fence};
@@ -91,21 +92,21 @@ impl ControlTick<'_, '_> {
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         self.heed_event();
         let command = self.drive.step(samples);
-        if self.statuses.ready()
+        if has_room(&self.statuses)
             && let Some(status) = self.drive.poll_status()
         {
             // Room was just seen, and nobody else fills it.
-            let _ = self.statuses.enqueue(status);
+            let _ = enqueue(&mut self.statuses, status);
         }
         // What the scope did in the tick before is told in this one: a tick in which something happens is long enough.
         if self.scope.has_answer()
-            && self.answers.ready()
+            && has_room(&self.answers)
             && let Some(answer) = self.scope.poll()
         {
             // Room was just seen, and nobody else fills it.
-            let _ = self.answers.enqueue(answer);
+            let _ = enqueue(&mut self.answers, answer);
         }
-        if let Some(order) = self.orders.dequeue() {
+        if let Some(order) = dequeue(&mut self.orders) {
             self.scope.handle(order);
         }
         self.scope.step(&self.drive, samples);
@@ -124,14 +125,14 @@ impl ControlTick<'_, '_> {
         if let Some(event) = self.events.peek() {
             self.scope.handle_event(event);
             self.drive.handle_event(event);
-            self.events.dequeue();
+            dequeue(&mut self.events);
         }
     }
 
     /// The same for ThreadSanitizer, which does not know fences: moved out, it is ordered by the queue.
     #[cfg(thread_sanitizer)]
     fn heed_event(&mut self) {
-        if let Some(event) = self.events.dequeue() {
+        if let Some(event) = dequeue(&mut self.events) {
             self.scope.handle_event(&event);
             self.drive.handle_event(&event);
         }
@@ -163,10 +164,10 @@ impl<'m> Background<'_, 'm> {
     /// more seldom, after the frames that have arrived were given to [`node`](Self::node) and before those that it
     /// sends are taken from there.
     pub fn run(&mut self, now: u64) {
-        while let Some(status) = self.statuses.dequeue() {
+        while let Some(status) = dequeue(&mut self.statuses) {
             self.node.handle_status(status);
         }
-        while let Some(answer) = self.answers.dequeue() {
+        while let Some(answer) = dequeue(&mut self.answers) {
             self.keeper.take(answer);
         }
         while self.node.takes_scope_report()
@@ -185,21 +186,21 @@ impl<'m> Background<'_, 'm> {
 
     /// Moves what the tick has to get, as far as there is room.
     fn hand_over(&mut self) {
-        while self.events.ready()
+        while has_room(&self.events)
             && let Some(event) = self.node.poll_event()
         {
             // Room was just seen, and nobody else fills it.
-            let _ = self.events.enqueue(event);
+            let _ = enqueue(&mut self.events, event);
         }
         if !self.keeper.has_order()
             && let Some(request) = self.node.poll_scope()
         {
             self.keeper.handle(request);
         }
-        if self.orders.ready()
+        if has_room(&self.orders)
             && let Some(order) = self.keeper.poll_order()
         {
-            let _ = self.orders.enqueue(order);
+            let _ = enqueue(&mut self.orders, order);
         }
     }
 }

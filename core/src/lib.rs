@@ -20,6 +20,7 @@
 //!   master      the other end of the bus, for whatever commands a drive
 //!   eddycan     the TX-Driver, another device: eddyCAN on 11-bit identifiers
 //!   blocks      the drive's stations one by one, for whoever wants one of them alone
+//!   queue       what joins the two, without a way to panic
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
@@ -40,6 +41,7 @@ pub mod eddycan;
 pub mod master;
 pub mod motor;
 pub mod node;
+pub mod queue;
 pub mod recording;
 pub mod scope;
 pub mod storage;

@@ -4,7 +4,9 @@
 
 use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
-use narx_core::node::{Outputs, SlowInputs};
+#[cfg(feature = "update")]
+use narx_core::node::update;
+use narx_core::node::{Outputs, SelfTests, SlowInputs};
 
 /// The control interrupt's side.
 pub trait TickSide {
@@ -47,6 +49,19 @@ pub trait BackgroundSide {
 
     /// Sets the digital lines and the supply of the hall sensors.
     fn apply(&mut self, outputs: Outputs);
+
+    /// Whether the bridge may be needed at once, or is off: in Standby, Fault and before either. A board stops what only a turning motor needs, as far as
+    /// that is ready again before the next control tick has acted: comparators, amplifiers, a faster clock. Measuring goes on.
+    fn rest(&mut self, _is_at_rest: bool) {}
+
+    /// Does a piece of the tests that go on while the drive runs, about every 10 ms. All that have failed since power-up, those of boot included.
+    fn self_test(&mut self) -> SelfTests {
+        SelfTests::empty()
+    }
+
+    /// Does what the node asks for the slot of the bootloader, all of it before it returns: a page erased, a piece written.
+    #[cfg(feature = "update")]
+    fn serve_update(&mut self, request: &update::Request) -> update::Report;
 
     /// Puts off the watchdog's reset.
     fn feed_watchdog(&mut self);

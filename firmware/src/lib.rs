@@ -7,10 +7,13 @@
 //!                           └─────────────────────────┘
 //! ```
 //!
-//! [`shell`] holds what every board does alike and nothing about control; [`board`] says what a board gives; [`boards`]
-//! are the boards.
+//! [`shell`] holds what every board does alike and nothing about control; [`board`] says what a board gives; [`self_test`] is what boards
+//! test of themselves; [`boards`] are those that need no silicon, [`owned`] is how an interrupt gets what is its own. A board on silicon is a package
+//! of its own.
 #![no_std]
 
 pub mod board;
 pub mod boards;
+pub mod owned;
+pub mod self_test;
 pub mod shell;

@@ -5,7 +5,7 @@ use core::pin::pin;
 use core::sync::atomic::{AtomicU8, Ordering};
 use core::task::{Context, Waker};
 use narx_core::device;
-use narx_core::node::Action;
+use narx_core::node::{Action, ResetCause, SelfTests};
 use narx_core::storage::{Mailbox, Opened};
 
 /// Slow inputs are read this often, ms.
@@ -73,6 +73,7 @@ pub struct Background<'a, 'm, B> {
     ticks_per_inputs: u64,
     inputs_due: u64,
     seen: Option<u64>,
+    failed: SelfTests,
 }
 
 impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
@@ -87,6 +88,7 @@ impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
             ticks_per_inputs: INPUTS_MS * ticks_per_ms,
             inputs_due: 0,
             seen: None,
+            failed: SelfTests::empty(),
         }
     }
 
@@ -95,6 +97,13 @@ impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
     pub fn with_flash(mut self, mailbox: &'a Mailbox, opened: &Opened) -> Self {
         self.device.node().attach_storage(opened);
         Self { flash: Some(mailbox), ..self }
+    }
+
+    /// With the reason of the start, for whoever asks the node.
+    #[must_use]
+    pub fn with_reset_cause(mut self, cause: ResetCause) -> Self {
+        self.device.node().handle_reset_cause(cause);
+        self
     }
 
     /// Runs for ever.
@@ -123,8 +132,11 @@ impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
         self.read_inputs(now);
         self.device.run(now);
         self.serve_flash();
+        #[cfg(feature = "update")]
+        self.serve_update();
         self.send();
         self.board.apply(self.device.node().outputs());
+        self.board.rest(!self.device.node().status().state.is_driving());
         if let Some(Action::Reboot) = self.device.node().poll_action() {
             self.board.reboot();
         }
@@ -182,11 +194,24 @@ impl<'a, 'm, B: BackgroundSide> Background<'a, 'm, B> {
         }
     }
 
+    #[cfg(feature = "update")]
+    fn serve_update(&mut self) {
+        if let Some(request) = self.device.node().poll_update() {
+            let report = self.board.serve_update(&request);
+            self.device.node().handle_update(report);
+        }
+    }
+
     fn read_inputs(&mut self, now: u64) {
         if now >= self.inputs_due {
             self.inputs_due = now.saturating_add(self.ticks_per_inputs);
             let inputs = self.board.slow_inputs();
             self.device.node().handle_inputs(inputs);
+            let failed = self.board.self_test();
+            if failed != self.failed {
+                self.failed = failed;
+                self.device.node().handle_self_tests(failed);
+            }
         }
     }
 }

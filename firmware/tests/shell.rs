@@ -3,9 +3,10 @@
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive, XmlCommand};
 use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::device::Queues;
-use narx_core::dictionary::Parameters;
+use narx_core::dictionary::{Parameters, number};
+use narx_core::motor::fault::FaultWord;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};
-use narx_core::node::{Identity, Node, Outputs, SlowInputs};
+use narx_core::node::{Identity, Node, Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_core::storage::{Mailbox, Report, Request, Storage};
 use narx_firmware::board::{BackgroundSide, TickSide};
 use narx_firmware::shell::{Background, Control, INPUTS_MS, Progress};
@@ -32,6 +33,8 @@ struct Paper {
     fed: u64,
     reboots: u64,
     commands: Vec<PwmCommand>,
+    failed: SelfTests,
+    rests: Vec<bool>,
 }
 
 #[derive(Clone, Default)]
@@ -93,6 +96,17 @@ impl BackgroundSide for Side {
 
     fn apply(&mut self, _: Outputs) {}
 
+    fn rest(&mut self, is_at_rest: bool) {
+        let mut paper = self.0.borrow_mut();
+        if paper.rests.last() != Some(&is_at_rest) {
+            paper.rests.push(is_at_rest);
+        }
+    }
+
+    fn self_test(&mut self) -> SelfTests {
+        self.0.borrow().failed
+    }
+
     fn feed_watchdog(&mut self) {
         self.0.borrow_mut().fed += 1;
     }
@@ -107,9 +121,12 @@ fn run(ticks: u64, mut each: impl FnMut(u64, &mut Paper) -> bool) -> Side {
     let side = Side::default();
     let progress = Progress::new();
     let mut queues = Queues::new();
-    let (tick, device) = queues.power_up(Identity::default(), Board::BENCH, Parameters::new());
+    let mut parameters = Parameters::new();
+    parameters.set(number::HALL_ENABLE, 1).expect("a mode");
+    let (tick, device) = queues.power_up(Identity::default(), Board::BENCH, parameters);
     let mut control = Control::new(tick, side.clone(), &progress);
-    let mut background = Background::new(device, side.clone(), &progress);
+    let mut background =
+        Background::new(device, side.clone(), &progress).with_reset_cause(ResetCause::Watchdog);
     for number in 0..ticks {
         if each(number, &mut side.0.borrow_mut()) {
             control.interrupt();
@@ -255,4 +272,43 @@ fn off_the_bus_nothing_is_sent_and_control_goes_on() {
     assert_eq!(paper.discarded, 2_000, "what the controller holds is taken back");
     assert_eq!((paper.commands.len(), paper.fed), (6_000, 6_000));
     assert!(paper.sent.len() > 4, "back on the bus: {}", paper.sent.len());
+}
+
+/// Fault words and answers that were sent.
+fn messages(paper: &Paper) -> impl Iterator<Item = FromDrive> {
+    paper.sent.iter().filter_map(|frame| FromDrive::decode(frame).ok()).map(|(_, message)| message)
+}
+
+#[test]
+fn a_failed_self_test_is_a_fault_that_says_which_and_why_the_device_started_can_be_asked() {
+    let addresses = Node::new(Identity::default(), Board::BENCH).addresses();
+    for (from, number, value) in [(0, 303, 0b1), (0, 302, 4), (8_000, 303, 0b1001)] {
+        let side = run(10_000, |tick, paper| {
+            paper.failed = if tick < 7_000 { SelfTests::RAM } else { SelfTests::RAM | SelfTests::STACK };
+            if tick == 6_000.max(from) {
+                assert!(
+                    messages(paper).any(|message| matches!(message, FromDrive::CriticalFault { faults, .. } if faults == FaultWord::EMERGENCY_SHUTDOWN))
+                );
+                paper.sent.clear();
+                paper.arriving.push_back(ToDrive::RequestParameter { number }.encode(addresses));
+            }
+            true
+        });
+        let answer = FromDrive::Parameter { number, value, status: ParameterStatus::Done };
+        assert!(messages(&side.0.borrow()).any(|message| message == answer), "parameter {number}");
+    }
+}
+
+#[test]
+fn a_board_rests_until_the_motor_is_driven_and_when_it_is_no_more() {
+    let addresses = Node::new(Identity::default(), Board::BENCH).addresses();
+    let side = run(14_000, |tick, paper| {
+        if tick % 500 == 0 {
+            let mode = if (7_000..9_000).contains(&tick) { MotorMode::Drive } else { MotorMode::Standby };
+            paper.arriving.push_back(ToDrive::MotorCommand { speed: 500 }.encode(addresses));
+            paper.arriving.push_back(request(mode));
+        }
+        true
+    });
+    assert_eq!(side.0.borrow().rests, [true, false, true]);
 }

@@ -1,5 +1,6 @@
 """The virtual drive in the emulator, and a master on its bus: python-can's slcan through a TCP port."""
 
+import contextlib
 import os
 import socket
 import subprocess
@@ -18,7 +19,7 @@ PARAMETER_REQUEST, PARAMETER_SET, PARAMETER = 0x0AAD546E, 0x0AAD526E, 0x1552A86E
 LOG_DATA = 0x1552A88C
 REBOOT_ACKNOWLEDGED, STATUS_WORD, FAULT_WORD, MEASUREMENT_5 = 0x1552A865, 0x1552A803, 0x1552A804, 0x1552A8CD
 XML_DOWNLOAD_REQUEST, XML_DOWNLOAD_ANSWER, XML_DOWNLOAD_DATA = 0x0AAD5482, 0x1552A882, 0x1552A883
-STATE = 261
+STATE, RESET_CAUSE, FAILED_SELF_TESTS = 261, 302, 303
 
 
 class Master:
@@ -106,17 +107,34 @@ class Master:
 
 
 @pytest.fixture
-def master():
+def master(request):
+    """A test marked with `arguments` gives them to the image."""
+    marker = request.node.get_closest_marker("arguments")
+    with virtual_drive(*(marker.args if marker else ())) as bus:
+        yield Master(bus)
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "arguments(*words): what the image is started with")
+
+
+def virtual_drive(*arguments):
+    # They stand behind the image's own name in an option of the emulator.
+    return running(os.environ["NARX_QEMU"].replace(",arg=qemu", ",arg=".join([",arg=qemu", *arguments])))
+
+
+@contextlib.contextmanager
+def running(command):
+    """A bus of the image that a developer command knows how to start: one word a line, with {port} in it. It is killed at the end."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    # A command with {port} in it, from the developer command that knows how to start an image.
-    command = os.environ["NARX_QEMU"].replace("{port}", str(port)).split("\n")
-    emulator = subprocess.Popen(command, stdin=subprocess.DEVNULL)
+    words = command.replace("{port}", str(port)).split("\n")
+    emulator = subprocess.Popen(words, stdin=subprocess.DEVNULL)
     try:
         bus = connect(port, emulator)
         try:
-            yield Master(bus)
+            yield bus
         finally:
             bus.shutdown()
     finally:

@@ -49,11 +49,26 @@ pub enum Image {
     Plant,
     /// Measures how much stack the calls of a shell take.
     Stack,
+    /// Counts what a drive does between two sleeps in Standby.
+    Standby,
+    /// Swaps and verifies images in the slots, and enters one.
+    Bootloader,
+    /// The virtual drive in a slot.
+    Application,
 }
 
 impl Image {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Drive, Self::Replay, Self::Count, Self::Plant, Self::Stack];
+    pub const ALL: [Self; 8] = [
+        Self::Drive,
+        Self::Replay,
+        Self::Count,
+        Self::Plant,
+        Self::Stack,
+        Self::Standby,
+        Self::Bootloader,
+        Self::Application,
+    ];
 
     /// Its name, which is that of its file.
     pub const fn name(self) -> &'static str {
@@ -63,6 +78,9 @@ impl Image {
             Self::Count => "count",
             Self::Plant => "plant",
             Self::Stack => "stack",
+            Self::Standby => "standby",
+            Self::Bootloader => "bootloader",
+            Self::Application => "application",
         }
     }
 

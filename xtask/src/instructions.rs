@@ -28,6 +28,7 @@ const HEAD: &str = "\
 # loaded.NAME    what that scope of signals and a command in every third tick, as many as the bus can carry, add together
 # floor.NAME     every call of a bare tick by hand in C, without any of our features (xtask/floor/tick.c, -O3), fed with the speed of running.NAME
 # plant.NAME     every period of the simulated motor and power stage of the virtual drive
+# standby.period everything between two sleeps of a drive in Standby whose master speaks every 50 ms: control interrupt and background
 ";
 
 /// Builds the images and makes the golden file anew; with `check` nothing is written, and any other figure is a failure.
@@ -126,6 +127,7 @@ impl Counted {
         counted.read(&image(root, Image::Stack, &texts(&vectors))?)?;
         counted.read(&floor::run(root, running.millihertz)?)?;
         counted.read(&image(root, Image::Plant, &[])?)?;
+        counted.read(&image(root, Image::Standby, &[])?)?;
         Ok(counted)
     }
 

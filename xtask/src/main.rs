@@ -15,6 +15,7 @@ use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
+use xtask::proof;
 use xtask::sign;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
@@ -100,6 +101,12 @@ enum Job {
     Interop,
     /// Sign a program for the bootloader, or make a key
     Sign(sign::Arguments),
+    /// Prove what no linked program may contain, and make tests/golden/proof.toml anew: panics, floating point, stack, unsafe
+    Proof {
+        /// Write nothing; fail if a figure or a name is another one
+        #[arg(long)]
+        check: bool,
+    },
     /// Make tests/golden/ffi_sizes.toml and small_board.toml anew: flash, RAM and instructions of the C library, whole and by parts; flash of the
     /// core on a small board
     Sizes {
@@ -137,6 +144,7 @@ fn main() -> ExitCode {
         Job::Header { check } => header::command(root, check),
         Job::Interop => finish(interop::run(root)),
         Job::Archive => archive::command(root),
+        Job::Proof { check } => proof::command(root, check),
         Job::Sign(arguments) => sign::command(&arguments),
         Job::Sizes { check } => run_all(vec![
             Step::new("small board", move || small::regenerate(root, check)),
@@ -168,6 +176,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),
+        Step::new("proof", move || proof::regenerate(root, false)),
         Step::new("callgrind", move || callgrind::regenerate(root, false)),
         Step::new("small board", move || small::regenerate(root, false)),
         Step::new("C sizes", move || sizes::generate(root, false)),

@@ -54,6 +54,14 @@ pub fn with_serial_port(elf: &Path, arguments: &[impl AsRef<str>], port: &str) -
     emulator(Machine::Mps2M4, elf, arguments, &format!("tcp:127.0.0.1:{port},server=on,wait=on,nodelay=on"))
 }
 
+/// The same, with the file `flash` of 16 MB as the machine's PSRAM: what is written there is in the file when the emulator is gone, however it went.
+pub fn with_kept_flash(elf: &Path, port: &str, flash: &str) -> Command {
+    let mut command = with_serial_port(elf, &[] as &[&str], port);
+    let memory = format!("memory-backend-file,id=flash,size=16M,share=on,mem-path={flash}");
+    command.args(["-object", &memory, "-machine", "memory-backend=flash"]);
+    command
+}
+
 /// A closed run in which one instruction takes exactly 2^7 ns of the machine's time, whatever the host does.
 pub fn counting(elf: &Path, arguments: &[impl AsRef<str>]) -> Command {
     let mut command = semihosting(elf, arguments);

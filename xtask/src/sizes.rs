@@ -8,7 +8,7 @@ use crate::qemu::{self, Machine};
 use crate::steps::Outcome;
 use std::fmt::Write;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Largest difference from the golden figure, as a share of it, or as a few instructions: compilers and linkers round and pad differently.
@@ -130,13 +130,23 @@ fn calls(header: &str) -> Vec<String> {
     header.lines().filter(|line| !line.starts_with([' ', '#', '/'])).filter_map(name).collect()
 }
 
-/// Code and constants of a program that uses these calls.
-fn flash<'a>(
+/// Links a program of the calls of narx.h that `uses` has, with the library that is built; says where it is.
+///
+/// # Errors
+/// What the linker said.
+pub fn link(root: &Path, processor: Processor, uses: impl Fn(&str) -> bool) -> Result<PathBuf, String> {
+    let calls = calls(&read(&root.join("ffi/include/narx.h"))?);
+    program(root, processor, calls.iter().filter(|call| uses(call)))
+}
+
+fn program<'a>(
     root: &Path,
     processor: Processor,
     calls: impl Iterator<Item = &'a String> + Clone,
-) -> Result<u64, String> {
-    let program = target_directory(root).join("c/size.elf");
+) -> Result<PathBuf, String> {
+    let directory = target_directory(root).join("c");
+    fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
+    let program = directory.join("size.elf");
     let mut linker = Command::new(cross::COMPILER);
     linker.args(processor.options()).args(["-nostdlib", "-Wl,--gc-sections,-z,noexecstack"]);
     linker.args(calls.clone().map(|call| format!("-Wl,--undefined={call}")));
@@ -144,6 +154,16 @@ fn flash<'a>(
     // What the compiler needs of itself, on a processor that cannot divide.
     linker.arg(NARX.path(root, Some(processor))).arg("-lgcc").arg("-o").arg(&program);
     output(&mut linker)?;
+    Ok(program)
+}
+
+/// Code and constants of a program that uses these calls.
+fn flash<'a>(
+    root: &Path,
+    processor: Processor,
+    calls: impl Iterator<Item = &'a String> + Clone,
+) -> Result<u64, String> {
+    let program = program(root, processor, calls)?;
     let text = output(Command::new("arm-none-eabi-size").arg(&program))?;
     let figures = text.lines().nth(1).unwrap_or_default().split_whitespace();
     let figures: Vec<u64> = figures.map_while(|figure| figure.parse().ok()).collect();

@@ -275,3 +275,7 @@ pub const VIBRATION: u16 = 299;
 pub const SCOPE_INPUTS: u16 = 300;
 /// Scope words.
 pub const SCOPE_WORDS: u16 = 301;
+/// Reset cause.
+pub const RESET_CAUSE: u16 = 302;
+/// Failed self-tests.
+pub const FAILED_SELF_TESTS: u16 = 303;

@@ -8,7 +8,7 @@ use super::parameter::Kind::{I32, U16, U32};
 use super::parameter::Parameter;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Parameter; 46] = [
+pub(super) const OWN: [Parameter; 48] = [
     Parameter::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -264,4 +264,18 @@ pub(super) const OWN: [Parameter; 46] = [
         .factory(0)
         .read_only()
         .about("Words of 16 bits of the scope's record, which can be downloaded."),
+    Parameter::new(number::RESET_CAUSE, "Reset cause", Diagnostics, U16)
+        .range(0, 6)
+        .factory(0)
+        .read_only()
+        .about(
+            "Why the device started: 0 unknown, 1 power-up, 2 reset line, 3 requested, 4 watchdog, 5 program error, 6 supply dip.",
+        ),
+    Parameter::new(number::FAILED_SELF_TESTS, "Failed self-tests", Diagnostics, U16)
+        .range(0, 31)
+        .factory(0)
+        .read_only()
+        .about(
+            "Since power-up, any of which is fault bit 27: bit 0 RAM, bit 1 program, bit 2 clocks, bit 3 stack, bit 4 control ticks.",
+        ),
 ];

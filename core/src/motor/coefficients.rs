@@ -256,7 +256,7 @@ impl Builder<'_> {
 
     /// Rules between parameters.
     fn check(&mut self) {
-        let fastest = self.rate() * 60 / (TICKS_A_REVOLUTION_MIN * self.pole_pairs());
+        let fastest = self.rate() * 60 / (TICKS_A_REVOLUTION_MIN * self.pole_pairs()).max(1);
         for (low, high) in
             [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
         {
@@ -269,7 +269,7 @@ impl Builder<'_> {
         self.within(number::TEMPERATURE_WARNING, i32::MIN as i64, self.raw(number::OVER_TEMPERATURE) - 1);
         // A rotor at the smallest set-point must pass a sector within the time-out, twice over.
         let slowest = self.raw(number::SPEED_MIN_HES).max(1) * self.pole_pairs();
-        self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest), 6_000);
+        self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest).max(1), 6_000);
         if self.is_set(number::SENSORLESS_ENABLE) {
             self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION));
         }

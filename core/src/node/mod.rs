@@ -18,6 +18,7 @@
 mod broadcast;
 mod bulk;
 mod commands;
+mod condition;
 mod description;
 mod inputs;
 mod link;
@@ -34,6 +35,7 @@ pub mod update;
 
 pub use crate::description::Identity;
 use inputs::ACCELEROMETER;
+pub use condition::{ResetCause, SelfTests};
 pub use inputs::SlowInputs;
 
 use crate::bus::Frame;

@@ -45,6 +45,7 @@ impl Node {
             return Err(Refused);
         }
         match message {
+            ToDrive::RequestWord(word) if self.storing_forbids(word.mode) => return Err(Refused),
             #[cfg(feature = "update")]
             ToDrive::RequestWord(word) if self.update.forbids(word.mode) => return Err(Refused),
             ToDrive::RequestWord(word) => self.commands.request(word.mode, &self.parameters),

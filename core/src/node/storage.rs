@@ -1,7 +1,7 @@
 //! What the node asks of the flash, and what it makes of the answers.
 
 use super::Node;
-use crate::bus::narmotion::{FromDrive, ParameterStatus};
+use crate::bus::narmotion::{FromDrive, MotorMode, ParameterStatus};
 use crate::dictionary::number;
 use crate::motor::event::Health;
 use crate::motor::fault::FaultWord;
@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 
 /// Least time from one store to the next, ms: bounds the wear of the flash.
 const STORE_MS: u64 = 1000;
+/// A start that was asked for before the flash is written is in the status by then, ms.
+pub(super) const SETTLE_MS: u64 = 5;
 /// A flash that does not answer is looked for this often, ms.
 const OPEN_MS: u64 = 1000;
 
@@ -19,6 +21,8 @@ const OPEN_MS: u64 = 1000;
 pub(super) struct Flash {
     /// There is a shell that serves requests.
     attached: bool,
+    /// Storing would stop the control tick: never beside a motor that is driven.
+    at_rest_only: bool,
     /// The stored parameters are known: they were there at power-up, or came later.
     loaded: bool,
     health: Health,
@@ -58,6 +62,11 @@ impl Flash {
         self.health = health;
     }
 
+    /// What was noted last.
+    pub(super) const fn health(&self) -> Health {
+        self.health
+    }
+
     /// The flash is there and has our layout.
     pub(super) fn is_ready(&self) -> bool {
         let unusable = FaultWord::STORE_ABSENT.union(FaultWord::STORE_MISMATCH);
@@ -67,6 +76,11 @@ impl Flash {
     /// A write of 1 to this command is answered when the flash has answered.
     pub(super) fn answers_later(&self, number: u16) -> bool {
         self.storing.is_some_and(|storing| storing.command == Some(number))
+    }
+
+    /// [`Node::store_at_rest_only`].
+    const fn is_for_rest(&self) -> bool {
+        cfg!(feature = "code-flash") && self.at_rest_only
     }
 
     fn is_absent(&self) -> bool {
@@ -82,6 +96,13 @@ impl Node {
         self.flash.loaded = !opened.faults.contains(FaultWord::STORE_ABSENT);
         self.log.set_memory(opened.log);
         self.set_store_faults(opened.faults);
+    }
+
+    /// The flash is the one that the code runs from: while it is written no control tick runs, so storing is refused while the bridge is driven. At power-up,
+    /// after [`attach_storage`](Self::attach_storage).
+    #[cfg(feature = "code-flash")]
+    pub const fn store_at_rest_only(&mut self) {
+        self.flash.at_rest_only = true;
     }
 
     /// The next thing to ask of the flash; at most one request is under way. Without a flash there is none.
@@ -116,12 +137,27 @@ impl Node {
     /// A rising edge of parameter 256 or 257.
     pub(super) fn begin_store(&mut self, part: Part, number: u16) -> ParameterStatus {
         let flash = &self.flash;
-        let possible = flash.attached && !flash.is_absent() && flash.storing.is_none();
+        let possible = flash.attached && !flash.is_absent() && flash.storing.is_none() && self.may_store();
         if !possible || flash.now < flash.store_from {
             return ParameterStatus::Storage;
         }
         self.flash.storing = Some(Storing { part, command: Some(number) });
+        if self.flash.is_for_rest() {
+            self.flash.store_from = self.flash.now.saturating_add(self.ticks(SETTLE_MS));
+        }
         ParameterStatus::Done
+    }
+
+    /// The flash that the code runs from is written, or is about to be: no motor starts.
+    pub(super) fn storing_forbids(&self, mode: MotorMode) -> bool {
+        let Flash { asked, storing, .. } = self.flash;
+        let starts = matches!(mode, MotorMode::Drive | MotorMode::Reverse);
+        self.flash.is_for_rest() && starts && (asked || storing.is_some()) && !self.status.state.is_driving()
+    }
+
+    /// Whether a store would disturb nobody.
+    const fn may_store(&self) -> bool {
+        !self.flash.is_for_rest() || !self.status.state.is_driving()
     }
 
     /// Whether the factory set can be stored now; without a flash there is nothing to store it on.
@@ -137,6 +173,7 @@ impl Node {
     }
 
     fn next_request(&mut self) -> Option<Request> {
+        let may_store = self.may_store();
         let flash = &mut self.flash;
         if flash.is_absent() {
             // What comes with it may change everything: not under a motor that turns.
@@ -144,7 +181,7 @@ impl Node {
             let due = quiet && flash.now >= flash.open_from;
             return due.then_some(Request::Open);
         }
-        let now = flash.now >= flash.store_from;
+        let now = flash.now >= flash.store_from && may_store;
         if let Some(storing) = flash.storing.filter(|_| now) {
             return Some(Request::Store(self.parameters.clone(), storing.part));
         }

@@ -9,6 +9,7 @@
 
 use super::Node;
 use super::requests::Refused;
+use super::storage::SETTLE_MS;
 use crate::bus::narmotion::update::{
     BLOCK, ImageVersion, UpdateAnswer, UpdateCode, UpdateRequest, UpdateState, UpdateStatus,
 };
@@ -28,8 +29,6 @@ const SHORTEST: u32 = 520;
 const SILENCE_MS: u64 = 10_000;
 /// Without a confirmation for so long an image on trial restarts the drive, ms; the bootloader then takes the swap back.
 const TRIAL_MS: u64 = 60_000;
-/// A start that was asked for before the update is in the status by then, ms.
-const SETTLE_MS: u64 = 5;
 
 /// What the shell knows of the slots at power-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

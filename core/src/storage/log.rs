@@ -172,7 +172,7 @@ impl Log {
         buffers: &mut Buffers,
     ) -> Result<(), Failed> {
         let Some(done) = self.memory.erasing else {
-            let per_subsector = self.subsector / PAGE;
+            let per_subsector = (self.subsector / PAGE).max(1);
             let used = if self.memory.lost {
                 self.memory.subsectors
             } else {
@@ -185,15 +185,15 @@ impl Log {
         let Origin { first, erase, .. } = self.origin;
         if done < erase {
             // Up to the end of the ring at most, where it begins anew.
-            let at = (first + done) % self.memory.subsectors;
+            let at = (first + done) % self.memory.subsectors.max(1);
             let end = (at + erase - done).min(self.memory.subsectors);
             let rest = self.range.start + at * self.subsector..self.range.start + end * self.subsector;
             let piece = blank::next_piece(&rest);
             blank::erase(flash, piece.clone()).await?;
-            self.memory.erasing = Some(done + (piece.end - piece.start) / self.subsector);
+            self.memory.erasing = Some(done + (piece.end - piece.start) / self.subsector.max(1));
             return Ok(());
         }
-        let first = (first + erase) % self.memory.subsectors;
+        let first = (first + erase) % self.memory.subsectors.max(1);
         self.move_to(flash, pair, buffers, Origin { first, erase: 0, values: 0 }).await?;
         (self.memory.lost, self.memory.erasing, self.memory.written) = (false, None, 0);
         Ok(())
@@ -212,9 +212,9 @@ impl Log {
         Ok(())
     }
 
-    const fn address(&self, index: u32) -> u32 {
+    fn address(&self, index: u32) -> u32 {
         // Both below the number of records, which is far below 2^31.
-        let position = (self.origin.first * (self.subsector / PAGE) + index) % self.memory.records;
+        let position = (self.origin.first * (self.subsector / PAGE) + index) % self.memory.records.max(1);
         self.range.start + position * PAGE
     }
 

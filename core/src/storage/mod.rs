@@ -87,6 +87,8 @@ pub struct Opened {
 #[derive(Debug)]
 pub struct Storage<F> {
     flash: F,
+    /// There is no log, and no label before a map.
+    maps_only: bool,
     place: Option<Place>,
     buffers: Buffers,
 }
@@ -111,7 +113,12 @@ const LABEL_BYTES: usize = 16;
 impl<F: NorFlash> Storage<F> {
     /// Nothing is looked at before the first request, which is [`Request::Open`].
     pub const fn new(flash: F) -> Self {
-        Self { flash, place: None, buffers: Buffers::new() }
+        Self { flash, maps_only: false, place: None, buffers: Buffers::new() }
+    }
+
+    /// The same on a memory for the parameters alone ([`Layout::maps`]).
+    pub const fn of_maps(flash: F) -> Self {
+        Self { flash, maps_only: true, place: None, buffers: Buffers::new() }
     }
 
     /// Gives the flash back.
@@ -134,23 +141,23 @@ impl<F: NorFlash> Storage<F> {
             }
             Request::Append(entry) => {
                 let done = match &mut self.place {
-                    Some(Place { log, pair, .. }) => {
+                    Some(Place { log, pair, .. }) if !self.maps_only => {
                         log.append(&mut self.flash, pair, &mut self.buffers, &entry).await
                     }
-                    None => Err(Failed),
+                    _ => Err(Failed),
                 };
                 Report::Log { done: done.is_ok(), memory: self.memory() }
             }
             Request::Read(index) => {
                 let found = match &self.place {
-                    Some(place) => place.log.read(&mut self.flash, index).await,
-                    None => Err(Failed),
+                    Some(place) if !self.maps_only => place.log.read(&mut self.flash, index).await,
+                    _ => Err(Failed),
                 };
                 Report::Record(found.unwrap_or(None))
             }
             Request::Erase => {
                 let done = match &mut self.place {
-                    Some(Place { log, pair, labelled: true, .. }) => {
+                    Some(Place { log, pair, labelled: true, .. }) if !self.maps_only => {
                         log.erase(&mut self.flash, pair, &mut self.buffers).await
                     }
                     _ => Err(Failed),
@@ -165,11 +172,17 @@ impl<F: NorFlash> Storage<F> {
         self.open().await;
         let stored = self.store(parameters, Part::Set).await.is_ok();
         let Some(place) = &mut self.place else { return false };
+        if self.maps_only {
+            return stored;
+        }
         stored && place.log.begin(&mut self.flash, &place.pair, &mut self.buffers).await.is_ok()
     }
 
     fn memory(&self) -> Memory {
-        self.place.as_ref().map_or_else(Memory::default, |place| place.log.memory())
+        self.place
+            .as_ref()
+            .filter(|_| !self.maps_only)
+            .map_or_else(Memory::default, |place| place.log.memory())
     }
 
     async fn open(&mut self) -> Opened {
@@ -188,13 +201,19 @@ impl<F: NorFlash> Storage<F> {
     }
 
     async fn load(&mut self, opened: &mut Opened) -> Result<(), Failed> {
-        let Self { flash, place, buffers } = self;
+        let Self { flash, maps_only, place, buffers } = self;
         let capacity = u32::try_from(flash.capacity()).map_err(|_| Failed)?;
         let subsector = F::ERASE_SIZE as u32;
-        let layout = Layout::of(capacity, subsector).ok_or(Failed)?;
+        let layout = if *maps_only { Layout::maps } else { Layout::of };
+        let layout = layout(capacity, subsector).ok_or(Failed)?;
         let pair = Pair::of(&layout);
         let log = Log::new(layout.log.clone(), subsector);
         let place = place.insert(Place { layout, pair, log, labelled: false, unfit: false });
+        if *maps_only {
+            // Where nobody has stored yet, the first store makes the maps.
+            place.labelled = place.load_maps(flash, buffers, opened).await?;
+            return Ok(());
+        }
         opened.log = place.log.memory();
         let labels = [
             is_label(flash, &place.layout.primary.label, capacity).await?,
@@ -213,17 +232,7 @@ impl<F: NorFlash> Storage<F> {
                 write_label(flash, label, capacity).await?;
             }
         }
-        for (key, part) in [(Key::Set, Part::Set), (Key::Once, Part::Once)] {
-            let found = place.pair.read(flash, key, buffers).await?;
-            opened.repaired |= found.repaired;
-            if !found.present && part == Part::Set {
-                opened.faults |= FaultWord::STORE_MISMATCH;
-            }
-            if found.present && part.decode(buffers.body(), &mut opened.parameters).is_err() {
-                opened.faults |= FaultWord::STORE_VERSION;
-                place.unfit = true;
-            }
-        }
+        place.load_maps(flash, buffers, opened).await?;
         opened.repaired |= place.log.open(flash, &place.pair, buffers).await?;
         opened.log = place.log.memory();
         Ok(())
@@ -231,7 +240,7 @@ impl<F: NorFlash> Storage<F> {
 
     /// On a flash without a label the maps are made first and the labels last: a label says that everything is there.
     async fn store(&mut self, parameters: &Parameters, part: Part) -> Result<(), Failed> {
-        let Self { flash, place: Some(place), buffers } = self else { return Err(Failed) };
+        let Self { flash, place: Some(place), buffers, maps_only } = self else { return Err(Failed) };
         let Place { layout, pair, labelled, unfit, .. } = place;
         let one = core::slice::from_ref(&part);
         let parts = if *labelled && !*unfit { one } else { &[Part::Set, Part::Once] };
@@ -244,14 +253,38 @@ impl<F: NorFlash> Storage<F> {
             let key = if *part == Part::Set { Key::Set } else { Key::Once };
             pair.write(flash, key, buffers, |body| part.encode(parameters, body)).await?;
         }
-        if !*labelled {
+        if !*labelled && !*maps_only {
             let capacity = u32::try_from(flash.capacity()).map_err(|_| Failed)?;
             write_label(flash, &layout.primary.label, capacity).await?;
             write_label(flash, &layout.mirror.label, capacity).await?;
-            *labelled = true;
         }
-        *unfit = false;
+        (*labelled, *unfit) = (true, false);
         Ok(())
+    }
+}
+
+impl Place {
+    /// The stored parameters, and whether there is a set.
+    async fn load_maps<F: NorFlash>(
+        &mut self,
+        flash: &mut F,
+        buffers: &mut Buffers,
+        opened: &mut Opened,
+    ) -> Result<bool, Failed> {
+        let mut is_set = false;
+        for (key, part) in [(Key::Set, Part::Set), (Key::Once, Part::Once)] {
+            let found = self.pair.read(flash, key, buffers).await?;
+            opened.repaired |= found.repaired;
+            is_set |= found.present && part == Part::Set;
+            if found.present && part.decode(buffers.body(), &mut opened.parameters).is_err() {
+                opened.faults |= FaultWord::STORE_VERSION;
+                self.unfit = true;
+            }
+        }
+        if !is_set {
+            opened.faults |= FaultWord::STORE_MISMATCH;
+        }
+        Ok(is_set)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::firmware::{self, Image};
 use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
 use crate::test::rust::EMBEDDED;
-use crate::{install, instructions, qemu, small};
+use crate::{hangs, install, instructions, proof, qemu, slots, small};
 use std::path::Path;
 use std::process::Command;
 
@@ -32,6 +32,9 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::command(root, "image lints", "cargo", &LINTS),
         Step::new("small board", move || small::regenerate(root, true)),
         Step::new("instructions", move || instructions::regenerate(root, true)),
+        Step::new("proof", move || proof::regenerate(root, true)),
+        Step::new("watchdog", move || hangs::run(root)),
+        Step::new("slots", move || slots::make(root)),
         Step::new("virtual drive", move || drive(root)),
     ]
 }
@@ -49,16 +52,18 @@ fn drive(root: &Path) -> Outcome {
     let python = install::python_environment(&environment, &tests.join("requirements.txt"))?;
     // The tests choose the port, and start and end the emulator themselves.
     let emulator = qemu::with_serial_port(&Image::Drive.path(root), &[] as &[&str], "{port}");
-    let words: Vec<_> = [emulator.get_program()]
-        .into_iter()
-        .chain(emulator.get_args())
-        .map(|word| word.to_string_lossy())
-        .collect();
+    let words = |command: &Command| -> Vec<String> {
+        let words = [command.get_program()].into_iter().chain(command.get_args());
+        words.map(|word| word.to_string_lossy().into_owned()).collect()
+    };
+    let bootloader = qemu::with_kept_flash(&Image::Bootloader.path(root), "{port}", "{flash}");
     steps::run(
         Command::new(python)
             .args(["-m", "pytest", "--color=no", "-p", "no:cacheprovider"])
             .arg(&tests)
-            .env("NARX_QEMU", words.join("\n"))
+            .env("NARX_QEMU", words(&emulator).join("\n"))
+            .env("NARX_QEMU_BOOTLOADER", words(&bootloader).join("\n"))
+            .env("NARX_QEMU_SLOTS", slots::directory(root))
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )
 }

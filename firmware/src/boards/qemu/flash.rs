@@ -1,5 +1,6 @@
-//! The flash of the board: the simulated one, in RAM that a reset leaves alone, as slow as a real one.
+//! The flash of the board: the simulated one, in the PSRAM, which a reset leaves alone and the emulator can keep in a file; as slow as a real one.
 
+use super::slots;
 use core::future::poll_fn;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use core::task::Poll;
@@ -11,10 +12,8 @@ const BYTES: usize = 512 << 10;
 /// Length of a control tick, ns.
 const TICK_NS: u64 = 100_000;
 
-/// Start-up leaves this section as it is: a flash outlives a reset.
-// SAFETY: every bit pattern is a byte.
-#[unsafe(link_section = ".uninit.FLASH")]
-static mut MEMORY: [u8; BYTES] = [0; BYTES];
+/// In the PSRAM, behind the slots.
+const MEMORY: usize = slots::START + (8 << 20);
 static TAKEN: AtomicBool = AtomicBool::new(false);
 
 /// Control ticks since power-up, their low 32 bits.
@@ -23,6 +22,11 @@ static NOW: AtomicU32 = AtomicU32::new(0);
 /// Tells the flash the time.
 pub(super) fn set_now(tick: u64) {
     NOW.store(tick as u32, Ordering::Relaxed);
+}
+
+/// Control ticks since power-up, their low 32 bits.
+pub fn now() -> u64 {
+    NOW.load(Ordering::Relaxed).into()
 }
 
 /// The chip on the board.
@@ -40,9 +44,8 @@ impl Chip {
             return None;
         }
         TAKEN.store(true, Ordering::Relaxed);
-        let memory = &raw mut MEMORY;
-        // SAFETY: nobody else names the memory, and this point is reached once: no interrupt takes a chip.
-        let memory = unsafe { &mut *memory };
+        // SAFETY: bytes of the PSRAM that nobody else names, and this point is reached once: no interrupt takes a chip.
+        let memory = unsafe { core::slice::from_raw_parts_mut(MEMORY as *mut u8, BYTES) };
         Some(Self { model: Flash::new(KBYTE_512, memory, 0), timed: false, owed: 0 })
     }
 

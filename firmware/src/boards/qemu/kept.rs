@@ -1,6 +1,8 @@
-//! What outlives a reset: the adapter is a device of its own, and its channel stays open when the drive reboots.
+//! What outlives a reset: the adapter is a device of its own, and its channel stays open when the drive reboots; and why there was a reset,
+//! for which this machine has no register. It stands in a page of RAM that no image occupies, whichever version it is.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use super::register::Register;
+use narx_core::node::ResetCause;
 use narx_sim::can::slcan::{BITRATES, Channel, Settings};
 
 /// Above the settings; RAM that was never written holds something else.
@@ -10,10 +12,12 @@ const TIMESTAMPS: u32 = 1 << 7;
 const CHANNEL_SHIFT: u32 = 4;
 const BITRATE_MASK: u32 = 0xF;
 
-/// Start-up leaves this section as it is.
-// SAFETY: every bit pattern is a number.
-#[unsafe(link_section = ".uninit.KEPT")]
-static KEPT: AtomicU32 = AtomicU32::new(0);
+// SAFETY: a word of RAM that memory.x leaves to this.
+const KEPT: Register = unsafe { Register::new(0x203F_F000) };
+// SAFETY: another one.
+const CAUSE: Register = unsafe { Register::new(0x203F_F004) };
+// SAFETY: another one.
+const HANGING: Register = unsafe { Register::new(0x203F_F008) };
 
 /// Keeps `settings` for the time after a reset.
 pub(super) fn keep(settings: Settings) {
@@ -24,12 +28,12 @@ pub(super) fn keep(settings: Settings) {
     };
     let timestamps = if settings.timestamps { TIMESTAMPS } else { 0 };
     let bits = MARK | timestamps | channel << CHANNEL_SHIFT | u32::from(settings.bitrate);
-    KEPT.store(bits, Ordering::Relaxed);
+    KEPT.write(bits);
 }
 
 /// What was kept before the reset, or the settings of power-up.
 pub fn settings() -> Settings {
-    let bits = KEPT.load(Ordering::Relaxed);
+    let bits = KEPT.read();
     let bitrate = bits & BITRATE_MASK;
     if bits & MARK_MASK != MARK || bitrate as usize >= BITRATES.len() {
         return Settings::default();
@@ -40,4 +44,48 @@ pub fn settings() -> Settings {
         _ => Channel::Open,
     };
     Settings { bitrate: bitrate as u8, channel, timestamps: bits & TIMESTAMPS != 0 }
+}
+
+/// Above the cause of the next reset.
+const CAUSE_MARK: u32 = 0x6E61_7800;
+const CAUSES: [ResetCause; 4] =
+    [ResetCause::Unknown, ResetCause::Requested, ResetCause::Watchdog, ResetCause::Program];
+
+/// Whoever is about to end the program says why.
+pub fn note_cause(cause: ResetCause) {
+    let index = CAUSES.iter().position(|known| *known == cause).unwrap_or(0);
+    CAUSE.write(CAUSE_MARK | index as u32);
+}
+
+/// Why the program started; asked once. Without a note in RAM it had no power before.
+pub fn take_cause() -> ResetCause {
+    let bits = CAUSE.read();
+    note_cause(ResetCause::Unknown);
+    if bits & MARK_MASK != CAUSE_MARK {
+        HANGING.write(0);
+        return ResetCause::PowerUp;
+    }
+    CAUSES.get((bits & !MARK_MASK) as usize).copied().unwrap_or_default()
+}
+
+/// From now on milliseconds are counted until [`take_hanging`], also beyond a reset.
+pub(super) fn begin_hanging() {
+    if HANGING.read() == 0 {
+        HANGING.write(1);
+    }
+}
+
+/// A millisecond has passed.
+pub(super) fn count_hanging() {
+    let count = HANGING.read();
+    if count > 0 {
+        HANGING.write(count + 1);
+    }
+}
+
+/// Milliseconds that something has hung before the reset.
+pub fn take_hanging() -> u32 {
+    let count = HANGING.read();
+    HANGING.write(0);
+    count.saturating_sub(1)
 }

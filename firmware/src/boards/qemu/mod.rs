@@ -9,18 +9,20 @@
 
 pub mod flash;
 pub mod instructions;
-mod kept;
-mod owned;
+pub mod kept;
 pub mod pace;
+pub mod program;
 mod register;
 pub mod semihosting;
+pub mod slots;
 pub mod stack;
+pub mod trouble;
 pub mod uart;
+mod vectors;
 pub mod watchdog;
 pub mod world;
 
-pub use kept::settings as kept_settings;
-pub use owned::Owned;
+pub use crate::owned::Owned;
 
 use panic_semihosting as _;
 

@@ -1,5 +1,6 @@
 //! Keeps simulated time from running ahead of the clock on the wall.
 
+use super::kept;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -14,6 +15,21 @@ const LATE_MAX: u64 = 20;
 /// The body of the system timer's interrupt.
 pub fn count_millisecond() {
     MILLISECONDS.fetch_add(1, Ordering::Relaxed);
+    kept::count_hanging();
+}
+
+/// Milliseconds since power-up, wrapping.
+pub fn milliseconds() -> u32 {
+    MILLISECONDS.load(Ordering::Relaxed)
+}
+
+/// Counts a millisecond where the system timer's interrupt does not come.
+pub fn look_for_millisecond() {
+    const COUNT_FLAG: u32 = 1 << 16;
+    // SAFETY: reading the register is one access of the bus, and clears the flag, for which nobody else looks.
+    if unsafe { (*SYST::PTR).csr.read() } & COUNT_FLAG != 0 {
+        count_millisecond();
+    }
 }
 
 /// Compares ticks with milliseconds since an instant at which both were together.

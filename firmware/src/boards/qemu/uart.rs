@@ -5,6 +5,7 @@ use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
 use heapless::Deque;
 use heapless::spsc::{Consumer, Producer, Queue};
+use narx_core::queue::{dequeue, enqueue, has_room};
 
 /// Number of the interrupt: a byte was received.
 pub const RECEIVED: u16 = 0;
@@ -71,7 +72,7 @@ impl Uart {
 
     /// The next byte that has arrived.
     pub fn read(&mut self) -> Option<u8> {
-        let byte = self.incoming.dequeue();
+        let byte = dequeue(&mut self.incoming);
         if byte.is_none() {
             // A full queue leaves its next byte in the UART, and no interrupt comes for it again.
             NVIC::pend(Received);
@@ -111,9 +112,9 @@ impl Receiver {
     pub fn interrupt(&mut self) {
         // First, for a byte that comes while the others are read must ask again.
         INTERRUPT_CLEAR.write(RECEIVE_INTERRUPT);
-        while self.incoming.ready() && STATE.read() & RECEIVE_FULL != 0 {
+        while has_room(&self.incoming) && STATE.read() & RECEIVE_FULL != 0 {
             // Room was just seen.
-            let _ = self.incoming.enqueue(DATA.read() as u8);
+            let _ = enqueue(&mut self.incoming, DATA.read() as u8);
         }
     }
 }

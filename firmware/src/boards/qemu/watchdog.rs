@@ -9,18 +9,18 @@ const CONTROL: Register = unsafe { Register::new(0x4000_8008) };
 // SAFETY: the same watchdog.
 const INTERRUPT_CLEAR: Register = unsafe { Register::new(0x4000_800C) };
 
-/// Counts of the 25 MHz clock, four seconds of the host's time: an emulator may have to wait for a busy host.
-const PERIOD: u32 = 4 * super::CLOCK_HZ;
+/// Half of what it waits for, ms of the host's time, unless it is told another: an emulator may have to wait for a busy host.
+pub const PERIOD_MS: u32 = 4000;
 /// Counting with interrupt, and reset at the second time.
 const ENABLE: u32 = 0b11;
 
-/// The watchdog, running: it resets eight seconds after it was last fed.
+/// The watchdog, running: it interrupts a period after it was last fed, and resets after another one.
 pub struct Watchdog(());
 
 impl Watchdog {
-    /// Starts it.
-    pub fn start() -> Self {
-        LOAD.write(PERIOD);
+    /// Starts it with a period of so many milliseconds, at most 171 000.
+    pub fn start(period_ms: u32) -> Self {
+        LOAD.write((super::CLOCK_HZ / 1000).saturating_mul(period_ms));
         CONTROL.write(ENABLE);
         Self(())
     }

@@ -1,16 +1,24 @@
 //! The two sides of the board: a simulated motor and power stage, and an slcan adapter on the serial port.
 
 use super::pace::Pace;
+use super::slots::Slots;
+use super::trouble::{Task, Trouble};
 use super::uart::Uart;
 use super::watchdog::Watchdog;
-use super::{kept, stack};
+use super::{kept, pace, program, stack};
 use crate::board::{BackgroundSide, TickSide};
+use crate::self_test::clock::{TickMonitor, Tolerance};
+use crate::self_test::walk::Walk;
 use cortex_m::peripheral::SCB;
 use cortex_m_semihosting::hprintln;
 use heapless::spsc::{Consumer, Producer};
+use narx_boot::Server;
+use narx_core::bus::narmotion::update::UpdateCode;
 use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
-use narx_core::node::{Outputs, SlowInputs};
+use narx_core::node::update;
+use narx_core::node::{Outputs, ResetCause, SelfTests, SlowInputs};
+use narx_core::queue::{dequeue, enqueue};
 use narx_sim::can::slcan::{Adapter, LINE_MAX};
 use narx_sim::plant::Plant;
 
@@ -20,6 +28,10 @@ const BITRATE: u32 = 500_000;
 const FRAME_TICKS: u64 = 3;
 /// Control ticks a millisecond.
 const TICKS_PER_MS: u64 = 10;
+/// Control ticks a second.
+const TICK_RATE: u32 = 10_000;
+/// The walk over the program takes this much at a time: a second for the whole image.
+const WALK_BYTES: usize = 4096;
 /// The stack is looked at this often, ticks: every ten seconds of the drive.
 const STACK_TICKS: u64 = 100_000;
 
@@ -29,16 +41,22 @@ pub struct Period {
     pub samples: Consumer<'static, Samples>,
     /// To the plant.
     pub commands: Producer<'static, PwmCommand>,
+    /// Trouble on order.
+    pub trouble: Option<Trouble>,
 }
 
 impl TickSide for Period {
     fn samples(&mut self) -> Option<Samples> {
-        self.samples.dequeue()
+        let samples = dequeue(&mut self.samples)?;
+        if let Some(trouble) = self.trouble {
+            trouble.meet(Task::Control, samples.tick);
+        }
+        Some(samples)
     }
 
     fn apply(&mut self, command: &PwmCommand) {
         // The plant has taken the one before, or it would not have sampled again.
-        let _ = self.commands.enqueue(*command);
+        let _ = enqueue(&mut self.commands, *command);
     }
 }
 
@@ -62,6 +80,40 @@ pub struct World {
     pub stack: usize,
     /// When a bus would have taken what was sent, ticks: the serial line is faster than one.
     pub bus_free_at: u64,
+    /// Tests that go on.
+    pub tests: Tests,
+    /// Trouble on order.
+    pub trouble: Option<Trouble>,
+    /// Writes the slots, where there is a bootloader that looks at them.
+    pub server: Option<Server<Slots>>,
+}
+
+/// What this board tests of itself. It has no second clock: all that count in the emulator count the same time, so there is no test of clocks at boot; and
+/// as a busy host may slow the motor down, control ticks are watched for being too fast only.
+pub struct Tests {
+    failed: SelfTests,
+    walk: Walk,
+    monitor: TickMonitor,
+}
+
+impl Tests {
+    /// At boot; `is_ram_sound` was found as early as possible.
+    pub fn boot(is_ram_sound: bool) -> Self {
+        const TOLERANCE: Tolerance = Tolerance { slow: 1000, fast: 20 };
+        Self {
+            failed: if is_ram_sound { SelfTests::empty() } else { SelfTests::RAM },
+            walk: Walk::new(program::program()),
+            monitor: TickMonitor::new(TICK_RATE, 1000, TOLERANCE, 1000, pace::milliseconds()),
+        }
+    }
+
+    fn step(&mut self, ticks: u64) -> SelfTests {
+        self.failed
+            .set(SelfTests::STACK, self.failed.contains(SelfTests::STACK) || !stack::is_end_untouched());
+        self.failed.set(SelfTests::FLASH, !self.walk.step(program::program(), WALK_BYTES));
+        self.failed.set(SelfTests::TICK, !self.monitor.step(ticks, pace::milliseconds()));
+        self.failed
+    }
 }
 
 impl World {
@@ -70,6 +122,12 @@ impl World {
         if used > self.stack {
             self.stack = used;
             hprintln!("stack: {} bytes used at most", used);
+        }
+    }
+
+    fn meet(&self, task: Task) {
+        if let Some(trouble) = self.trouble {
+            trouble.meet(task, self.plant.tick());
         }
     }
 
@@ -85,12 +143,14 @@ impl BackgroundSide for World {
 
     fn wait(&mut self) {
         // There is room: the interrupt takes samples as soon as they are there.
-        let _ = self.samples.enqueue(self.plant.sample());
-        SCB::set_pendsv();
+        let _ = enqueue(&mut self.samples, self.plant.sample());
+        if !self.trouble.is_some_and(|trouble| trouble.has(Task::NoControl, self.plant.tick())) {
+            SCB::set_pendsv();
+        }
         // The interrupt strikes here.
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
-        let command = self.commands.dequeue().unwrap_or_default();
+        let command = dequeue(&mut self.commands).unwrap_or_default();
         self.plant.finish_period(&command);
         self.uart.pump();
         let tick = self.plant.tick();
@@ -102,6 +162,7 @@ impl BackgroundSide for World {
     }
 
     fn receive(&mut self) -> Option<Frame> {
+        self.meet(Task::Can);
         while let Some(byte) = self.uart.read() {
             let Some(answer) = self.adapter.handle_byte(byte) else { continue };
             kept::keep(self.adapter.settings());
@@ -140,11 +201,33 @@ impl BackgroundSide for World {
     fn discard_frames(&mut self) {}
 
     fn slow_inputs(&mut self) -> SlowInputs {
+        self.meet(Task::Background);
         self.plant.slow_inputs()
     }
 
     fn apply(&mut self, outputs: Outputs) {
         self.plant.set_outputs(outputs);
+    }
+
+    fn self_test(&mut self) -> SelfTests {
+        let tick = self.plant.tick();
+        if self
+            .trouble
+            .is_some_and(|trouble| trouble.after.abs_diff(tick) < 50 && trouble.has(Task::Program, tick))
+        {
+            program::spoil();
+        }
+        if self.trouble.is_some_and(|trouble| trouble.has(Task::Stack, tick)) {
+            stack::spoil();
+        }
+        self.tests.step(self.plant.tick())
+    }
+
+    fn serve_update(&mut self, request: &update::Request) -> update::Report {
+        match &mut self.server {
+            Some(server) => server.execute(request),
+            None => update::Report::Failed(UpdateCode::Flash),
+        }
     }
 
     fn feed_watchdog(&mut self) {
@@ -154,6 +237,7 @@ impl BackgroundSide for World {
     fn reboot(&mut self) {
         // The acknowledgement leaves first.
         while self.uart.pump() {}
+        kept::note_cause(ResetCause::Requested);
         SCB::sys_reset();
     }
 }

@@ -1,0 +1,57 @@
+//! What a device has found out about itself: why it started, and which self-tests it failed.
+
+use super::Node;
+use crate::dictionary::number;
+use crate::motor::event::Health;
+use bitflags::bitflags;
+
+/// Why the device started (parameter 302).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ResetCause {
+    /// The board cannot tell.
+    #[default]
+    Unknown = 0,
+    /// The supply came.
+    PowerUp = 1,
+    /// The reset line.
+    Pin = 2,
+    /// The master's REBOOT, or an update.
+    Requested = 3,
+    /// Control, CAN or background stood still.
+    Watchdog = 4,
+    /// The program came to where it must not: a fault of the processor, or a panic.
+    Program = 5,
+    /// The supply dipped.
+    Supply = 6,
+}
+
+bitflags! {
+    /// Self-tests (parameter 303).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct SelfTests: u16 {
+        /// RAM, at boot.
+        const RAM = 1 << 0;
+        /// The program in its flash, at boot and all the time.
+        const FLASH = 1 << 1;
+        /// Two clocks of the board against each other, at boot.
+        const CLOCK = 1 << 2;
+        /// The end of the stack is untouched, all the time.
+        const STACK = 1 << 3;
+        /// Control ticks against another clock, all the time.
+        const TICK = 1 << 4;
+    }
+}
+
+impl Node {
+    /// Takes the cause of the start, at power-up.
+    pub fn handle_reset_cause(&mut self, cause: ResetCause) {
+        self.put(number::RESET_CAUSE, cause as i32);
+    }
+
+    /// Takes the self-tests that have failed since power-up, when there are more: any is fault bit 27, and the drive does not start.
+    pub fn handle_self_tests(&mut self, failed: SelfTests) {
+        self.put(number::FAILED_SELF_TESTS, failed.bits().into());
+        let health = Health { self_test_failed: !failed.is_empty(), ..self.flash.health() };
+        self.handle_health(health);
+    }
+}

@@ -1,0 +1,26 @@
+//! Gives the linker the memory and the layout of each image, when images are what is built.
+
+use std::path::Path;
+use std::{env, fs};
+
+/// What an image may use of the memory. The linker looks for `memory.x` in folders, so each has one of its own.
+const IMAGES: [(&str, &str); 3] = [("drive", "memory.x"), ("bare", "memory.x"), ("boot", "boot.x")];
+
+fn main() -> std::io::Result<()> {
+    println!("cargo::rerun-if-changed=build.rs");
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
+        return Ok(());
+    }
+    let out = env::var("OUT_DIR").map_err(std::io::Error::other)?;
+    for (image, memory) in IMAGES {
+        println!("cargo::rerun-if-changed={memory}");
+        let folder = Path::new(&out).join(image);
+        fs::create_dir_all(&folder)?;
+        fs::copy(memory, folder.join("memory.x"))?;
+        // The layout of cortex-m-rt, without padding between its sections and the pages of a file that nobody maps.
+        println!("cargo::rustc-link-arg-bin={image}=-L{}", folder.display());
+        println!("cargo::rustc-link-arg-bin={image}=-Tlink.x");
+        println!("cargo::rustc-link-arg-bin={image}=--nmagic");
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! The chip's registers (RM0440), a part a file. `unsafe` stands in `memory` and `reset` alone, where addresses become bytes.
+
+pub mod background;
+pub mod capture;
+pub mod clock;
+pub mod converter;
+pub mod fdcan;
+pub mod memory;
+pub mod ports;
+pub mod power_stage;
+pub mod reset;
+pub mod tick;
+pub mod watchdog;
+
+use cortex_m::peripheral::NVIC;
+use stm32_metapac::Interrupt;
+
+/// Interrupts by urgency: commutations strike any other; frames wait for a control tick.
+const URGENCY: [(Interrupt, u8); 3] =
+    [(Interrupt::TIM4, 0x00), (Interrupt::ADC1_2, 0x10), (Interrupt::FDCAN1_IT0, 0x20)];
+
+/// Clocks, pins, peripherals, with the gates off. Interrupts come with [`listen`].
+pub fn start() {
+    watchdog::start();
+    clock::start();
+    ports::start();
+    power_stage::start();
+    capture::start();
+    converter::start();
+    fdcan::start();
+}
+
+/// What a bootloader needs: the watchdog, which goes on into the application, and the LED. The clock stays the internal one of 16 MHz, which cannot fail.
+pub fn start_for_boot() {
+    watchdog::start_slow();
+    ports::start_led();
+}
+
+/// There is no image to enter: the LED flickers until somebody programs one.
+pub fn stay() -> ! {
+    loop {
+        watchdog::feed();
+        ports::toggle_led();
+        // 0.1 s at 16 MHz.
+        cortex_m::asm::delay(1_600_000);
+    }
+}
+
+/// Lets the interrupts in: what they own has been given to them.
+pub fn listen(nvic: &mut NVIC) {
+    for (interrupt, urgency) in URGENCY {
+        reset::enable(nvic, interrupt, urgency);
+    }
+    power_stage::run();
+}
+
+/// Waits for a flag that hardware sets. One that never comes ends in the watchdog's reset, with the gates off.
+fn wait_for(flag: impl Fn() -> bool) {
+    while !flag() {}
+}

@@ -1,0 +1,25 @@
+//! The flash: who stands where is the bootloader's to say ([`MAP`]); where it is in the address space, and how it is written, the chip's.
+//!
+//! ```text
+//!  0        24 K           70 K              118 K   120 K      128 K
+//!  | boot   | active       | dfu             | state | parameters |
+//!  | loader | header, code | its successor   |       | map, map   |
+//! ```
+
+use narx_boot::Map;
+
+/// The slots, in bytes from [`START`].
+pub const MAP: Map = Map::B_G431B_ESC1;
+/// Which images are for this board: B-G431B-ESC1, first of its kind.
+pub const HARDWARE: u32 = 0x4731_0001;
+
+/// Where the flash stands in the address space (DS12589, section 4).
+pub const START: u32 = 0x0800_0000;
+/// Its size, bytes.
+pub const SIZE: u32 = 128 << 10;
+/// The smallest unit of erasing, bytes (RM0440, section 3.3.1: category 2 devices).
+pub const PAGE: u32 = 2 << 10;
+/// What is programmed at once, bytes: with eight bits of ECC, once between two erases.
+pub const WORD: u32 = 8;
+
+const _: () = assert!(MAP.parameters.end == SIZE);

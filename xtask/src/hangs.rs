@@ -1,0 +1,70 @@
+//! What the watchdog of the virtual drive does about tasks that hang: each is told to, in a closed run on the machine's own time.
+
+use crate::firmware::Image;
+use crate::qemu;
+use crate::steps::Outcome;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Stdio};
+
+/// What can hang (`firmware/src/boards/qemu/trouble.rs`), with what that is.
+const TASKS: [(&str, &str); 5] = [
+    ("no-control", "the control interrupt does not come"),
+    ("control", "the control interrupt does not end"),
+    ("can", "sending and receiving hangs"),
+    ("background", "reading the slow inputs hangs"),
+    ("flash", "serving the flash hangs"),
+];
+/// The watchdog interrupts after this time, and resets after another.
+const PERIOD_MS: u32 = 500;
+/// Two rounds of the background, in which it may have been fed once more; they are slow where every instruction takes 128 ns.
+const ROUNDS_MS: u32 = 25;
+
+/// Lets every task hang. A line for each: when the reset came.
+///
+/// # Errors
+/// No reset, a late one, or one for another reason.
+pub fn run(root: &Path) -> Outcome {
+    TASKS.iter().map(|(task, what)| hang(root, task, what)).collect()
+}
+
+fn hang(root: &Path, task: &str, what: &str) -> Result<String, String> {
+    let period = PERIOD_MS.to_string();
+    let arguments = ["--watchdog", &period, "--trouble", task, "--after", "300"];
+    let mut emulator = Emulator::start(&mut qemu::counting(&Image::Drive.path(root), &arguments))?;
+    let line = emulator.line_with("reset: ").ok_or(format!("{task}: no reset"))?;
+    let words: Vec<&str> = line.split([' ', ',']).filter(|word| !word.is_empty()).collect();
+    let &["reset:", "Watchdog", ms, "ms", ..] = words.as_slice() else {
+        return Err(format!("{task}: {line}"));
+    };
+    let ms: u32 = ms.parse().map_err(|_| format!("{task}: {line}"))?;
+    if (PERIOD_MS..=2 * PERIOD_MS + ROUNDS_MS).contains(&ms) {
+        Ok(format!("{what}: reset after {ms} ms with a watchdog of 2 x {PERIOD_MS} ms"))
+    } else {
+        Err(format!("{task}: reset after {ms} ms with a watchdog of 2 x {PERIOD_MS} ms"))
+    }
+}
+
+/// A run that would go on for ever.
+struct Emulator(Child);
+
+impl Emulator {
+    fn start(command: &mut std::process::Command) -> Result<Self, String> {
+        let child = command.stdout(Stdio::piped()).spawn();
+        child.map(Self).map_err(|error| format!("{}: {error}", qemu::PROGRAM))
+    }
+
+    /// The first line with `text`.
+    fn line_with(&mut self, text: &str) -> Option<String> {
+        let output = BufReader::new(self.0.stdout.take()?);
+        output.lines().map_while(Result::ok).find(|line| line.contains(text))
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        // It may have ended, and then there is nothing to do.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}

@@ -1,0 +1,351 @@
+//! A linked program as its disassembler shows it: functions, who calls whom, and what each does to the stack.
+
+use crate::driven::output;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::process::Command;
+
+/// Comes with the compiler for C.
+const DISASSEMBLER: &str = "arm-none-eabi-objdump";
+
+/// A function.
+#[derive(Debug, Default)]
+pub(super) struct Function {
+    /// As in the source; generic ones share a name.
+    pub(super) name: String,
+    /// Starts of the functions that it calls or goes on in.
+    pub(super) calls: BTreeSet<u32>,
+    /// It calls what a register points at.
+    pub(super) calls_any: bool,
+    /// Numbers in its code that may be addresses.
+    pub(super) addresses: BTreeSet<u32>,
+    /// Bytes by which it lowers the stack pointer at most; `None` if that depends on a register.
+    pub(super) frame: Option<u32>,
+    /// Its first instruction on the registers of floating point, if only to copy.
+    pub(super) float: Option<String>,
+}
+
+/// Functions by their starts.
+#[derive(Debug, Default)]
+pub(super) struct Code {
+    /// Every one, those of the compiler's library included.
+    pub(super) functions: BTreeMap<u32, Function>,
+    /// Functions whose addresses stand in constants: tables of methods, vectors.
+    pub(super) tables: BTreeSet<u32>,
+}
+
+impl Code {
+    /// Disassembles a program of a Cortex-M.
+    ///
+    /// # Errors
+    /// What the disassembler said.
+    pub(super) fn read(elf: &Path) -> Result<Self, String> {
+        let mut objdump = Command::new(DISASSEMBLER);
+        let text = output(objdump.args(["--disassemble", "--demangle", "--no-show-raw-insn"]).arg(elf))?;
+        let mut code = Self::parse(&text);
+        let mut objdump = Command::new(DISASSEMBLER);
+        let constants = output(objdump.args(["--full-contents"]).arg(elf))?;
+        code.tables = words(&constants).filter_map(|word| code.entry(word)).collect();
+        if code.functions.is_empty() { Err(format!("{}: no functions", elf.display())) } else { Ok(code) }
+    }
+
+    fn parse(text: &str) -> Self {
+        let mut functions = BTreeMap::new();
+        let mut at = None;
+        for line in text.lines() {
+            if let Some((start, name)) = head(line) {
+                let function = Function { name: name.to_owned(), frame: Some(0), ..Function::default() };
+                functions.insert(start, function);
+                at = Some((start, BTreeMap::new()));
+            } else if let Some((start, halves)) = &mut at
+                && let Some((operation, operands)) = instruction(line)
+                && let Some(function) = functions.get_mut(start)
+            {
+                function.take(operation, operands, halves);
+            }
+        }
+        let mut code = Self { functions, tables: BTreeSet::new() };
+        code.resolve();
+        code
+    }
+
+    /// Branches to places inside of functions become calls of these, those inside of one's own nothing.
+    fn resolve(&mut self) {
+        let starts: Vec<u32> = self.functions.keys().copied().collect();
+        let start = |place: u32| starts[..starts.partition_point(|start| *start <= place)].last().copied();
+        for (at, function) in &mut self.functions {
+            let places = std::mem::take(&mut function.calls);
+            function.calls = places.into_iter().filter_map(start).filter(|called| called != at).collect();
+        }
+    }
+
+    /// The function that a pointer of this value enters: its lowest bit says that it is Thumb code.
+    fn entry(&self, pointer: u32) -> Option<u32> {
+        (pointer & 1 == 1 && self.functions.contains_key(&(pointer - 1))).then(|| pointer - 1)
+    }
+
+    /// Starts of the functions whose names satisfy `is`.
+    pub(super) fn named(&self, is: impl Fn(&str) -> bool) -> Vec<u32> {
+        self.functions.iter().filter(|(_, function)| is(&function.name)).map(|(at, _)| *at).collect()
+    }
+
+    /// What may run once one of `roots` does. A call of a pointer may go to every function whose address stands in a constant, or in the code of
+    /// what may run.
+    /// A function whose name `ends` is where it stops.
+    pub(super) fn reachable(&self, roots: &[u32], ends: impl Fn(&str) -> bool) -> BTreeMap<u32, &Function> {
+        let mut reached = BTreeMap::new();
+        let mut open = roots.to_vec();
+        let (mut any, mut pointed) = (false, Vec::new());
+        while let Some(at) = open.pop() {
+            let Some(function) = self.functions.get(&at).filter(|_| !reached.contains_key(&at)) else {
+                continue;
+            };
+            reached.insert(at, function);
+            if ends(&function.name) {
+                continue;
+            }
+            open.extend(&function.calls);
+            pointed.extend(function.addresses.iter().filter_map(|address| self.entry(*address)));
+            if function.calls_any && !any {
+                any = true;
+                open.extend(&self.tables);
+            }
+            if any {
+                open.append(&mut pointed);
+            }
+        }
+        reached
+    }
+
+    /// Most bytes of stack below the caller of the function at `root`.
+    ///
+    /// # Errors
+    /// There is no bound: a name that calls itself, a pointer, or lowers the stack by a register.
+    pub(super) fn stack(&self, root: u32, ends: &dyn Fn(&str) -> bool) -> Result<u32, String> {
+        self.stack_below(root, ends, &mut BTreeMap::new(), &mut Vec::new())
+    }
+
+    fn stack_below(
+        &self,
+        at: u32,
+        ends: &dyn Fn(&str) -> bool,
+        known: &mut BTreeMap<u32, u32>,
+        path: &mut Vec<u32>,
+    ) -> Result<u32, String> {
+        if let Some(bytes) = known.get(&at) {
+            return Ok(*bytes);
+        }
+        let Some(function) = self.functions.get(&at).filter(|function| !ends(&function.name)) else {
+            return Ok(0);
+        };
+        if path.contains(&at) {
+            return Err(format!("{} may come back to itself", function.name));
+        }
+        if function.calls_any {
+            return Err(format!("{} calls what a register points at", function.name));
+        }
+        let frame = function.frame.ok_or_else(|| format!("{}: a frame of no fixed size", function.name))?;
+        path.push(at);
+        let mut deepest = 0;
+        for called in &function.calls {
+            deepest = deepest.max(self.stack_below(*called, ends, known, path)?);
+        }
+        path.pop();
+        known.insert(at, frame + deepest);
+        Ok(frame + deepest)
+    }
+}
+
+impl Function {
+    /// Takes an instruction; `halves` are the lower halves of numbers that registers hold.
+    fn take(&mut self, operation: &str, operands: &str, halves: &mut BTreeMap<String, u32>) {
+        let kind = operation.split('.').next().unwrap_or(operation);
+        let register = operands.split([',', ' ']).next().unwrap_or_default();
+        if is_branch(kind) {
+            match target(operands) {
+                Some(place) => drop(self.calls.insert(place)),
+                None if register != "lr" => self.calls_any = true,
+                None => {}
+            }
+        } else if operation == ".word" {
+            self.addresses.extend(number(register));
+        } else if kind == "movw" {
+            halves.extend(immediate(operands).map(|low| (register.to_owned(), low)));
+        } else if kind == "movt" {
+            let low = halves.get(register).copied().unwrap_or(0);
+            self.addresses.extend(immediate(operands).map(|high| high << 16 | low));
+        } else if kind.starts_with('v') {
+            self.float.get_or_insert_with(|| format!("{operation} {operands}"));
+        }
+        if loads_the_counter(kind, operands) {
+            self.calls_any = true;
+        }
+        if let Some(bytes) = lowered(kind, operands) {
+            self.frame = self.frame.zip(bytes).map(|(frame, bytes)| frame + bytes);
+        }
+    }
+}
+
+/// `00000470 <name>:`.
+fn head(line: &str) -> Option<(u32, &str)> {
+    let (start, name) = line.strip_suffix(">:")?.split_once(" <")?;
+    Some((u32::from_str_radix(start, 16).ok()?, name))
+}
+
+/// `    16402:<tab>bl<tab>2074 <name>` without the comment behind it.
+fn instruction(line: &str) -> Option<(&str, &str)> {
+    let mut columns = line.split('\t').skip(1);
+    let operation = columns.next()?.trim();
+    let operands = columns.next().unwrap_or_default();
+    Some((operation, operands.split(" @").next().unwrap_or_default().trim()))
+}
+
+/// Branches with and without condition, link and change of state.
+fn is_branch(kind: &str) -> bool {
+    const CONDITIONS: [&str; 15] =
+        ["", "eq", "ne", "cs", "cc", "mi", "pl", "vs", "vc", "hi", "ls", "ge", "lt", "gt", "le"];
+    let condition = kind.strip_prefix("blx").or(kind.strip_prefix("bl")).or(kind.strip_prefix("bx"));
+    let is_linked = condition.is_some_and(|condition| CONDITIONS.contains(&condition));
+    is_linked
+        || ["cbz", "cbnz"].contains(&kind)
+        || kind.strip_prefix('b').is_some_and(|condition| CONDITIONS.contains(&condition))
+}
+
+/// The place that a branch names.
+fn target(operands: &str) -> Option<u32> {
+    let (place, _) = operands.split_once(" <")?;
+    u32::from_str_radix(place.rsplit(' ').next()?, 16).ok()
+}
+
+/// `0x1234`.
+fn number(text: &str) -> Option<u32> {
+    u32::from_str_radix(text.strip_prefix("0x")?, 16).ok()
+}
+
+/// The number behind `#`.
+fn immediate(operands: &str) -> Option<u32> {
+    operands.rsplit_once('#')?.1.parse().ok()
+}
+
+/// A jump by the program counter; from the stack it is a return.
+fn loads_the_counter(kind: &str, operands: &str) -> bool {
+    let from = operands.strip_prefix("pc, ");
+    from.is_some_and(|from| kind == "mov" || (kind.starts_with("ldr") && !from.starts_with("[sp")))
+}
+
+/// Bytes by which an instruction lowers the stack pointer, if it does; `Some(None)` if that depends on a register.
+fn lowered(kind: &str, operands: &str) -> Option<Option<u32>> {
+    let from = operands.strip_prefix("sp, ");
+    match kind {
+        "push" => Some(Some(4 * registers(operands))),
+        "vpush" => Some(Some(if operands.contains('d') { 8 } else { 4 } * registers(operands))),
+        "stmdb" if operands.starts_with("sp!") => Some(Some(4 * registers(operands))),
+        "str" | "strd" if operands.ends_with("]!") && operands.contains("[sp, #-") => {
+            let bytes = operands.trim_end_matches("]!").rsplit_once("#-")?.1;
+            Some(bytes.parse().ok())
+        }
+        // An end of a function that counts from its frame's pointer raises it.
+        "sub" | "subw" | "subs" if from.is_some_and(|from| !from.starts_with("r7")) => {
+            Some(immediate(operands))
+        }
+        "mov" if from.is_some() => Some(None),
+        _ => None,
+    }
+}
+
+/// How many registers a list has: `{r4, r5, lr}`, `{d8-d9}`.
+fn registers(operands: &str) -> u32 {
+    let list = operands.trim_start_matches("sp!, ").trim_matches(['{', '}']);
+    let digits = |name: &str| name.trim_start_matches(|c: char| !c.is_ascii_digit()).parse::<u32>().ok();
+    let count = |names: &str| match names.split_once('-') {
+        Some((first, last)) => digits(last).zip(digits(first)).map_or(1, |(last, first)| last - first + 1),
+        None => 1,
+    };
+    list.split(", ").map(count).sum()
+}
+
+/// The words of the sections that hold constants, as the disassembler prints them.
+fn words(contents: &str) -> impl Iterator<Item = u32> {
+    let mut constants = false;
+    contents.lines().flat_map(move |line| {
+        if let Some(section) = line.strip_prefix("Contents of section ") {
+            constants = [".rodata", ".data", ".vector_table"].iter().any(|name| section.starts_with(name));
+        }
+        let groups =
+            line.strip_prefix(' ').filter(|_| constants).map_or("", |line| line.get(..41).unwrap_or(line));
+        groups
+            .split(' ')
+            .skip(1)
+            .filter_map(|word| u32::from_str_radix(word, 16).ok().map(u32::swap_bytes))
+            .collect::<Vec<_>>()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Code, words};
+
+    /// An interrupt that calls, goes on elsewhere and jumps by a table; a function that is only pointed at; one that comes back to itself.
+    const TEXT: &str = "\
+00000400 <interrupt>:
+     400:\tpush\t{r4, r5, r7, lr}
+     402:\tsub\tsp, #16
+     404:\tcbz\tr0, 408 <interrupt+0x8>
+     406:\tbl\t500 <work>
+     408:\tb.w\t600 <rest>
+     40c:\t.word\t0x00000701
+
+00000500 <work>:
+     500:\tstrd\tr4, r5, [sp, #-8]!
+     504:\tmovw\tr0, #1793\t@ 0x701
+     508:\tmovt\tr0, #0
+     50c:\tvadd.f32\ts0, s1, s2
+     510:\tbx\tlr
+
+00000600 <rest>:
+     600:\tblx\tr3
+     602:\tpop\t{r4, pc}
+
+00000700 <pointed>:
+     700:\tbeq.n\t700 <pointed>
+     702:\tbl\t700 <pointed>
+     704:\tvpush\t{d8-d9}
+     708:\tbl\t800 <again>
+
+00000800 <again>:
+     800:\tpush\t{r4, lr}
+     802:\tbl\t700 <pointed>
+";
+
+    fn names(code: &Code, root: u32) -> Vec<&str> {
+        code.reachable(&[root], |_| false).values().map(|function| function.name.as_str()).collect()
+    }
+
+    #[test]
+    fn calls_and_pointers_lead_on() {
+        let code = Code::parse(TEXT);
+        assert_eq!(names(&code, 0x400), ["interrupt", "work", "rest", "pointed", "again"]);
+        assert_eq!(names(&code, 0x500), ["work"], "a pointer that nobody calls by leads nowhere");
+        assert!(code.functions[&0x600].calls_any && !code.functions[&0x500].calls_any);
+        assert_eq!(code.functions[&0x500].float.as_deref(), Some("vadd.f32 s0, s1, s2"));
+        assert_eq!(code.functions[&0x400].float, None);
+    }
+
+    #[test]
+    fn frames_add_up_and_what_has_no_bound_is_named() {
+        let code = Code::parse(TEXT);
+        assert_eq!(code.functions[&0x400].frame, Some(4 * 4 + 16));
+        assert_eq!(code.stack(0x500, &|_| false), Ok(8));
+        assert_eq!(code.stack(0x400, &|name| name == "rest"), Ok(32 + 8));
+        assert_eq!(code.stack(0x400, &|_| false), Err("rest calls what a register points at".into()));
+        assert_eq!(code.functions[&0x700].frame, Some(16));
+        assert_eq!(code.stack(0x700, &|_| false), Err("pointed may come back to itself".into()));
+    }
+
+    #[test]
+    fn constants_are_read_as_words() {
+        let text = "\nContents of section .text:\n 0400 01070000                             ....\n\
+                    Contents of section .rodata:\n 0900 01070000 ffffffff                    ........\n";
+        assert_eq!(words(text).collect::<Vec<_>>(), [0x701, u32::MAX]);
+    }
+}
