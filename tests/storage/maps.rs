@@ -101,14 +101,14 @@ impl NorFlash for Pages {
     }
 }
 
-fn open(storage: &mut Storage<Pages>) -> Opened {
+fn open(storage: &mut Storage<Pages, false>) -> Opened {
     match now(storage.execute(Request::Open)) {
         Report::Opened(opened) => opened,
         other => panic!("{other:?}"),
     }
 }
 
-fn store(storage: &mut Storage<Pages>, parameters: &Parameters, part: Part) -> bool {
+fn store(storage: &mut Storage<Pages, false>, parameters: &Parameters, part: Part) -> bool {
     match now(storage.execute(Request::Store(parameters.clone(), part))) {
         Report::Stored { done, .. } => done,
         other => panic!("{other:?}"),
@@ -116,14 +116,14 @@ fn store(storage: &mut Storage<Pages>, parameters: &Parameters, part: Part) -> b
 }
 
 /// Open and with both parts of `set(0)` on it.
-fn stored() -> Storage<Pages> {
+fn stored() -> Storage<Pages, false> {
     let mut storage = Storage::of_maps(Pages::blank());
     assert_eq!(open(&mut storage).faults, FaultWord::STORE_MISMATCH, "blank: nobody has stored yet");
     assert!(store(&mut storage, &set(0), Part::Set));
     storage
 }
 
-fn reopened(mut pages: Pages) -> (Opened, Storage<Pages>) {
+fn reopened(mut pages: Pages) -> (Opened, Storage<Pages, false>) {
     pages.left = None;
     let mut storage = Storage::of_maps(pages);
     (open(&mut storage), storage)

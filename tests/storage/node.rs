@@ -98,6 +98,7 @@ fn where_code_and_parameters_share_a_flash_no_motor_starts_while_it_is_written()
     }
     // A request for Standby is heard, and what was refused is forgotten: when the flash has answered, Drive starts.
     device.request(MotorMode::Standby);
+    device.received.clear();
     device.hold = false;
     assert_eq!(device.answer(number::STORE), Some((1, Done)));
     device.request(MotorMode::Drive);

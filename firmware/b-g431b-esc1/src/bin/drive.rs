@@ -36,7 +36,7 @@ mod image {
     static CONTROL_PLACE: StaticCell<Control<'static, 'static, Tick>> = StaticCell::new();
     static MAILBOX: StaticCell<Mailbox> = StaticCell::new();
     static SCOPE: StaticCell<Memory<[u16; scope::WORDS]>> = StaticCell::new();
-    static STORAGE: StaticCell<Storage<Region>> = StaticCell::new();
+    static STORAGE: StaticCell<Storage<Region, false>> = StaticCell::new();
 
     #[entry]
     fn main() -> ! {
@@ -69,7 +69,7 @@ mod image {
     }
 
     /// What the flash holds. A board that still has the number of the factory set is numbered by its chip.
-    fn open(storage: &mut Storage<Region>) -> Option<Opened> {
+    fn open(storage: &mut Storage<Region, false>) -> Option<Opened> {
         let Report::Opened(mut opened) = finish(storage.execute(Request::Open)) else { return None };
         if opened.parameters.raw(number::DEVICE_NUMBER) == Parameters::new().raw(number::DEVICE_NUMBER) {
             let _ = opened.parameters.set(number::DEVICE_NUMBER, reset::serial().into());
