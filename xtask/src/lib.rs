@@ -26,6 +26,7 @@ pub mod plot;
 pub mod qemu;
 pub mod running;
 pub mod setup;
+pub mod sign;
 pub mod sizes;
 pub mod steps;
 pub mod test;

@@ -15,6 +15,7 @@ use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
+use xtask::sign;
 use xtask::sizes;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
@@ -94,6 +95,8 @@ enum Job {
     },
     /// Test what other people's tools make of our files and of the virtual drive: a part of `test rust`
     Interop,
+    /// Sign a program for the bootloader, or make a key
+    Sign(sign::Arguments),
     /// Make tests/golden/ffi_sizes.toml anew: flash, RAM and instructions of the C library, whole and by parts
     Sizes {
         /// Write nothing; fail if a figure is another one
@@ -129,6 +132,7 @@ fn main() -> ExitCode {
         Job::Header { check } => header::command(root, check),
         Job::Interop => finish(interop::run(root)),
         Job::Archive => archive::command(root),
+        Job::Sign(arguments) => sign::command(&arguments),
         Job::Sizes { check } => sizes::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),

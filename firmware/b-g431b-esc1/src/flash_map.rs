@@ -11,7 +11,7 @@ use narx_boot::Map;
 /// The slots, in bytes from [`START`].
 pub const MAP: Map = Map::B_G431B_ESC1;
 /// Hardware id of the images that are for this board.
-pub const HARDWARE: u32 = 0x4E58_0002;
+pub const HARDWARE: u32 = narx_boot::hardware::B_G431B_ESC1;
 
 /// Where the flash stands in the address space (DS12589, section 4).
 pub const START: u32 = 0x0800_0000;
