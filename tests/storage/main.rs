@@ -7,6 +7,7 @@ mod device;
 mod flash;
 mod flips;
 mod log;
+mod maps;
 mod master;
 mod node;
 mod store;

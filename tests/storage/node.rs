@@ -79,6 +79,54 @@ fn stores_are_refused_while_driving() {
 }
 
 #[test]
+fn where_code_and_parameters_share_a_flash_no_motor_starts_while_it_is_written() {
+    let mut device = device();
+    device.node.store_at_rest_only();
+    device.set(number::HALL_ENABLE, 1);
+    device.request(MotorMode::Standby);
+    device.run(10);
+    // From the command on, before the flash has even been asked.
+    device.hold = true;
+    device.send(ToDrive::SetParameter { number: number::STORE, value: 0 });
+    device.send(ToDrive::SetParameter { number: number::STORE, value: 1 });
+    device.tick();
+    let refused = device.get(number::REFUSED_FRAMES);
+    for pass in 1..=3 {
+        device.request(MotorMode::Drive);
+        device.run(10);
+        assert_eq!((device.state(), device.get(number::REFUSED_FRAMES)), (State::Standby, refused + pass));
+    }
+    // A request for Standby is heard, and what was refused is forgotten: when the flash has answered, Drive starts.
+    device.request(MotorMode::Standby);
+    device.received.clear();
+    device.hold = false;
+    assert_eq!(device.answer(number::STORE), Some((1, Done)));
+    device.request(MotorMode::Drive);
+    device.run(10);
+    assert_eq!(device.state(), State::HallClosedLoop);
+}
+
+#[test]
+fn where_code_and_parameters_share_a_flash_what_waits_to_be_stored_waits_for_the_motor() {
+    let mut device = device();
+    device.node.store_at_rest_only();
+    assert_eq!(device.command(number::STORE), Some(Done));
+    // The next store is allowed a second later; until then the factory set waits, and so does the motor.
+    device.send(ToDrive::RestoreFactory { serial: 1 });
+    device.run(10);
+    let programs = device.storage.flash().counts().programs;
+    device.set(number::HALL_ENABLE, 1);
+    device.request(MotorMode::Drive);
+    device.run(10);
+    assert_eq!(device.state(), State::Standby);
+    device.run(1100);
+    assert!(device.storage.flash().counts().programs > programs);
+    device.request(MotorMode::Drive);
+    device.run(10);
+    assert_eq!(device.state(), State::HallClosedLoop);
+}
+
+#[test]
 fn restoring_stores_the_factory_set_and_keeps_the_boards_own_facts() {
     let mut device = Device::booted(small(&Parameters::new()));
     device.set(number::SPEED_RATE, 1234);

@@ -1,5 +1,6 @@
 //! The firmware's images: built, measured, and run in the emulator.
 
+use crate::board;
 use crate::install::{self, Package};
 use crate::qemu;
 use crate::steps::{self, Outcome};
@@ -27,6 +28,9 @@ pub struct Arguments {
     /// Its supply, V
     #[arg(long, requires = "run")]
     supply: Option<u8>,
+    /// Write the board's golden figures anew
+    #[arg(long, conflicts_with = "run")]
+    golden: bool,
 }
 
 /// What an image is built for.
@@ -34,6 +38,9 @@ pub struct Arguments {
 pub enum Board {
     /// The emulated mps2-an386 with a simulated motor and power stage
     Qemu,
+    /// ST's B-G431B-ESC1: built and measured
+    #[value(name = "b-g431b-esc1")]
+    Esc1,
 }
 
 /// An image of the board `qemu`.
@@ -92,7 +99,14 @@ impl Image {
 
 /// Builds the images of a board and prints their sizes; with `--run` the virtual drive runs until it is interrupted.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
-    let Board::Qemu = arguments.board;
+    match (arguments.board, arguments.run, arguments.golden) {
+        (Board::Esc1, true, _) => return refuse("--run: nobody emulates this board; --board qemu runs"),
+        (Board::Qemu, _, true) => {
+            return refuse("--golden: figures of the board qemu are made by cargo xtask instructions");
+        }
+        (Board::Esc1, false, golden) => return board::command(root, golden),
+        (Board::Qemu, ..) => {}
+    }
     let built = build(root).and_then(|_| sizes(root)).and_then(|lines| {
         lines.iter().for_each(|line| println!("{line}"));
         if arguments.run { run(root, arguments) } else { Ok(lines) }
@@ -104,6 +118,10 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+fn refuse(reason: &str) -> ExitCode {
+    steps::finish(Err(reason.into()))
 }
 
 /// Installs the target and builds all images.
@@ -138,9 +156,9 @@ pub fn sizes(root: &Path) -> Outcome {
 }
 
 /// What an image occupies, bytes.
-struct Size {
-    flash: u32,
-    ram: u32,
+pub(crate) struct Size {
+    pub(crate) flash: u32,
+    pub(crate) ram: u32,
 }
 
 /// Start of the RAM of a Cortex-M.
@@ -148,7 +166,7 @@ const RAM: u32 = 0x2000_0000;
 
 /// Sums the segments of a 32-bit little-endian ELF file (System V ABI, chapter 5): what the file holds goes to flash, wherever it
 /// runs; what stands in RAM takes that, too.
-fn size(path: &Path) -> io::Result<Size> {
+pub(crate) fn size(path: &Path) -> io::Result<Size> {
     let file = fs::read(path)?;
     let malformed = || io::Error::other("not a 32-bit ELF file");
     let bytes = |at: usize, length: usize| file.get(at..at + length).ok_or_else(malformed);

@@ -2,6 +2,7 @@
 
 pub mod archive;
 pub mod bench;
+pub mod board;
 pub mod callgrind;
 pub mod commutations;
 pub mod coverage;

@@ -21,7 +21,7 @@ const OPEN_MS: u64 = 1000;
 pub(super) struct Flash {
     /// There is a shell that serves requests.
     attached: bool,
-    /// Storing would stop the control tick: never beside a motor that is driven.
+    /// Storing stops the control tick.
     at_rest_only: bool,
     /// The stored parameters are known: they were there at power-up, or came later.
     loaded: bool,
@@ -98,8 +98,8 @@ impl Node {
         self.set_store_faults(opened.faults);
     }
 
-    /// The flash is the one that the code runs from: while it is written no control tick runs, so storing is refused while the bridge is driven. At power-up,
-    /// after [`attach_storage`](Self::attach_storage).
+    /// The flash is the one that the code runs from: while it is written no control tick runs. So no motor starts while something is stored, and what waits to be stored
+    /// waits until the bridge is off. At power-up.
     #[cfg(feature = "code-flash")]
     pub const fn store_at_rest_only(&mut self) {
         self.flash.at_rest_only = true;
@@ -137,7 +137,7 @@ impl Node {
     /// A rising edge of parameter 256 or 257.
     pub(super) fn begin_store(&mut self, part: Part, number: u16) -> ParameterStatus {
         let flash = &self.flash;
-        let possible = flash.attached && !flash.is_absent() && flash.storing.is_none() && self.may_store();
+        let possible = flash.attached && !flash.is_absent() && flash.storing.is_none();
         if !possible || flash.now < flash.store_from {
             return ParameterStatus::Storage;
         }

@@ -39,7 +39,7 @@ impl Mailbox {
     }
 
     /// Serves requests for ever. The future wakes nobody: whoever runs it polls it again.
-    pub async fn serve<F: NorFlash>(&self, storage: &mut Storage<F>) -> ! {
+    pub async fn serve<F: NorFlash, const LOG: bool>(&self, storage: &mut Storage<F, LOG>) -> ! {
         loop {
             let request = poll_fn(|_| self.take_request().map_or(Poll::Pending, Poll::Ready)).await;
             let report = storage.execute(request).await;

@@ -83,12 +83,10 @@ pub struct Opened {
     pub log: Memory,
 }
 
-/// The storage on one flash.
+/// The storage on one flash. Without `LOG` there are the maps of the parameters and nothing else: no log, and no label before a map.
 #[derive(Debug)]
-pub struct Storage<F> {
+pub struct Storage<F, const LOG: bool = true> {
     flash: F,
-    /// There is no log, and no label before a map.
-    maps_only: bool,
     place: Option<Place>,
     buffers: Buffers,
 }
@@ -110,17 +108,21 @@ struct Place {
 const LABEL: [u32; 2] = [u32::from_be_bytes(*b"narx"), 1];
 const LABEL_BYTES: usize = 16;
 
-impl<F: NorFlash> Storage<F> {
+impl<F> Storage<F> {
     /// Nothing is looked at before the first request, which is [`Request::Open`].
     pub const fn new(flash: F) -> Self {
-        Self { flash, maps_only: false, place: None, buffers: Buffers::new() }
+        Self { flash, place: None, buffers: Buffers::new() }
     }
+}
 
+impl<F> Storage<F, false> {
     /// The same on a memory for the parameters alone ([`Layout::maps`]).
     pub const fn of_maps(flash: F) -> Self {
-        Self { flash, maps_only: true, place: None, buffers: Buffers::new() }
+        Self { flash, place: None, buffers: Buffers::new() }
     }
+}
 
+impl<F: NorFlash, const LOG: bool> Storage<F, LOG> {
     /// Gives the flash back.
     pub fn into_flash(self) -> F {
         self.flash
@@ -141,7 +143,7 @@ impl<F: NorFlash> Storage<F> {
             }
             Request::Append(entry) => {
                 let done = match &mut self.place {
-                    Some(Place { log, pair, .. }) if !self.maps_only => {
+                    Some(Place { log, pair, .. }) if LOG => {
                         log.append(&mut self.flash, pair, &mut self.buffers, &entry).await
                     }
                     _ => Err(Failed),
@@ -150,14 +152,14 @@ impl<F: NorFlash> Storage<F> {
             }
             Request::Read(index) => {
                 let found = match &self.place {
-                    Some(place) if !self.maps_only => place.log.read(&mut self.flash, index).await,
+                    Some(place) if LOG => place.log.read(&mut self.flash, index).await,
                     _ => Err(Failed),
                 };
                 Report::Record(found.unwrap_or(None))
             }
             Request::Erase => {
                 let done = match &mut self.place {
-                    Some(Place { log, pair, labelled: true, .. }) if !self.maps_only => {
+                    Some(Place { log, pair, labelled: true, .. }) if LOG => {
                         log.erase(&mut self.flash, pair, &mut self.buffers).await
                     }
                     _ => Err(Failed),
@@ -172,17 +174,14 @@ impl<F: NorFlash> Storage<F> {
         self.open().await;
         let stored = self.store(parameters, Part::Set).await.is_ok();
         let Some(place) = &mut self.place else { return false };
-        if self.maps_only {
+        if !LOG {
             return stored;
         }
         stored && place.log.begin(&mut self.flash, &place.pair, &mut self.buffers).await.is_ok()
     }
 
     fn memory(&self) -> Memory {
-        self.place
-            .as_ref()
-            .filter(|_| !self.maps_only)
-            .map_or_else(Memory::default, |place| place.log.memory())
+        self.place.as_ref().filter(|_| LOG).map_or_else(Memory::default, |place| place.log.memory())
     }
 
     async fn open(&mut self) -> Opened {
@@ -201,15 +200,15 @@ impl<F: NorFlash> Storage<F> {
     }
 
     async fn load(&mut self, opened: &mut Opened) -> Result<(), Failed> {
-        let Self { flash, maps_only, place, buffers } = self;
+        let Self { flash, place, buffers } = self;
         let capacity = u32::try_from(flash.capacity()).map_err(|_| Failed)?;
         let subsector = F::ERASE_SIZE as u32;
-        let layout = if *maps_only { Layout::maps } else { Layout::of };
+        let layout = if LOG { Layout::of } else { Layout::maps };
         let layout = layout(capacity, subsector).ok_or(Failed)?;
         let pair = Pair::of(&layout);
         let log = Log::new(layout.log.clone(), subsector);
         let place = place.insert(Place { layout, pair, log, labelled: false, unfit: false });
-        if *maps_only {
+        if !LOG {
             // Where nobody has stored yet, the first store makes the maps.
             place.labelled = place.load_maps(flash, buffers, opened).await?;
             return Ok(());
@@ -240,7 +239,7 @@ impl<F: NorFlash> Storage<F> {
 
     /// On a flash without a label the maps are made first and the labels last: a label says that everything is there.
     async fn store(&mut self, parameters: &Parameters, part: Part) -> Result<(), Failed> {
-        let Self { flash, place: Some(place), buffers, maps_only } = self else { return Err(Failed) };
+        let Self { flash, place: Some(place), buffers } = self else { return Err(Failed) };
         let Place { layout, pair, labelled, unfit, .. } = place;
         let one = core::slice::from_ref(&part);
         let parts = if *labelled && !*unfit { one } else { &[Part::Set, Part::Once] };
@@ -253,7 +252,7 @@ impl<F: NorFlash> Storage<F> {
             let key = if *part == Part::Set { Key::Set } else { Key::Once };
             pair.write(flash, key, buffers, |body| part.encode(parameters, body)).await?;
         }
-        if !*labelled && !*maps_only {
+        if !*labelled && LOG {
             let capacity = u32::try_from(flash.capacity()).map_err(|_| Failed)?;
             write_label(flash, &layout.primary.label, capacity).await?;
             write_label(flash, &layout.mirror.label, capacity).await?;

@@ -53,7 +53,8 @@ pub const fn terminal(code: u16, gates: Gates, mode: SampleMode, bus: u16) -> u1
 /// legs flows through the bus for the duty's share of the period. With the bridge off all that flows does so through diodes, and into the bus.
 pub fn bus_current(shunts: [i32; 3], gates: [Gates; 3], duty: Duty) -> u16 {
     let off = gates == [Gates::Off; 3];
-    let through: i32 = (0..3).filter(|leg| off || gates[*leg] == Gates::Low).map(|leg| shunts[leg]).sum();
+    let legs = shunts.into_iter().zip(gates);
+    let through: i32 = legs.filter(|(_, gates)| off || *gates == Gates::Low).map(|(shunt, _)| shunt).sum();
     let share = if off { 1 << 15 } else { i64::from(duty.to_bits()) };
     let codes = (i64::from(through) * SHUNT_TO_BUS * share) >> 31;
     (i64::from(CURRENT_ZERO) + codes).clamp(0, i64::from(FrontEnd::CODE_MAX)) as u16

@@ -76,10 +76,10 @@ pub fn gates(step: Step, rectification: Rectification) -> [Gates; 3] {
 }
 
 /// The gates while those legs that need a pause have it.
-pub fn pause(now: [Gates; 3], next: [Gates; 3]) -> Option<[Gates; 3]> {
-    let needed = [0, 1, 2].map(|leg| now[leg].needs_pause(next[leg]));
-    let paused = [0, 1, 2].map(|leg| if needed[leg] { Gates::Off } else { now[leg] });
-    needed.contains(&true).then_some(paused)
+pub fn pause([a, b, c]: [Gates; 3], [next_a, next_b, next_c]: [Gates; 3]) -> Option<[Gates; 3]> {
+    let paused = |now: Gates, next| if now.needs_pause(next) { Gates::Off } else { now };
+    let gates = [paused(a, next_a), paused(b, next_b), paused(c, next_c)];
+    (gates != [a, b, c]).then_some(gates)
 }
 
 /// Words of TIM1.

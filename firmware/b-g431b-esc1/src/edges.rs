@@ -59,14 +59,15 @@ impl Edges {
     }
 }
 
-/// A handful, most often in order already: by insertion, without the kilobyte of a sort for any length.
+/// A handful, most often in order already: neighbours are exchanged, without the kilobyte of a sort for any length.
 fn sort_by(captures: &mut [Capture], key: impl Fn(&Capture) -> u16) {
-    for end in 1..captures.len() {
-        for place in (1..=end).rev() {
-            if captures[place - 1..=place].is_sorted_by_key(&key) {
-                break;
+    for _ in 0..captures.len() {
+        for place in 0..captures.len() {
+            if let Some([first, second]) = captures.get_mut(place..place + 2)
+                && key(first) > key(second)
+            {
+                core::mem::swap(first, second);
             }
-            captures.swap(place - 1, place);
         }
     }
 }

@@ -10,8 +10,8 @@ use narx_boot::Map;
 
 /// The slots, in bytes from [`START`].
 pub const MAP: Map = Map::B_G431B_ESC1;
-/// Which images are for this board: B-G431B-ESC1, first of its kind.
-pub const HARDWARE: u32 = 0x4731_0001;
+/// Hardware id of the images that are for this board.
+pub const HARDWARE: u32 = narx_boot::hardware::B_G431B_ESC1;
 
 /// Where the flash stands in the address space (DS12589, section 4).
 pub const START: u32 = 0x0800_0000;

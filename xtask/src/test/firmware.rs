@@ -1,5 +1,6 @@
 //! The firmware image.
 
+use crate::board;
 use crate::firmware::{self, Image};
 use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
@@ -23,6 +24,24 @@ const LINTS: [&str; 11] = [
     "warnings",
 ];
 
+/// The same of the board on silicon.
+const BOARD_LINTS: [&str; 14] = [
+    "clippy",
+    "--quiet",
+    "--profile",
+    board::PROFILE,
+    "-p",
+    board::PACKAGE,
+    "--bins",
+    "--features",
+    "test-key",
+    "--target",
+    EMBEDDED,
+    "--",
+    "-D",
+    "warnings",
+];
+
 /// What is run, in order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
     vec![
@@ -31,6 +50,9 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::sizes(root))),
         Step::command(root, "image lints", "cargo", &LINTS),
         Step::new("small board", move || small::regenerate(root, true)),
+        Step::command(root, "board, pure parts", "cargo", &["test", "-p", board::PACKAGE]),
+        Step::new("board", move || board::build(root).and_then(|_| board::regenerate(root, true))),
+        Step::command(root, "board lints", "cargo", &BOARD_LINTS),
         Step::new("instructions", move || instructions::regenerate(root, true)),
         Step::new("proof", move || proof::regenerate(root, true)),
         Step::new("watchdog", move || hangs::run(root)),

@@ -19,7 +19,7 @@ mod image {
     use narx_boot::{Server, Slot};
     use narx_core::bus::Frame;
     use narx_core::device::Queues;
-    use narx_core::dictionary::number;
+    use narx_core::dictionary::{Parameters, number};
     use narx_core::node::Identity;
     use narx_core::scope::{self, Memory};
     use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
@@ -36,7 +36,7 @@ mod image {
     static CONTROL_PLACE: StaticCell<Control<'static, 'static, Tick>> = StaticCell::new();
     static MAILBOX: StaticCell<Mailbox> = StaticCell::new();
     static SCOPE: StaticCell<Memory<[u16; scope::WORDS]>> = StaticCell::new();
-    static STORAGE: StaticCell<Storage<Region>> = StaticCell::new();
+    static STORAGE: StaticCell<Storage<Region, false>> = StaticCell::new();
 
     #[entry]
     fn main() -> ! {
@@ -68,10 +68,10 @@ mod image {
             .run_with(mailbox.serve(storage))
     }
 
-    /// What the flash holds. A board without a number of its own is numbered by its chip.
-    fn open(storage: &mut Storage<Region>) -> Option<Opened> {
+    /// What the flash holds. A board that still has the number of the factory set is numbered by its chip.
+    fn open(storage: &mut Storage<Region, false>) -> Option<Opened> {
         let Report::Opened(mut opened) = finish(storage.execute(Request::Open)) else { return None };
-        if opened.parameters.raw(number::DEVICE_NUMBER) == 0 {
+        if opened.parameters.raw(number::DEVICE_NUMBER) == Parameters::new().raw(number::DEVICE_NUMBER) {
             let _ = opened.parameters.set(number::DEVICE_NUMBER, reset::serial().into());
         }
         Some(opened)

@@ -1,4 +1,5 @@
-//! FDCAN1 as a classic controller: 29-bit identifiers to FIFO 0, 11-bit ones to FIFO 1, three transmit buffers of which the most urgent goes first.
+//! FDCAN1 as a classic controller: 29-bit identifiers to FIFO 0, 11-bit ones to FIFO 1, three transmit buffers in the order in which they were filled.
+//! (As a queue by urgency the controller would let frames of one identifier overtake each other.)
 
 use super::wait_for;
 use crate::can::{BIT_RATE, BitTiming, CLOCK_HZ, bus_state, decode, encode};
@@ -32,8 +33,7 @@ pub(super) fn start() {
     FDCAN1.nbtp().write_value(Nbtp(TIMING.register()));
     // No filters: what has 29 bits to FIFO 0, what has 11 to FIFO 1. A full FIFO keeps what it has.
     FDCAN1.rxgfc().write_value(Rxgfc(0b01 << 4));
-    const QUEUE: u32 = 1 << 24;
-    FDCAN1.txbc().write_value(Txbc(QUEUE));
+    FDCAN1.txbc().write_value(Txbc(0));
     FDCAN1.ie().write_value(Ie(ARRIVED));
     FDCAN1.ile().write_value(Ile(1));
     FDCAN1.cccr().modify(|control| control.set_init(false));

@@ -60,13 +60,14 @@ impl Zeros {
         self.ticks == ZERO_TICKS
     }
 
-    fn of(&self, shunt: usize) -> i32 {
-        (self.sums[shunt] >> ZERO_SHIFT) as i32
+    fn codes(&self) -> [i32; 3] {
+        self.sums.map(|sum| (sum >> ZERO_SHIFT) as i32)
     }
 
     /// Whether shunts and amplifiers can be as they should.
     fn are_credible(&self) -> bool {
-        (0..3).all(|shunt| self.of(shunt).abs_diff(SHUNT_ZERO.into()) <= u32::from(SHUNT_ZERO_TOLERANCE))
+        let near = |code: i32| code.abs_diff(SHUNT_ZERO.into()) <= u32::from(SHUNT_ZERO_TOLERANCE);
+        self.codes().into_iter().all(near)
     }
 }
 
@@ -78,7 +79,8 @@ impl Tick {
             }
             return CURRENT_ZERO;
         }
-        let above = [0, 1, 2].map(|shunt| i32::from(codes.shunts[shunt]) - self.zeros.of(shunt));
+        let mut above = codes.shunts.map(i32::from);
+        above.iter_mut().zip(self.zeros.codes()).for_each(|(code, zero)| *code -= zero);
         bus_current(above, gates, self.duty)
     }
 
@@ -107,8 +109,11 @@ impl TickSide for Tick {
         let mut samples = Samples {
             tick: self.number,
             bus_voltage: codes.bus,
-            phase_voltage: [0, 1, 2]
-                .map(|phase| terminal(codes.terminals[phase], gates[phase], self.mode, codes.bus)),
+            phase_voltage: [
+                terminal(codes.terminals[0], gates[0], self.mode, codes.bus),
+                terminal(codes.terminals[1], gates[1], self.mode, codes.bus),
+                terminal(codes.terminals[2], gates[2], self.mode, codes.bus),
+            ],
             bus_current: self.current(&codes, gates),
             sample_mode: self.mode,
             current_mode: CurrentMode::Average,

@@ -1,0 +1,248 @@
+//! The images of the board B-G431B-ESC1: built, measured against the memory that they have, and looked through for places that can panic.
+
+use crate::cross;
+use crate::driven::output;
+use crate::firmware::{Size, size};
+use crate::install::{self, target_directory};
+use crate::steps::{self, Outcome};
+use crate::test::rust::EMBEDDED;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::{env, fs};
+
+/// Package of the board's images.
+pub const PACKAGE: &str = "narx-b-g431b-esc1";
+/// Profile that they are built with.
+pub const PROFILE: &str = "board";
+const GOLDEN: &str = "tests/golden/b-g431b-esc1.toml";
+const HEAD: &str = "\
+# The images of the board B-G431B-ESC1 (profile `board`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application, whose
+# flash counts the header of 512 bytes that signing puts before it; `boot` the bootloader; `bare` what the board takes beside the core: start-up, vector table, drivers, both
+# ends of the flash, around a core that answers every tick with Coast. `room` is what there is: the slots of narx_boot::Map::B_G431B_ESC1, and 24 KiB of RAM, of which the stack
+# needs what is left. `fits` is false as long as an image does not.
+#
+# panics: places from which a panic can be reached in `drive`, by the function that they were written in: bounds that the compiler could not see
+# are kept. On this board a panic turns the gates off and resets.
+#
+# Made anew by `cargo xtask firmware --board b-g431b-esc1 --golden`, compared within 1 % (panics exactly) by `cargo xtask test firmware`.
+";
+/// A figure may differ by this much: compilers of other hosts, and the key.
+const TOLERANCE: f64 = 0.01;
+/// Header of a signed image, bytes (`narx_boot::HEADER_LENGTH`).
+const HEADER: u32 = 512;
+/// The stack shares 32 KiB of RAM with what stands in it; more than this leaves it too little.
+const RAM_ROOM: u32 = 24 << 10;
+
+/// An image and the flash that it has.
+struct Image {
+    name: &'static str,
+    before: u32,
+    room: u32,
+}
+
+const IMAGES: [Image; 3] = [
+    Image { name: "drive", before: HEADER, room: 46 << 10 },
+    Image { name: "boot", before: 0, room: 24 << 10 },
+    // The goal of what is not the core's.
+    Image { name: "bare", before: 0, room: 10 << 10 },
+];
+
+/// What was measured.
+struct Measured {
+    flash: u32,
+    ram: u32,
+    room: u32,
+}
+
+impl Measured {
+    const fn fits(&self) -> bool {
+        self.flash <= self.room && self.ram <= RAM_ROOM
+    }
+}
+
+/// Where an image is left.
+pub fn path(root: &Path, image: &str) -> PathBuf {
+    target_directory(root).join(EMBEDDED).join(PROFILE).join(image)
+}
+
+/// Builds and measures; with `golden` the golden file is written, else an image that does not fit its memory is a failure.
+pub fn command(root: &Path, golden: bool) -> ExitCode {
+    let done = build(root).and_then(|_| measure(root)).and_then(|measured| {
+        measured.iter().for_each(|(name, figures)| println!("{}", line(name, figures)));
+        if golden {
+            return regenerate(root, false);
+        }
+        let short: Vec<_> =
+            measured.iter().filter(|(_, figures)| !figures.fits()).map(|(name, _)| *name).collect();
+        if short.is_empty() {
+            Ok(Vec::new())
+        } else {
+            Err(format!("too large for the board: {}", short.join(", ")))
+        }
+    });
+    steps::finish(done)
+}
+
+/// Builds all images. The bootloader takes those of the key that the environment names, else of the one for tests.
+///
+/// # Errors
+/// What rustup or cargo said.
+pub fn build(root: &Path) -> Outcome {
+    install::rust_target(EMBEDDED)?;
+    let mut cargo = Command::new("cargo");
+    cargo.args(["build", "--profile", PROFILE, "-p", PACKAGE, "--bins", "--target", EMBEDDED]);
+    if env::var_os("NARX_UPDATE_KEY").is_none() {
+        println!(
+            "the bootloader takes images of the test key, which everybody has: NARX_UPDATE_KEY names another"
+        );
+        cargo.args(["--features", "test-key"]);
+    }
+    steps::run(cargo.current_dir(root))
+}
+
+fn measure(root: &Path) -> Result<Vec<(&'static str, Measured)>, String> {
+    let figures = |image: &Image| {
+        let path = path(root, image.name);
+        let Size { flash, ram } = size(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok((image.name, Measured { flash: flash + image.before, ram, room: image.room }))
+    };
+    IMAGES.iter().map(figures).collect()
+}
+
+fn line(name: &str, figures: &Measured) -> String {
+    let Measured { flash, ram, room } = figures;
+    let verdict = match flash.checked_sub(*room) {
+        None | Some(0) => format!("{} left", room - flash),
+        Some(over) => format!("{over} TOO MANY"),
+    };
+    let stack = (32_u32 << 10).saturating_sub(*ram);
+    format!(
+        "{name:<6} {flash:>7} bytes of flash of {room}, {verdict}; {ram:>6} of RAM, {stack} for the stack"
+    )
+}
+
+/// Measures images that are built, and writes the golden file or with `check` compares it.
+///
+/// # Errors
+/// A figure is not the golden one.
+pub fn regenerate(root: &Path, check: bool) -> Outcome {
+    let measured = measure(root)?;
+    let panics = panics(root)?;
+    let mut text = String::from(HEAD);
+    for (name, figures) in &measured {
+        let Measured { flash, ram, room } = figures;
+        let _ = writeln!(
+            text,
+            "\n[{name}]\nflash = {flash}\nroom = {room}\nram = {ram}\nfits = {}",
+            figures.fits()
+        );
+    }
+    let _ = writeln!(text, "\n[panics]");
+    for (place, count) in &panics {
+        let _ = writeln!(text, "\"{place}\" = {count}");
+    }
+    let closing = measured.iter().map(|(name, figures)| line(name, figures));
+    let sites: usize = panics.values().sum();
+    let closing = closing.chain([format!("{sites} places that can panic")]).collect();
+    let file = root.join(GOLDEN);
+    let shown = |error| format!("{}: {error}", file.display());
+    if !check {
+        fs::write(&file, text).map_err(shown)?;
+        return Ok(closing);
+    }
+    let wrong = misses(&fs::read_to_string(&file).map_err(shown)?, &text);
+    if wrong.is_empty() { Ok(closing) } else { Err(wrong.join("\n")) }
+}
+
+/// What differs from the golden file.
+fn misses(golden: &str, now: &str) -> Vec<String> {
+    let parse = |text: &str| text.parse::<toml::Table>().unwrap_or_default();
+    let (golden, now) = (parse(golden), parse(now));
+    let mut wrong = Vec::new();
+    let empty = toml::Table::new();
+    for (section, figures) in &now {
+        let before = golden.get(section).and_then(toml::Value::as_table).unwrap_or(&empty);
+        let after = figures.as_table().unwrap_or(&empty);
+        for key in before.keys().chain(after.keys().filter(|key| !before.contains_key(*key))) {
+            let (was, is) = (before.get(key), after.get(key));
+            let near = match (was.and_then(toml::Value::as_integer), is.and_then(toml::Value::as_integer)) {
+                (Some(was), Some(is)) if section != "panics" => {
+                    (is - was).abs() as f64 <= TOLERANCE * was.abs() as f64
+                }
+                _ => was == is,
+            };
+            if !near {
+                let shown = |value: Option<&toml::Value>| match value {
+                    Some(toml::Value::Integer(figure)) => figure.to_string(),
+                    Some(toml::Value::Boolean(fits)) => fits.to_string(),
+                    _ => "none".into(),
+                };
+                wrong.push(format!("{section} {key}: golden {}, now {}", shown(was), shown(is)));
+            }
+        }
+    }
+    if !wrong.is_empty() {
+        wrong.push("to accept: cargo xtask firmware --board b-g431b-esc1 --golden".into());
+    }
+    wrong
+}
+
+/// Calls of what ends in the panic handler, by the file and function of ours, or of a library, that they were written in.
+fn panics(root: &Path) -> Result<BTreeMap<String, usize>, String> {
+    install::debian(&cross::PACKAGES)?;
+    let image = path(root, "drive");
+    let code =
+        output(Command::new("arm-none-eabi-objdump").args(["-d", "-C", "--no-show-raw-insn"]).arg(&image))?;
+    let calls: Vec<&str> = code.lines().filter_map(call_of_panic).collect();
+    let mut table = BTreeMap::new();
+    if calls.is_empty() {
+        return Ok(table);
+    }
+    let frames = output(
+        Command::new("arm-none-eabi-addr2line").args(["-a", "-f", "-i", "-C", "-e"]).arg(&image).args(calls),
+    )?;
+    // An address, and then function and place of each frame, innermost first.
+    for frames in frames.split("0x").skip(1) {
+        let lines: Vec<&str> = frames.lines().skip(1).collect();
+        let ours = lines.chunks_exact(2).find(|frame| !is_of_the_language(frame[1]));
+        let place = ours.map_or("the language's own".into(), |frame| named(root, frame[0], frame[1]));
+        *table.entry(place).or_insert(0) += 1;
+    }
+    Ok(table)
+}
+
+/// The address of a call of a function that panics. What such functions call themselves is counted with them.
+fn call_of_panic(line: &str) -> Option<&str> {
+    let (address, instruction) = line.trim_start().split_once(':')?;
+    let mut words = instruction.split_whitespace();
+    let is_call = words.next().is_some_and(|name| name == "bl" || name.starts_with("b."));
+    let target = instruction.split_once('<')?.1;
+    let panics = [
+        "core::panicking::",
+        "panic_already_borrowed",
+        "slice_index_fail",
+        "_mismatch_fail",
+        "unwrap_failed",
+    ];
+    (is_call && !target.contains('+') && panics.iter().any(|name| target.contains(name))).then_some(address)
+}
+
+fn is_of_the_language(place: &str) -> bool {
+    place.contains("/rustc/") || place.contains("/library/") || place.starts_with("??")
+}
+
+/// File and function, without lines, which move, and without the folders of this machine.
+fn named(root: &Path, function: &str, place: &str) -> String {
+    let file = place.split(':').next().unwrap_or(place);
+    let registry = file.split_once("/registry/src/").and_then(|(_, rest)| rest.split_once('/'));
+    let ours = Path::new(file).strip_prefix(root).ok().and_then(Path::to_str);
+    let file = match (registry, ours) {
+        (Some((_, path)), _) => path,
+        (None, path) => path.unwrap_or(file),
+    };
+    // Types in the names differ in how they are written.
+    let function = function.split('<').next().unwrap_or(function);
+    format!("{file} {function}").trim_end().to_owned()
+}
