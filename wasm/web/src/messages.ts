@@ -1,7 +1,7 @@
 // What the page and its worker say to each other.
 
 import type { MotorName } from "narx";
-import type { Replay } from "narx/core";
+import type { Replay } from "narx/lab";
 
 /** From the page. */
 export type Request =
