@@ -134,32 +134,6 @@ export type TxAnswer =
 
 
 
-/** What a replay found. Digests are 16 lower-case hexadecimal digits. */
-export interface Replay {
-    /** Ticks run. */
-    readonly ticks: number;
-    /** Digest of the outputs now. */
-    readonly digest: string;
-    /** Digest of the outputs when they were recorded; absent for a prefix. */
-    readonly recordedDigest?: string;
-    /** The recorder's behaviour version, where it is another one than ours: digests may then rightly differ. */
-    readonly otherBehaviour?: number;
-    /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
-    readonly outputs?: string;
-}
-
-/** What a scope has recorded of the inputs of every control tick. */
-export interface ScopeRecording {
-    /** What `replay` takes, and a `.narxrec` file holds. */
-    readonly recording: Uint8Array;
-    /** Number of its first tick since the drive's power-up. */
-    readonly firstTick: number;
-    /** Whether the replay came to what the drive did itself, from its second checkpoint on; absent where the record has none. */
-    readonly agrees?: boolean;
-}
-
-
-
 /** What there is to know of one parameter but its value. Limits and factory value are in its unit. */
 export interface Parameter {
     readonly number: number;
@@ -278,56 +252,6 @@ export interface Chunk {
 export interface Progress {
     readonly received: number;
     readonly total: number;
-}
-
-
-
-/** Whose messages count. */
-export interface LogOptions {
-    /** Address of the drive; default 170, `null` for any. */
-    slave?: number | null;
-    /** Address of its master; default 85, `null` for any. */
-    monitor?: number | null;
-    /** Node-ids of TX-Drivers whose PDOs of 8 bytes carry the encoder. */
-    encoders?: readonly number[];
-}
-
-/** Every message of one kind: columns of the same length. */
-export interface MessageTable {
-    /** As the CAN database or Table 3 of the eddyCAN specification has it. */
-    readonly name: keyof DriveValues | keyof NodeValues;
-    /** A drive or node sends it, else its master. */
-    readonly fromDevice: boolean;
-    /** As stamped, s. */
-    readonly time: Float64Array;
-    /** By signal, in its unit; values with names as their numbers, NaN where a message does not carry it. */
-    readonly columns: Readonly<Record<string, Float64Array>>;
-    /** By signal; empty for plain numbers. */
-    readonly units: Readonly<Record<string, string>>;
-    /** By signal: the names of its numbers, where they have some. */
-    readonly names: Readonly<Record<string, Readonly<Record<number, string>>>>;
-}
-
-/** A log as columns. Every line is a frame, blank, or an error. */
-export interface CanLog {
-    readonly lines: number;
-    /** All frames. */
-    readonly frames: {
-        /** As stamped, s. */
-        readonly time: Float64Array;
-        readonly id: Uint32Array;
-        /** Bits: 1 29-bit identifier, 2 remote, 4 error frame, 8 CAN FD, 16 received. */
-        readonly flags: Uint8Array;
-        readonly dlc: Uint8Array;
-        /** The first 8 bytes of each, zeros behind the last one. */
-        readonly data: Uint8Array;
-        /** Place of its table in `tables`; 255 unknown, 254 malformed, 253 an error frame. */
-        readonly message: Uint8Array;
-    };
-    /** The tables that have rows. */
-    readonly tables: readonly MessageTable[];
-    /** Lines that are no frame. */
-    readonly errors: readonly { readonly line: number; readonly text: string; readonly reason: string }[];
 }
 
 
@@ -649,30 +573,6 @@ export function openSlcan(bitrate?: number | null, listen?: boolean | null): Uin
 export function parameters(): Parameter[];
 
 /**
- * A log of can-utils (`candump -L`), decoded: text or its bytes.
- */
-export function readLog(text: string | Uint8Array, options?: LogOptions): CanLog;
-
-/**
- * Runs a recording again, bit for bit: all of it, or its first `until` ticks.
- *
- * Throws an `Error` that names the byte where a damaged recording is wrong, and a `RangeError` for an `until`
- * that is not a count of ticks.
- */
-export function replay(bytes: Uint8Array | number[], until?: number | null): Replay;
-
-/**
- * The trace of a recording that runs again, or of its first `until` ticks: what the drive was given, what it answered, and what it thought meanwhile. Its
- * speeds are electrical, because a recording does not tell the pole pairs. Throws as `replay`.
- */
-export function replayTrace(bytes: Uint8Array | number[], until?: number | null): Trace;
-
-/**
- * The recording that a scope's record of inputs is: the bytes of the download. Throws an `Error` for one of another version, or one that is damaged.
- */
-export function scopeRecording(bytes: Uint8Array | number[], label: string): ScopeRecording;
-
-/**
  * Signals of the virtual scope in the order of their bits.
  */
 export function scopeSignals(): ScopeSignal[];
@@ -735,10 +635,6 @@ export interface InitOutput {
     readonly measurementSignals: () => any;
     readonly openSlcan: (a: number, b: number, c: number) => [number, number, number, number];
     readonly parameters: () => any;
-    readonly readLog: (a: any, b: any) => [number, number, number];
-    readonly replay: (a: number, b: number, c: number, d: number) => [number, number, number];
-    readonly replayTrace: (a: number, b: number, c: number, d: number) => [number, number, number];
-    readonly scopeRecording: (a: number, b: number, c: number, d: number) => [number, number, number];
     readonly scopeSignals: () => any;
     readonly slcanlines_handleBytes: (a: number, b: number, c: number) => any;
     readonly slcanlines_new: () => number;
@@ -795,26 +691,6 @@ export function initSync(module: { module: SyncInitInput } | SyncInitInput): Ini
  * @returns {Promise<InitOutput>}
  */
 export default function __wbg_init (module_or_path?: { module_or_path: InitInput | Promise<InitInput> } | InitInput | Promise<InitInput>): Promise<InitOutput>;
-
-/** Signals of the trace of a replay. */
-export type SignalName =
-    | "time"
-    | "state"
-    | "duty"
-    | "hall"
-    | "step"
-    | "limiter"
-    | "crossing"
-    | "crossing_margin"
-    | "bus_voltage_measured"
-    | "bus_current_measured"
-    | "voltage_a_measured"
-    | "voltage_b_measured"
-    | "voltage_c_measured"
-    | "electrical_setpoint"
-    | "electrical_speed_hall"
-    | "electrical_speed_sensorless"
-    | "faults";
 
 /** Bits of the fault word. */
 export type FaultName =

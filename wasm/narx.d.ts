@@ -35,6 +35,18 @@ export interface InjectionOptions {
     high?: boolean;
 }
 
+/** An eddyCAN TX-Driver on the bus and the shaft of a bench. */
+export interface TxDriverOptions {
+    /** 1 to 127. */
+    nodeId: number;
+    /** Sensors of it; default 1. */
+    channels?: 1 | 2;
+    /** Counts per revolution of an incremental encoder on the shaft, 1 to 65 535; default none. */
+    encoder?: number;
+    /** mm; default 2. */
+    measuringRange?: number;
+}
+
 /** An input of the board that is read slowly. */
 export interface Input {
     readonly name: InputName;
@@ -168,6 +180,10 @@ export interface Observation {
 export class Bench {
     free(): void;
     [Symbol.dispose](): void;
+    /**
+     * Powers up an eddyCAN TX-Driver on the drive's bus, in factory state. Its sensors watch the shaft's surface, a quarter of a revolution apart.
+     */
+    addTxDriver(options: TxDriverOptions): void;
     /**
      * Mends one fault of `inject`, or everything.
      */
@@ -393,6 +409,7 @@ export interface InitOutput {
     readonly __wbg_bench_free: (a: number, b: number) => void;
     readonly __wbg_motor_free: (a: number, b: number) => void;
     readonly __wbg_trace_free: (a: number, b: number) => void;
+    readonly bench_addTxDriver: (a: number, b: any) => [number, number];
     readonly bench_clear: (a: number, b: any, c: any) => [number, number];
     readonly bench_copy: (a: number) => number;
     readonly bench_digest: (a: number) => [number, number];

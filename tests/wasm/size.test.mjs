@@ -7,7 +7,7 @@ import { gzipSync } from "node:zlib";
 
 const golden = new URL("../golden/wasm.toml", import.meta.url);
 /** Compressed, bytes. What is loaded first must be small; the laboratory is loaded when somebody opens a file. */
-const LIMITS = { narx: 150 * 1024, core: 60 * 1024, lab: 128 * 1024 };
+const LIMITS = { narx: 150 * 1024, core: 60 * 1024, lab: 150 * 1024 };
 
 const sizes = Object.fromEntries(
     Object.keys(LIMITS).map((name) => {

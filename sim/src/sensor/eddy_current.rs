@@ -1,7 +1,7 @@
 //! One channel: from a distance to the position that the driver's board samples.
 
-use crate::shown::Shown;
 use super::{Shaft, Target};
+use crate::shown::Shown;
 use core::fmt;
 use narx_core::bus::eddycan::Position;
 use narx_core::eddycan::MeasuringRange;

@@ -73,18 +73,18 @@ fn parameter(row: &Parameter) -> Object {
     let value = |digits| float(Decimal { digits, exponent: row.exponent });
     let shaped = Object::new();
     set(&shaped, "number", row.number);
-    set(&shaped, "name", row.name);
+    set(&shaped, "name", row.name());
     set(&shaped, "category", row.category.label());
-    set(&shaped, "unit", unit(row.unit));
+    set(&shaped, "unit", unit(row.unit()));
     set(&shaped, "type", row.kind.label());
     set(&shaped, "scale", value(1));
-    set(&shaped, "min", value(row.min));
-    set(&shaped, "max", value(row.max));
-    set(&shaped, "factory", value(row.default));
+    set(&shaped, "min", value(row.min()));
+    set(&shaped, "max", value(row.max()));
+    set(&shaped, "factory", value(row.default()));
     set(&shaped, "access", row.access.label());
     set(&shaped, "command", row.command);
     set(&shaped, "acts", row.effect.label());
-    set(&shaped, "description", row.description);
+    set(&shaped, "description", row.description());
     shaped
 }
 

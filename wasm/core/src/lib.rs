@@ -12,12 +12,6 @@
 //! Names mirror Python's in camel case. Values are SI units, speeds mechanical rpm, times seconds from any beginning.
 #![forbid(unsafe_code)]
 
-use lol_alloc::{FreeListAllocator, LockedAllocator};
-
-#[cfg(target_family = "wasm")]
-#[global_allocator]
-static ALLOCATOR: LockedAllocator<FreeListAllocator> = LockedAllocator::new(FreeListAllocator::new());
-
 mod dictionary;
 mod master;
 mod messages;

@@ -113,7 +113,7 @@ pub(crate) fn fields(message: &Message, words: Words) -> (Object, Object) {
         match (field.meaning, parameter) {
             (Meaning::ParameterValue, Some(row)) => {
                 set(&values, field.name, float(row.engineering(raw as i32)));
-                set(&units, field.name, unit(row.unit));
+                set(&units, field.name, unit(row.unit()));
             }
             _ => {
                 set(&values, field.name, value(&field, raw));

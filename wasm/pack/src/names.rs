@@ -30,7 +30,7 @@ pub(crate) fn core() -> Result<String, fmt::Error> {
     let mut text = String::new();
     union(&mut text, "FaultName", "Bits of the fault word.", faults())?;
     union(&mut text, "StateName", "States of the drive, 0 to 7.", State::ALL.map(State::name))?;
-    union(&mut text, "ParameterName", "Parameters of the drive.", Dictionary::rows().map(|row| row.name))?;
+    union(&mut text, "ParameterName", "Parameters of the drive.", Dictionary::rows().map(|row| row.name()))?;
     let measured = MEASUREMENTS.iter().map(|signal| signal.name);
     union(&mut text, "MeasurementName", "Signals of the measurements.", measured)?;
     let shown = DRIVE_SIGNALS.iter().map(|row| row.name);

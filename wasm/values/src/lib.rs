@@ -7,6 +7,13 @@
 //! | `options.rs`, `error.rs` | option objects, errors | |
 #![forbid(unsafe_code)]
 
+use lol_alloc::{FreeListAllocator, LockedAllocator};
+
+/// Of every module.
+#[cfg(target_family = "wasm")]
+#[global_allocator]
+static ALLOCATOR: LockedAllocator<FreeListAllocator> = LockedAllocator::new(FreeListAllocator::new());
+
 pub mod error;
 pub mod frame;
 pub mod options;
