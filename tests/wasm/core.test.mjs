@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { SlcanLines, TxMaster, closeSlcan, decode, encodeSlcan, openSlcan, txObjects } from "../../wasm/pkg/node/core.js";
-import { readLog, replayTrace, scopeRecording } from "../../wasm/pkg/node/lab.js";
+import { Commutation, Hall, Pi, Ramp, readLog, replayTrace, scopeRecording } from "../../wasm/pkg/node/lab.js";
 import { Pump } from "./pump.mjs";
 
 const text = (bytes) => new TextDecoder().decode(bytes);
@@ -128,11 +128,11 @@ test("a TX-Driver is commanded, read and written", () => {
     pump.pass(0.1);
     assert.equal(master.boots, 1);
     assert.ok(master.present);
-    const range = txObjects().find(({ access }) => access !== "read-only");
+    const range = txObjects().find(({ access, name }) => access === "RW" && name !== "Node-ID");
     master.request(range.index, range.subindex);
     pump.pass(0.05);
     assert.equal(master.pollAnswer().value, Math.round(range.factory / range.scale));
-    const counts = txObjects().find(({ access }) => access === "read-only");
+    const counts = txObjects().find(({ access }) => access === "R");
     master.request(counts.index, counts.subindex, 1);
     pump.pass(0.05);
     const { error, abort } = master.pollAnswer();
@@ -150,4 +150,46 @@ test("a TX-Driver is commanded, read and written", () => {
     assert.throws(() => pump.bench.addTxDriver({ nodeId: 2 }), { name: "RangeError", message: "addTxDriver: nodeId 2 is that of another TX-Driver" });
     assert.throws(() => new TxMaster({ nodeId: 128 }), { name: "RangeError", message: "TxMaster: nodeId 128: must be a whole number from 1 to 127" });
     assert.throws(() => master.request(0x6fff, 0), { name: "RangeError" });
+});
+
+test("a PI and a ramp by their equations, within their limits", () => {
+    const pi = new Pi({ proportional: 2, integral: 100, stepRate: 1000, minimum: -10, maximum: 10 });
+    for (let step = 1; step <= 20; step++) {
+        const output = pi.step(1);
+        assert.ok(Math.abs(output - (2 + 0.1 * step)) <= 0.11, `${output} in step ${step}`);
+    }
+    assert.equal(pi.step(1000), 10);
+    assert.equal(pi.step(-1000), -10);
+    const ramp = new Ramp({ rate: 500, stepRate: 1000 });
+    assert.deepEqual([1, 2, 3].map(() => ramp.step(1.2)), [0.5, 1, Math.round(1.2 * 65536) / 65536]);
+    const refusals = [
+        [() => new Pi({ proportional: 1, integral: 0, minimum: 1, maximum: -1 }), /minimum/],
+        [() => new Pi({ proportional: -1, integral: 0, minimum: 0, maximum: 1 }), /^proportional -1: must be 0, or from/],
+        [() => new Ramp({ rate: 0 }), /rate/],
+        [() => ramp.step(40_000), "target 40000: must be a finite number from -32768 to 32767.99998"],
+    ];
+    for (const [call, message] of refusals) {
+        assert.throws(call, { name: "RangeError", message });
+    }
+});
+
+test("hall codes and the steps that give torque, all the way round", () => {
+    const hall = new Hall();
+    const commutation = new Commutation();
+    const steps = new Set();
+    const sectors = [];
+    // Gray codes of six sectors, 10 ms each.
+    for (const code of [1, 3, 2, 6, 4, 5, 1, 3, 2, 6, 4, 5]) {
+        for (let tick = 0; tick < 100; tick++) {
+            const { sector, angle, speed, invalid } = hall.step(code);
+            assert.equal(invalid, false);
+            steps.add(commutation.step(angle, speed).step);
+            sectors[code] = sector;
+        }
+    }
+    assert.deepEqual([...new Set(sectors.filter((sector) => sector !== undefined))].sort(), [0, 1, 2, 3, 4, 5]);
+    assert.deepEqual([...steps].sort(), [1, 2, 3, 4, 5, 6]);
+    assert.ok(Math.abs(Math.abs(hall.step(5).speed) - 1000 / 60) < 2);
+    assert.throws(() => hall.step(8), { name: "RangeError", message: "code 8: must be a whole number from 0 to 7" });
+    assert.throws(() => commutation.step(0, 1e6), { name: "RangeError" });
 });

@@ -5,8 +5,8 @@ use narx_core::blocks::{
     Commutation as CommutationCore, CommutationSettings, Hall as HallCore, HallSettings, Pi as PiCore,
     PiSettings, Position, Ramp as RampCore, RampSettings,
 };
-use narx_core::motor::gain::Gain;
 use narx_core::motor::Direction;
+use narx_core::motor::gain::Gain;
 use narx_wasm_values::error::{range_error, shown, whole};
 use narx_wasm_values::options::{Options, set};
 use wasm_bindgen::prelude::*;
