@@ -133,17 +133,18 @@ fn packages(root: &Path) -> Outcome {
     }
     steps::run(pack.current_dir(root))?;
     let tools = root.join("wasm/web/node_modules/.bin");
-    for package in ["web", "node"] {
-        let package = directory.join(package);
-        for module in ["narx_bg.wasm", "core_bg.wasm", "lab_bg.wasm"] {
-            let file = package.join(module);
-            let mut optimise = Command::new(tools.join("wasm-opt"));
-            optimise.args(["-Os", "--converge"]).args(FEATURES).arg(&file).arg("-o").arg(&file);
-            steps::run(&mut optimise)?;
-        }
+    let (web, node) = (directory.join("web"), directory.join("node"));
+    for module in ["narx_bg.wasm", "core_bg.wasm", "lab_bg.wasm"] {
+        let file = web.join(module);
+        let mut optimise = Command::new(tools.join("wasm-opt"));
+        optimise.args(["-Os", "--converge"]).args(FEATURES).arg(&file).arg("-o").arg(&file);
+        steps::run(&mut optimise)?;
+        // Both packages have the same module, in other JavaScript.
+        fs::copy(&file, node.join(module)).map_err(|error| format!("{}: {error}", file.display()))?;
+    }
+    for package in [&web, &node] {
         let mut compile = Command::new(tools.join("tsc"));
-        compile.arg("-p").arg(root.join("wasm/ts")).arg("--outDir").arg(&package);
-        steps::run(&mut compile)?;
+        steps::run(compile.arg("-p").arg(root.join("wasm/ts")).arg("--outDir").arg(package))?;
     }
     Ok(Vec::new())
 }
