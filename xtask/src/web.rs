@@ -9,6 +9,10 @@ use std::{env, fs};
 /// What browsers run.
 const TARGET: &str = "wasm32-unknown-unknown";
 
+/// Packages and their profiles, in the order in which `narx-wasm-pack` takes their modules.
+const MODULES: [(&str, &str); 3] =
+    [("narx-wasm", "wasm"), ("narx-wasm-core", "wasm-small"), ("narx-wasm-lab", "wasm-small")];
+
 /// What rustc and wasm-bindgen use, and Node 20 and browsers of 2022 know; `--all-features` makes modules that only the
 /// newest engines load.
 const FEATURES: [&str; 8] = [
@@ -55,7 +59,7 @@ pub fn build(root: &Path) -> Vec<Step<'_>> {
             install::rust_target(TARGET)?;
             install::npm(&root.join("wasm/web"))
         }),
-        Step::new("wasm module", move || module(root)),
+        Step::new("wasm modules", move || modules(root)),
         Step::new("wasm packages", move || packages(root)),
         Step::new("web page", move || {
             steps::run(
@@ -70,14 +74,15 @@ pub fn build(root: &Path) -> Vec<Step<'_>> {
 /// # Errors
 /// What is out of date, or what could not be read.
 pub fn declarations(root: &Path, check: bool) -> Outcome {
-    let (made, kept) = (root.join("wasm/pkg/web/narx.d.ts"), root.join("wasm/narx.d.ts"));
-    let text = fs::read_to_string(&made).map_err(|error| format!("{}: {error}", made.display()))?;
-    if check {
-        let same = fs::read_to_string(&kept).is_ok_and(|kept| kept == text);
-        let advice = || "wasm/narx.d.ts is out of date: cargo xtask generate writes it anew".to_owned();
-        return same.then(Vec::new).ok_or_else(advice);
+    for name in ["narx.d.ts", "core.d.ts", "lab.d.ts"] {
+        let (made, kept) = (root.join("wasm/pkg/web").join(name), root.join("wasm").join(name));
+        let text = fs::read_to_string(&made).map_err(|error| format!("{}: {error}", made.display()))?;
+        if !check {
+            fs::write(&kept, text).map_err(|error| format!("{}: {error}", kept.display()))?;
+        } else if !fs::read_to_string(&kept).is_ok_and(|kept| kept == text) {
+            return Err(format!("wasm/{name} is out of date: cargo xtask generate writes it anew"));
+        }
     }
-    fs::write(&kept, text).map_err(|error| format!("{}: {error}", kept.display()))?;
     Ok(Vec::new())
 }
 
@@ -88,7 +93,7 @@ pub fn declarations(root: &Path, check: bool) -> Outcome {
 pub fn generate(root: &Path) -> Outcome {
     install::rust_target(TARGET)?;
     install::npm(&root.join("wasm/web"))?;
-    module(root)?;
+    modules(root)?;
     packages(root)?;
     declarations(root, false)?;
     steps::run(
@@ -99,32 +104,47 @@ pub fn generate(root: &Path) -> Outcome {
     )
 }
 
-/// The module as the compiler leaves it. Names of folders outside the project would differ on every machine.
-fn module(root: &Path) -> Outcome {
+/// The modules as the compiler leaves them. Names of folders outside the project would differ on every machine. Each is built by itself, because they want
+/// other features of core.
+fn modules(root: &Path) -> Outcome {
     let mut flags = vec![format!("--remap-path-prefix={}=narx", root.display())];
     if let Some(cargo) = cargo_home() {
         flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
     }
-    steps::run(
-        Command::new("cargo")
-            .args(["build", "-p", "narx-wasm", "--profile", "wasm", "--target", TARGET])
-            .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"))
-            .current_dir(root),
-    )
+    for (package, profile) in MODULES {
+        steps::run(
+            Command::new("cargo")
+                .args(["build", "-p", package, "--profile", profile, "--target", TARGET])
+                .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"))
+                .current_dir(root),
+        )?;
+    }
+    Ok(Vec::new())
 }
 
-/// JavaScript around the module, and the module made small.
+/// JavaScript around the modules, the modules made small, and the TypeScript over them.
 fn packages(root: &Path) -> Outcome {
-    let module = target_directory(root).join(TARGET).join("wasm/narx_wasm.wasm");
+    let built = target_directory(root).join(TARGET);
     let directory = root.join("wasm/pkg");
     let mut pack = Command::new("cargo");
-    pack.args(["run", "--quiet", "--profile", "tool", "-p", "narx-wasm-pack", "--"]);
-    steps::run(pack.arg(&module).arg(&directory).current_dir(root))?;
-    for package in ["web", "node"] {
-        let file = directory.join(package).join("narx_bg.wasm");
-        let mut optimise = Command::new(root.join("wasm/web/node_modules/.bin/wasm-opt"));
+    pack.args(["run", "--quiet", "--profile", "tool", "-p", "narx-wasm-pack", "--"]).arg(&directory);
+    for (package, profile) in MODULES {
+        pack.arg(built.join(profile).join(package.replace('-', "_") + ".wasm"));
+    }
+    steps::run(pack.current_dir(root))?;
+    let tools = root.join("wasm/web/node_modules/.bin");
+    let (web, node) = (directory.join("web"), directory.join("node"));
+    for module in ["narx_bg.wasm", "core_bg.wasm", "lab_bg.wasm"] {
+        let file = web.join(module);
+        let mut optimise = Command::new(tools.join("wasm-opt"));
         optimise.args(["-Os", "--converge"]).args(FEATURES).arg(&file).arg("-o").arg(&file);
         steps::run(&mut optimise)?;
+        // Both packages have the same module, in other JavaScript.
+        fs::copy(&file, node.join(module)).map_err(|error| format!("{}: {error}", file.display()))?;
+    }
+    for package in [&web, &node] {
+        let mut compile = Command::new(tools.join("tsc"));
+        steps::run(compile.arg("-p").arg(root.join("wasm/ts")).arg("--outDir").arg(package))?;
     }
     Ok(Vec::new())
 }

@@ -84,7 +84,7 @@ pub struct Opened {
 }
 
 /// The storage on one flash. Without `LOG` there are the maps of the parameters and nothing else: no log, and no label before a map.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Storage<F, const LOG: bool = true> {
     flash: F,
     place: Option<Place>,

@@ -1,6 +1,6 @@
 // A table of recordings that were replayed.
 
-import type { Replay } from "narx";
+import type { Replay } from "narx/lab";
 
 export class Replays {
     #table: HTMLTableElement;
