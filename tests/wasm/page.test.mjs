@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { basename } from "node:path";
 import { after, before, test } from "node:test";
-import { start } from "./browser.mjs";
+import { routes, start, violations } from "./browser.mjs";
 import { VECTORS } from "./vectors.mjs";
 
 let browser;
@@ -27,7 +27,7 @@ function isDrawn(page) {
 }
 
 test("motors spin up to their set-point and stop", async () => {
-    const { page, complaints } = await browser.open();
+    const { page, complaints } = await browser.open({}, "#/operate/main");
     await page.waitForSelector("#motor option", { state: "attached" });
     const names = await page.locator("#motor option").evaluateAll((options) => options.map((option) => option.value));
     assert.ok(names.length >= 4);
@@ -47,7 +47,7 @@ test("motors spin up to their set-point and stop", async () => {
 });
 
 test("the set-point changes while the motor turns, by keyboard", async () => {
-    const { page, complaints } = await browser.open();
+    const { page, complaints } = await browser.open({}, "#/operate/main");
     await page.locator("#start:enabled").waitFor();
     await page.locator("#setpoint").fill("2000");
     await page.locator("#setpoint").press("Enter");
@@ -61,8 +61,7 @@ test("the set-point changes while the motor turns, by keyboard", async () => {
 });
 
 test("all vectors replay in the page, and a damaged file is named", async () => {
-    const { page, complaints } = await browser.open();
-    await page.locator("#start:enabled").waitFor();
+    const { page, complaints } = await browser.open({}, "#/operate/recordings");
     await page.locator("#recordings").setInputFiles(VECTORS);
     const rows = page.locator("#replays tbody tr");
     await rows.nth(VECTORS.length - 1).waitFor({ timeout: 60_000 });
@@ -80,8 +79,35 @@ test("all vectors replay in the page, and a damaged file is named", async () => 
     assert.deepEqual(complaints, []);
 });
 
-test("narrow screens need no sideways scrolling", async () => {
-    const { page } = await browser.open({ viewport: { width: 360, height: 740 } });
-    await page.locator("#start:enabled").waitFor();
-    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+test("every route has its heading, fits a narrow screen, and breaks no rule of accessibility in light or dark", async () => {
+    for (const colorScheme of ["light", "dark"]) {
+        const { page, complaints } = await browser.open({ viewport: { width: 360, height: 740 }, colorScheme }, "#/learn");
+        for (const route of await routes(page)) {
+            await page.evaluate((route) => location.assign(route), route);
+            await page.locator("main h1").waitFor();
+            const width = await page.evaluate(() => document.documentElement.scrollWidth);
+            assert.ok(width <= 360, `${route} is ${width} px wide`);
+            assert.deepEqual(await violations(page), [], `${route}, ${colorScheme}`);
+        }
+        assert.deepEqual(complaints, []);
+    }
+});
+
+test("an address that is none is named", async () => {
+    const { page } = await browser.open({}, "#/fly");
+    await page.getByRole("heading", { name: 'There is no page "fly"' }).waitFor();
+    await page.evaluate(() => location.assign("#/operate/fly"));
+    await page.getByRole("heading", { name: 'There is no panel "fly"' }).waitFor();
+});
+
+test("the reader's choice of colours is kept", async () => {
+    const { page } = await browser.open({ colorScheme: "light" }, "#/learn");
+    const background = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+    const light = await background();
+    await page.getByLabel("Colours").selectOption("dark");
+    const dark = await background();
+    assert.notEqual(dark, light);
+    await page.reload();
+    await page.getByLabel("Colours").waitFor();
+    assert.equal(await background(), dark);
 });

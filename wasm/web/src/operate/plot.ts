@@ -2,6 +2,7 @@
 
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { colour } from "../theme.svelte";
 import type { Rows } from "./messages";
 
 /** Seconds in view. */
@@ -18,10 +19,12 @@ export class Plot {
         this.#place = place;
         this.#chart = this.#draw();
         new ResizeObserver(() => this.#chart.setSize(this.#size())).observe(place);
-        matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-            this.#chart.destroy();
-            this.#chart = this.#draw();
-        });
+    }
+
+    /** In the colours of now. */
+    redraw(): void {
+        this.#chart.destroy();
+        this.#chart = this.#draw();
     }
 
     clear(): void {
@@ -53,9 +56,8 @@ export class Plot {
     }
 
     #draw(): uPlot {
-        const style = getComputedStyle(document.documentElement);
-        const colour = (name: string) => style.getPropertyValue(name).trim();
-        const axis = { stroke: colour("--text"), grid: { stroke: colour("--grid") }, ticks: { stroke: colour("--grid") } };
+        const line = { stroke: colour("--line") };
+        const axis = { stroke: colour("--text"), grid: line, ticks: line };
         return new uPlot(
             {
                 ...this.#size(),
