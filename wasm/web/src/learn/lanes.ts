@@ -12,14 +12,16 @@ export const CURRENTS: Lane = {
     series: NAMES.map((name) => ({ label: name.toUpperCase(), value: `current_${name}`, colour: `--phase-${name}` })),
 };
 
-/** Terminals against ground in the middle of the on-time, and half of the bus. */
-export const TERMINALS: Lane = {
-    title: "Terminals",
+export const BUS_CURRENT: Lane = {
+    title: "Bus current",
+    unit: "A",
+    series: [{ label: "bus current", value: "bus_current", colour: "--accent" }],
+};
+
+export const BUS_VOLTAGE: Lane = {
+    title: "Bus",
     unit: "V",
-    series: [
-        ...NAMES.map((name) => ({ label: name.toUpperCase(), value: `voltage_${name}` as const, colour: `--phase-${name}` })),
-        { label: "half of the bus", value: (read: Read) => read("bus_voltage") / 2, colour: "--quiet", dash: [6, 4] },
-    ],
+    series: [{ label: "bus voltage", value: "bus_voltage", colour: "--accent" }],
 };
 
 /** Back-EMF of each phase; `peak` is in V at 1 rpm. */
@@ -44,16 +46,21 @@ export const TORQUE: Lane = {
 export const SPEED: Lane = {
     title: "Speed",
     unit: "rpm",
+    least: 100,
     series: [
         { label: "shaft", value: "speed", colour: "--speed" },
         { label: "set-point", value: "setpoint", colour: "--setpoint", dash: [6, 4] },
     ],
 };
 
-/** The floating phase's terminal alone, against half of the bus. */
+/** A zero crossing has just been accepted. */
+const accepted = (read: Read) => read("crossing") === 1 && read("crossing_margin") !== read("crossing_margin", 1);
+
+/** The floating phase's terminal alone, against half of the bus, with the crossings that the drive has accepted. */
 export const FLOATING: Lane = {
-    title: "Floating terminal",
+    title: "Floating end",
     unit: "V",
+    height: 150,
     series: [
         ...NAMES.map((name, phase) => ({
             label: name.toUpperCase(),
@@ -61,5 +68,15 @@ export const FLOATING: Lane = {
             colour: `--phase-${name}`,
         })),
         { label: "half of the bus", value: (read: Read) => read("bus_voltage") / 2, colour: "--quiet", dash: [6, 4] },
+        { label: "crossing accepted", value: (read: Read) => (accepted(read) ? read("bus_voltage") / 2 : Number.NaN), colour: "--field", points: true },
     ],
 };
+
+/** What bounds the duty, by the number of the signal `limiter` (parameter 280). */
+export const LIMITERS = [
+    "bridge off", "fixed level", "speed loop", "bus current", "phase current", "power", "temperature", "maximum duty", "slew",
+    "no return into the bus", "crossings not seen",
+];
+
+/** What became of the last step's zero crossing, by the number of the signal `crossing` (parameter 287). */
+export const CROSSINGS = ["none yet", "accepted", "filtered: too early", "blind: not seen", "late: hidden", "heard while coasting"];

@@ -1,6 +1,7 @@
 // What a chapter and its simulation in the worker say to each other.
 
-import type { BenchOptions, MotorName, MotorOptions, SignalName } from "narx";
+import type { BenchOptions, BusFrame, Frame, InjectionName, InjectionOptions, LoadOptions, MotorName, MotorOptions, SignalName } from "narx";
+import type { DriveMessage, NodeMessage } from "narx/core";
 
 /** The signals that pictures are drawn from. */
 export const KEPT = [
@@ -17,12 +18,21 @@ export type Row = Record<Kept, number>;
 /** Consecutive control ticks, an array for each signal in the order of `KEPT`. */
 export type Rows = Float64Array[];
 
+/** A frame of the bus, and the message that it is. */
+export type Heard = BusFrame & { message?: DriveMessage | NodeMessage };
+
 /** What is done to a bench. */
 export type Action =
     | { kind: "run"; seconds: number }
+    /** Until the drive is in another state, but no longer than `seconds`. */
+    | { kind: "nextState"; seconds: number }
     | { kind: "start"; rpm: number }
     | { kind: "setSpeed"; rpm: number }
-    | { kind: "stop" };
+    | { kind: "stop" }
+    | { kind: "load"; load: LoadOptions }
+    | { kind: "inject"; fault: InjectionName; options?: InjectionOptions }
+    | { kind: "clear" }
+    | { kind: "send"; frame: Frame };
 
 /** A motor on a bench, and what is done before anybody looks. */
 export interface Setup {
@@ -38,5 +48,6 @@ export type Request = { kind: "open"; setup: Setup } | { kind: "pace"; pace: num
 export type Answer =
     | { kind: "ready" }
     | { kind: "opened"; speedMin: number; speedMax: number; notes: string[] }
-    | { kind: "ran"; rows: Rows; fault?: string }
+    /** `acted`: these are the consequences of actions, else of time. */
+    | { kind: "ran"; rows: Rows; frames: Heard[]; acted: boolean; fault?: string }
     | { kind: "refused"; reason: string };

@@ -17,8 +17,10 @@ export const SUPPLY = 24;
 /** Until the drive has booted, s. */
 export const BOOT = 0.6;
 
-/** Degrees of the rotor's electrical angle. */
-export const PHASE_PEAK = (motor: MotorOptions) => motor.torqueConstant / 2;
+/** Flat top of one phase's back-EMF, V a rpm of the shaft: half of what lies between two lines. */
+export function perRpm({ torqueConstant }: MotorOptions): number {
+    return ((torqueConstant / 2) * 2 * Math.PI) / 60;
+}
 
 /** Boots, starts in hall mode with `load` N m on the shaft, and runs until the speed is steady. */
 export function turning(rpm: number, load: number, more: Partial<Setup> = {}): Setup {

@@ -1,13 +1,15 @@
 // One simulation for all pictures of a chapter: it runs in a worker, and the newest tick, or an earlier one, is in view.
 
-import { History } from "./history";
-import { KEPT, type Action, type Answer, type Request, type Row, type Setup } from "./messages";
+import { History, type Entered } from "./history";
+import { KEPT, type Action, type Answer, type Heard, type Request, type Row, type Setup } from "./messages";
 
 const NOTHING = Object.fromEntries(KEPT.map((name) => [name, 0])) as Row;
 
 export class Simulation {
     /** The tick in view. */
     row = $state.raw<Row>(NOTHING);
+    /** The states that led to it, oldest first. */
+    entered = $state.raw<Entered[]>([]);
     /** Rises with every new picture. */
     shown = $state(0);
     /** Ticks from the one in view to the newest. */
@@ -26,6 +28,10 @@ export class Simulation {
     /** A bench has been opened and what came before has been done. */
     open = $state(false);
     readonly history = new History();
+    /** A control tick, s. */
+    readonly tick = 1e-4;
+    /** Hears every frame of the bus, where the bench keeps them; `acted`: what the last actions have brought forth. */
+    handleFrames: (frames: Heard[], acted: boolean) => void = () => {};
 
     #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
     #ready = false;
@@ -79,13 +85,13 @@ export class Simulation {
     }
 
     /** So many ticks forward, or back where negative; time stands still then. */
-    tick(count: number): void {
+    go(count: number): void {
         if (this.playing) {
             this.play(false);
         }
         const age = this.age - count;
         if (age < 0) {
-            this.run(-age * 1e-4);
+            this.run(-age * this.tick);
         }
         this.look(age);
     }
@@ -141,11 +147,14 @@ export class Simulation {
         }
     }
 
-    #ran({ rows, fault }: Answer & { kind: "ran" }): void {
-        this.#busy = false;
+    #ran({ rows, frames, acted, fault }: Answer & { kind: "ran" }): void {
+        this.#busy &&= !acted;
         this.history.append(rows);
+        if (frames.length > 0) {
+            this.handleFrames(frames, acted);
+        }
         this.fault = fault;
-        this.open = true;
+        this.open ||= acted;
         this.#changed = true;
         if (this.age > 0) {
             // Whoever looks back keeps looking at the same tick.
@@ -158,6 +167,7 @@ export class Simulation {
             this.#changed = false;
             this.length = this.history.length;
             this.row = this.history.row(this.age);
+            this.entered = this.history.entered(this.age);
             this.shown += 1;
         }
         this.#frame = requestAnimationFrame(() => this.#draw());

@@ -1,7 +1,8 @@
 // The bench of a chapter, in a worker: time passes at the reader's pace, and every control tick is told.
 
-import init, { Bench, Motor, type Trace } from "narx";
-import { KEPT, type Action, type Answer, type Request, type Rows, type Setup } from "./messages";
+import init, { Bench, Motor, type BusFrame, type Trace } from "narx";
+import initCore, { decode } from "narx/core";
+import { KEPT, type Action, type Answer, type Heard, type Request, type Rows, type Setup } from "./messages";
 
 /** Between two runs, ms: a picture of a usual screen. */
 const PERIOD = 16;
@@ -22,9 +23,14 @@ function answer(message: Answer, transfer: Transferable[] = []): void {
     postMessage(message, { transfer });
 }
 
-function tell(rows: Rows): void {
+function tell(rows: Rows, acted = false): void {
     const fault = bench?.state === 6 ? bench.fault?.meaning : undefined;
-    answer({ kind: "ran", rows, fault }, rows.map((column) => column.buffer));
+    const frames = (bench?.takeFrames() ?? []).map(read);
+    answer({ kind: "ran", rows, frames, acted, fault }, rows.map((column) => column.buffer));
+}
+
+function read(frame: BusFrame): Heard {
+    return { ...frame, message: decode(frame) };
 }
 
 function rowsOf(trace: Trace): Rows {
@@ -48,12 +54,22 @@ function joined(parts: Rows[]): Rows {
 }
 
 function act(bench: Bench, actions: Action[]): void {
+    // What was on the bus before is not of these actions.
+    tell(joined([]));
     const parts: Rows[] = [];
     for (const action of actions) {
         switch (action.kind) {
             case "run":
                 parts.push(rowsOf(bench.run(action.seconds)));
                 break;
+            case "nextState": {
+                const state = bench.value("state");
+                for (let left = action.seconds / TICK; left > 0 && bench.value("state") === state; left--) {
+                    bench.step();
+                }
+                parts.push(rowsOf(bench.takeTrace()));
+                break;
+            }
             case "start":
                 bench.start(action.rpm);
                 break;
@@ -63,15 +79,28 @@ function act(bench: Bench, actions: Action[]): void {
             case "stop":
                 bench.stop();
                 break;
+            case "load":
+                bench.setLoad(action.load);
+                break;
+            case "inject":
+                bench.inject(action.fault, action.options);
+                break;
+            case "clear":
+                bench.clear();
+                break;
+            case "send":
+                bench.send(action.frame);
+                break;
         }
     }
-    tell(joined(parts));
+    tell(joined(parts), true);
 }
 
 function open({ motor, options, before }: Setup): void {
     const made = typeof motor === "string" ? Motor.preset(motor) : new Motor(motor);
     try {
-        const fresh = new Bench(made, options);
+        // Nobody asks for its recording, which would grow.
+        const fresh = new Bench(made, { ...options, recording: false });
         bench?.free();
         bench = fresh;
     } finally {
@@ -118,7 +147,7 @@ addEventListener("message", ({ data }: MessageEvent<Request>) => {
     }
 });
 
-await init();
+await Promise.all([init(), initCore()]);
 answer({ kind: "ready" });
 before = performance.now();
 pass();
