@@ -1,6 +1,50 @@
 /* tslint:disable */
 /* eslint-disable */
 
+/** A classic CAN frame. */
+export interface Frame {
+    /** Identifier, a number of 29 bits, or of 11. */
+    readonly id: number;
+    /** It has 29 bits, as all of the drive's have; default true. */
+    readonly extended?: boolean;
+    /** A remote frame; default false. */
+    readonly remote?: boolean;
+    /** Up to 8 bytes; of a remote frame as many zeros as it asks for. */
+    readonly data: Uint8Array;
+}
+
+
+
+/** A frame that has passed on the bus of a bench. */
+export interface BusFrame extends Frame {
+    readonly extended: boolean;
+    readonly remote: boolean;
+    /** End of the frame, s since power-up. */
+    readonly time: number;
+    /** It came by `send`, or from the bench's operator. */
+    readonly sent: boolean;
+}
+
+/** What a fault is told besides its name. */
+export interface InjectionOptions {
+    /** "ambient" in degrees Celsius, "supply" and "pressure" in V, "leak" in ohm, "hall-glitches" per second. */
+    value?: number;
+    /** Of "driver", "open-phase", "hall-stuck" and "hall-swapped". */
+    phase?: "A" | "B" | "C";
+    /** Level of "hall-stuck"; default false. */
+    high?: boolean;
+}
+
+/** An input of the board that is read slowly. */
+export interface Input {
+    readonly name: InputName;
+    readonly unit: string;
+    readonly min: number;
+    readonly max: number;
+}
+
+
+
 /** A load on the shaft. All torques oppose the motion; the constant one also holds at standstill. All default to 0. */
 export interface LoadOptions {
     /** N m. */
@@ -13,7 +57,7 @@ export interface LoadOptions {
     inertia?: number;
 }
 
-/** What is on the bench, and how the drive is set up. */
+/** What is on the bench, and how the drive is set up. A plain object: the same options and calls give the same bits. */
 export interface BenchOptions {
     /** V. */
     supplyVoltage: number;
@@ -22,19 +66,20 @@ export interface BenchOptions {
     mode?: Mode;
     /** Speed of the mode "open-loop", rpm; default the slowest closed-loop speed. */
     openLoopSpeed?: number;
+    /** The hall sensors come this much late, electrical degrees; commissioning does not know it. Default 0. */
+    hallOffset?: number;
     /** Parameters of the drive by name or number, in their units; they win over those of commissioning. */
     parameters?: Record<string | number, number>;
     /** Degrees Celsius; default 25. */
     ambient?: number;
     /** Seed of all noise, a whole number; default 1. */
     seed?: number;
-}
-
-/** Why the drive stopped. */
-export interface Fault {
-    /** Extended fault code. */
-    readonly code: number;
-    readonly meaning: string;
+    /** The bench has an operator of its own, who obeys `start`, `setSpeed` and `stop`; default true. Without, the drive obeys the frames of `send`. */
+    operator?: boolean;
+    /** Keep every frame of the bus for `takeFrames`; default where there is no operator. */
+    frames?: boolean;
+    /** Record for `recording` and `digest`; default true. */
+    recording?: boolean;
 }
 
 
@@ -74,18 +119,45 @@ export interface MotorOptions {
 
 
 
-/** What a replay found. Digests are 16 lower-case hexadecimal digits. */
-export interface Replay {
-    /** Ticks run. */
-    readonly ticks: number;
-    /** Digest of the outputs now. */
-    readonly digest: string;
-    /** Digest of the outputs when they were recorded; absent for a prefix. */
-    readonly recordedDigest?: string;
-    /** The recorder's behaviour version, where it is another one than ours: digests may then rightly differ. */
-    readonly otherBehaviour?: number;
-    /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
-    readonly outputs?: string;
+/** Why the drive stopped. */
+export interface Fault {
+    /** Extended fault code. */
+    readonly code: number;
+    readonly meaning: string;
+}
+
+/** The true values of an instant, which no drive sees, and what the gates do then: enough for a picture. Arrays are of phases A, B, C. */
+export interface Observation {
+    /** s. */
+    readonly time: number;
+    /** Mechanical, rpm. */
+    readonly speed: number;
+    /** Mechanical angle of the shaft, rad, unwrapped. */
+    readonly position: number;
+    /** Electrical angle, degrees, 0 to 360; 0 is the rising zero crossing of phase A's back-EMF. */
+    readonly angle: number;
+    /** Phase currents into the motor, A. */
+    readonly current: Float64Array;
+    /** Terminal voltages against ground, V. */
+    readonly voltage: Float64Array;
+    /** Back-EMF against the star point, V. */
+    readonly backEmf: Float64Array;
+    /** Star point against ground, V. */
+    readonly neutral: number;
+    /** V. */
+    readonly busVoltage: number;
+    /** Mean of the last period, A. */
+    readonly busCurrent: number;
+    /** Mean of the last period, N m. */
+    readonly torque: number;
+    /** Which switch of each leg is on: 1 high, -1 low, 0 none. */
+    readonly gates: Int8Array;
+    /** Hall lines: bit 0 is A. */
+    readonly hall: number;
+    /** Pattern: 0 coast, 1 AB, 2 AC, 3 BC, 4 BA, 5 CA, 6 CB, more: rotor lock. */
+    readonly step: number;
+    /** Duty of this period, 0 to 1. */
+    readonly duty: number;
 }
 
 
@@ -97,6 +169,27 @@ export class Bench {
     free(): void;
     [Symbol.dispose](): void;
     /**
+     * Mends one fault of `inject`, or everything.
+     */
+    clear(fault?: InjectionName, options?: InjectionOptions): void;
+    /**
+     * The bench as it stands, motor, drive, bus, recording and all: a second one, which goes on by itself. Keep some to return to an instant; the digest is then
+     * what it would have been.
+     */
+    copy(): Bench;
+    /**
+     * Breaks something, until `clear`: what has a physical cause, not the fault bit that comes of it.
+     */
+    inject(fault: InjectionName, options?: InjectionOptions): void;
+    /**
+     * Names of what `inject` can break.
+     */
+    static injections(): InjectionName[];
+    /**
+     * The inputs of the board and what they take.
+     */
+    static inputs(): Input[];
+    /**
      * Control modes.
      */
     static modes(): Mode[];
@@ -106,13 +199,30 @@ export class Bench {
      */
     constructor(motor: Motor, options: BenchOptions);
     /**
-     * Recording of the drive since it last booted: what `replay` takes, and a `.narxrec` file holds.
+     * What is true now, for pictures.
+     */
+    observe(): Observation;
+    /**
+     * Recording of the drive since it last booted: what `replay` of `narx/core` takes, and a `.narxrec` file holds. Empty without recording.
      */
     recording(): Uint8Array;
     /**
-     * Lets time run, to the nearest control tick, and returns the rows of this run.
+     * Lets time run, to the nearest control tick, and returns the rows since the last ones that were taken, one for each tick. `trace` false: without
+     * rows, which is faster.
      */
-    run(seconds: number): Trace;
+    run(seconds: number, trace?: boolean | null): Trace;
+    /**
+     * Queues a frame at the host's place of the bus, as from now. Throws a `RangeError` where 64 of them wait already.
+     */
+    send(frame: Frame): void;
+    /**
+     * Puts a value on an input of the board, in the unit of what it measures. Throws where no wire can carry it.
+     */
+    setInput(input: InputName, value: number): void;
+    /**
+     * Another load on the shaft from now on; commissioning does not know of it.
+     */
+    setLoad(options: LoadOptions): void;
     /**
      * The operator asks for another speed, rpm, in the direction of `start`.
      */
@@ -122,13 +232,25 @@ export class Bench {
      */
     static signals(): Signal[];
     /**
-     * The operator asks for a speed, mechanical rpm, negative in reverse, and repeats it while time runs.
+     * The operator asks for a speed, mechanical rpm, negative in reverse, and repeats it while time runs. It waits for the drive's self-tests.
      */
     start(rpm: number): void;
     /**
-     * The operator asks for Standby.
+     * Lets so many control ticks pass, default one. Their rows are those of the next `takeTrace`, or `run`.
+     */
+    step(ticks?: number | null): void;
+    /**
+     * The operator asks for Standby, which also acknowledges a fault.
      */
     stop(): void;
+    /**
+     * The frames that have passed on the bus since the last call, those that were sent among them; at most 65 536, the last ones. None if they are not kept.
+     */
+    takeFrames(): BusFrame[];
+    /**
+     * The rows since the last ones that were taken.
+     */
+    takeTrace(): Trace;
     /**
      * The present value of a signal.
      */
@@ -137,6 +259,10 @@ export class Bench {
      * The present value of every signal, in the order of `signals()`.
      */
     values(): Float64Array;
+    /**
+     * Digest of everything that the drive has answered since it last booted, as 16 lower-case hexadecimal digits: that of its recording.
+     */
+    readonly digest: string;
     /**
      * Why the drive stopped, if it did.
      */
@@ -165,6 +291,14 @@ export class Bench {
      * State of the drive's state machine, 0 to 7.
      */
     readonly state: number;
+    /**
+     * Control ticks a second.
+     */
+    readonly tickRate: number;
+    /**
+     * Control ticks since power-up.
+     */
+    readonly ticks: number;
     /**
      * Time since power-up, s.
      */
@@ -252,14 +386,6 @@ export class Trace {
     readonly time: Float64Array;
 }
 
-/**
- * Runs a recording again, bit for bit: all of it, or its first `until` ticks.
- *
- * Throws an `Error` that names the byte where a damaged recording is wrong, and a `RangeError` for an `until`
- * that is not a count of ticks.
- */
-export function replay(bytes: Uint8Array | number[], until?: number | null): Replay;
-
 export type InitInput = RequestInfo | URL | Response | BufferSource | WebAssembly.Module;
 
 export interface InitOutput {
@@ -267,13 +393,23 @@ export interface InitOutput {
     readonly __wbg_bench_free: (a: number, b: number) => void;
     readonly __wbg_motor_free: (a: number, b: number) => void;
     readonly __wbg_trace_free: (a: number, b: number) => void;
+    readonly bench_clear: (a: number, b: any, c: any) => [number, number];
+    readonly bench_copy: (a: number) => number;
+    readonly bench_digest: (a: number) => [number, number];
     readonly bench_fault: (a: number) => any;
     readonly bench_faults: (a: number) => [number, number];
+    readonly bench_inject: (a: number, b: any, c: any) => [number, number];
+    readonly bench_injections: () => [number, number];
+    readonly bench_inputs: () => any;
     readonly bench_modes: () => [number, number];
     readonly bench_new: (a: number, b: any) => [number, number, number];
     readonly bench_notes: (a: number) => [number, number];
+    readonly bench_observe: (a: number) => any;
     readonly bench_recording: (a: number) => [number, number];
-    readonly bench_run: (a: number, b: number) => [number, number, number];
+    readonly bench_run: (a: number, b: number, c: number) => [number, number, number];
+    readonly bench_send: (a: number, b: any) => [number, number];
+    readonly bench_setInput: (a: number, b: any, c: number) => [number, number];
+    readonly bench_setLoad: (a: number, b: any) => [number, number];
     readonly bench_setSpeed: (a: number, b: number) => [number, number];
     readonly bench_signals: () => any;
     readonly bench_speedMax: (a: number) => number;
@@ -281,7 +417,12 @@ export interface InitOutput {
     readonly bench_start: (a: number, b: number) => [number, number];
     readonly bench_state: (a: number) => number;
     readonly bench_stateName: (a: number) => [number, number];
-    readonly bench_stop: (a: number) => void;
+    readonly bench_step: (a: number, b: number) => void;
+    readonly bench_stop: (a: number) => [number, number];
+    readonly bench_takeFrames: (a: number) => any;
+    readonly bench_takeTrace: (a: number) => number;
+    readonly bench_tickRate: (a: number) => number;
+    readonly bench_ticks: (a: number) => number;
     readonly bench_time: (a: number) => number;
     readonly bench_value: (a: number, b: any) => [number, number, number];
     readonly bench_values: (a: number) => [number, number];
@@ -297,7 +438,6 @@ export interface InitOutput {
     readonly motor_ratedCurrent: (a: number) => [number, number];
     readonly motor_resistance: (a: number) => number;
     readonly motor_torqueConstant: (a: number) => number;
-    readonly replay: (a: number, b: number, c: number, d: number) => [number, number, number];
     readonly trace_column: (a: number, b: any) => [number, number, number];
     readonly trace_length: (a: number) => number;
     readonly trace_signals: (a: number) => any;
@@ -308,8 +448,8 @@ export interface InitOutput {
     readonly __wbindgen_exn_store: (a: number) => void;
     readonly __externref_table_alloc: () => number;
     readonly __wbindgen_externrefs: WebAssembly.Table;
-    readonly __externref_drop_slice: (a: number, b: number) => void;
     readonly __externref_table_dealloc: (a: number) => void;
+    readonly __externref_drop_slice: (a: number, b: number) => void;
     readonly __wbindgen_start: () => void;
 }
 
@@ -409,3 +549,39 @@ export type FaultName =
     | "device_timeout"
     | "store_absent"
     | "store_version";
+
+/** What can break. */
+export type InjectionName =
+    | "ambient"
+    | "supply"
+    | "leak"
+    | "driver"
+    | "open-phase"
+    | "hall-stuck"
+    | "hall-swapped"
+    | "hall-glitches"
+    | "hall-supply-lost"
+    | "blocked-rotor"
+    | "pressure"
+    | "break"
+    | "dsi1"
+    | "dsi2";
+
+/** Inputs of the board that are read slowly. */
+export type InputName =
+    | "asi"
+    | "asi_source"
+    | "accel_x"
+    | "accel_y"
+    | "accel_z"
+    | "pressure"
+    | "pressure_common_mode"
+    | "rail6_v"
+    | "rail14_v"
+    | "accel_reference"
+    | "reference"
+    | "internal_temperature"
+    | "external_temperature"
+    | "dsio1"
+    | "dsio2"
+    | "hall_supply";

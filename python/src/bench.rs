@@ -122,17 +122,15 @@ impl Bench {
 
     /// Puts a value on an input of the board, named as `inputs` has it.
     fn set_input(&self, py: Python<'_>, input: &str, value: f64) -> PyResult<()> {
-        let names = Input::ALL.map(|input| (crate::state::words(&input), input));
-        let names: Vec<(&str, Input)> = names.iter().map(|(name, input)| (name.as_str(), *input)).collect();
-        let input = error::choice("input", input, &names)?;
+        let input = error::choice("input", input, &Input::ALL.map(|input| (input.name(), input)))?;
         let set = self.0.with(py, |session| session.bench_mut().plant_mut().set_input(input, value));
         set.map_err(|refused| error::parameter(format!("input {value}: {refused}")))
     }
 
     /// Names of the board's inputs.
     #[staticmethod]
-    fn inputs() -> Vec<String> {
-        Input::ALL.iter().map(crate::state::words).collect()
+    fn inputs() -> Vec<&'static str> {
+        Input::ALL.map(Input::name).to_vec()
     }
 
     /// Powers up a TX-Driver on this bus and shaft. encoder: counts per revolution of one on the shaft. measuring_range: mm.

@@ -11,6 +11,7 @@
 //!
 //! One call of [`Bench::step`] is one control tick. Same configuration, same frames, same bits.
 
+mod scope_memory;
 mod signals;
 #[cfg(feature = "tx-drivers")]
 mod tx_drivers;
@@ -26,7 +27,6 @@ use crate::recording::RecordingBuffer;
 use crate::trace::Trace;
 #[cfg(feature = "tx-drivers")]
 use crate::tx_driver::TxDrivers;
-use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 use narx_core::bus::Frame;
@@ -35,8 +35,9 @@ use narx_core::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};
-use narx_core::scope::{self, Keeper, Memory, Scope};
+use narx_core::scope::{Keeper, Scope};
 use narx_core::storage::{Opened, Report, Request};
+use scope_memory::ScopeMemory;
 
 /// Bit rate of the drive's bus (Table 2).
 pub const BITRATE: u32 = 500_000;
@@ -74,14 +75,14 @@ pub struct BenchConfig {
     pub trace: bool,
 }
 
-/// A drive on a bench.
-#[derive(Debug)]
+/// A drive on a bench. A copy is the whole bench as it stands, flash and recording included.
+#[derive(Clone, Debug)]
 pub struct Bench {
     plant: Plant,
     drive: Drive,
     node: Node,
-    scope: Scope<Box<Memory>>,
-    keeper: Keeper<Box<Memory>>,
+    scope: Scope<ScopeMemory>,
+    keeper: Keeper<ScopeMemory>,
     chip: Chip,
     /// What the flash answers when it has finished, and when that is, ns.
     report: Option<(u64, Report)>,
@@ -164,8 +165,7 @@ impl Bench {
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
         self.node = Node::with_parameters(IDENTITY, board, parameters);
         self.node.attach_storage(&opened);
-        let memory: Box<Memory> = Box::new(Memory::<[u16; scope::WORDS]>::new());
-        (self.scope, self.keeper) = (Scope::default(), Keeper::new(memory));
+        (self.scope, self.keeper) = (Scope::default(), Keeper::new(ScopeMemory::new()));
         self.event = self.node.poll_event();
         self.recorder = self.record.then(|| self.begin_recording()).flatten();
     }

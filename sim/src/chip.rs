@@ -12,7 +12,7 @@ mod with_flash {
     use narx_core::storage::{Report, Request, Storage};
 
     /// A flash, with everything on it.
-    #[derive(Debug)]
+    #[derive(Clone, Debug)]
     pub(crate) struct Chip {
         storage: Storage<Flash<Sparse>>,
     }
@@ -54,7 +54,7 @@ mod without_flash {
     use narx_core::storage::{Memory, Opened, Report, Request};
 
     /// The stored parameters alone: where a program must be small. There is no log.
-    #[derive(Debug)]
+    #[derive(Clone, Debug)]
     pub(crate) struct Chip {
         stored: Parameters,
     }

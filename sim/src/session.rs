@@ -134,7 +134,7 @@ impl fmt::Display for SessionError {
 impl core::error::Error for SessionError {}
 
 /// A bench and, at its host's place, the master. What else wants to see frames overhears them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Session {
     bench: Bench,
     master: Master,

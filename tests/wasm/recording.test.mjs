@@ -3,7 +3,8 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { Bench, Motor, replay } from "../../wasm/pkg/node/narx.js";
+import { replay } from "../../wasm/pkg/node/core.js";
+import { Bench, Motor } from "../../wasm/pkg/node/narx.js";
 import { VECTORS } from "./vectors.mjs";
 
 const bytes = readFileSync(VECTORS[0]);

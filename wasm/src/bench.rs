@@ -1,16 +1,17 @@
-//! A commissioned drive on a bench, with an operator who commands it over CAN.
+//! A commissioned drive on a bench: how it is set up, commanded and run.
 
-use crate::error::{range_error, shown, type_error};
 use crate::motor::Motor;
-use crate::options::{Options, set};
-use crate::trace::{Trace, signals, unknown};
-use js_sys::{Array, Object, Reflect};
+use js_sys::{Object, Reflect};
 use narx_core::dictionary::Dictionary;
-use narx_core::motor::Cause;
-use narx_sim::bench::SIGNALS;
-use narx_sim::commissioning::Mode;
+use narx_sim::bench::Bench as Core;
+use narx_sim::can::Received;
+use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::plant::LoadConfig;
 use narx_sim::session::{Session, SessionConfig};
+use narx_wasm_values::error::{range_error, shown, type_error};
+use narx_wasm_values::options::Options;
+use narx_wasm_values::trace::Trace;
+use std::collections::VecDeque;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -27,7 +28,7 @@ export interface LoadOptions {
     inertia?: number;
 }
 
-/** What is on the bench, and how the drive is set up. */
+/** What is on the bench, and how the drive is set up. A plain object: the same options and calls give the same bits. */
 export interface BenchOptions {
     /** V. */
     supplyVoltage: number;
@@ -36,34 +37,61 @@ export interface BenchOptions {
     mode?: Mode;
     /** Speed of the mode "open-loop", rpm; default the slowest closed-loop speed. */
     openLoopSpeed?: number;
+    /** The hall sensors come this much late, electrical degrees; commissioning does not know it. Default 0. */
+    hallOffset?: number;
     /** Parameters of the drive by name or number, in their units; they win over those of commissioning. */
     parameters?: Record<string | number, number>;
     /** Degrees Celsius; default 25. */
     ambient?: number;
     /** Seed of all noise, a whole number; default 1. */
     seed?: number;
-}
-
-/** Why the drive stopped. */
-export interface Fault {
-    /** Extended fault code. */
-    readonly code: number;
-    readonly meaning: string;
+    /** The bench has an operator of its own, who obeys `start`, `setSpeed` and `stop`; default true. Without, the drive obeys the frames of `send`. */
+    operator?: boolean;
+    /** Keep every frame of the bus for `takeFrames`; default where there is no operator. */
+    frames?: boolean;
+    /** Record for `recording` and `digest`; default true. */
+    recording?: boolean;
 }
 "#;
 
-const OPTIONS: [&str; 7] =
-    ["supplyVoltage", "load", "mode", "openLoopSpeed", "parameters", "ambient", "seed"];
+const OPTIONS: [&str; 11] = [
+    "supplyVoltage",
+    "load",
+    "mode",
+    "openLoopSpeed",
+    "hallOffset",
+    "parameters",
+    "ambient",
+    "seed",
+    "operator",
+    "frames",
+    "recording",
+];
 const LOAD_OPTIONS: [&str; 4] = ["constant", "viscous", "quadratic", "inertia"];
 /// Above this a number no longer counts one by one.
 const SEED_MAX: f64 = 9_007_199_254_740_991.0;
 /// One call must end in reasonable time, s.
 const RUN_MAX: f64 = 3600.0;
+/// Frames that wait for `takeFrames`, some 17 s of a full bus; older ones are forgotten.
+const FRAMES_MAX: usize = 65_536;
 
 /// A drive with its motor on a simulated bench. Same options and calls, same bits.
 #[wasm_bindgen]
-#[derive(Debug)]
-pub struct Bench(Session);
+#[derive(Clone, Debug)]
+pub struct Bench {
+    host: Host,
+    /// Frames that nobody has taken yet, if they are kept.
+    pub(crate) frames: Option<VecDeque<Received>>,
+}
+
+/// Who sits at the host's place of the bus.
+#[derive(Clone, Debug)]
+enum Host {
+    /// An operator.
+    Operator(Box<Session>),
+    /// Nobody: frames come and go by calls.
+    Nobody(Box<(Core, Commissioning)>),
+}
 
 #[wasm_bindgen]
 impl Bench {
@@ -75,22 +103,25 @@ impl Bench {
         #[wasm_bindgen(unchecked_param_type = "BenchOptions")] options: &JsValue,
     ) -> Result<Bench, JsValue> {
         let options = Options::new("Bench", options, &OPTIONS)?;
-        let mode = options.choice("mode", &Mode::ALL.map(|mode| (mode.name(), mode)))?;
-        let supply = options.required("supplyVoltage")?;
-        let mut config = SessionConfig::new(*motor.config(), supply, mode.unwrap_or(Mode::Hall));
-        config.rated_current = motor.rated_current();
-        config.load = load(&options)?;
-        config.open_loop_speed = options.magnitude("openLoopSpeed")?;
-        config.parameters = parameters(&options)?;
-        config.ambient = options.number("ambient")?.unwrap_or(config.ambient);
-        config.seed = options.whole("seed", 0.0, SEED_MAX)?.map_or(config.seed, |seed| seed as u64);
-        Session::new(&config).map(Self).map_err(|refused| range_error(&refused))
+        let config = config(motor, &options)?;
+        let operator = options.flag("operator")?.unwrap_or(true);
+        let recording = options.flag("recording")?.unwrap_or(true);
+        let frames = options.flag("frames")?.unwrap_or(!operator).then(VecDeque::new);
+        let host = if operator {
+            let session = Session::new(&config).map_err(|refused| range_error(&refused))?;
+            Host::Operator(Box::new(if recording { session } else { session.without_recording() }))
+        } else {
+            let (bench, commissioning) = config.power_up().map_err(|refused| range_error(&refused))?;
+            let bench = if recording { bench } else { bench.without_recording() };
+            Host::Nobody(Box::new((bench, commissioning)))
+        };
+        Ok(Self { host, frames })
     }
 
-    /// The operator asks for a speed, mechanical rpm, negative in reverse, and repeats it while time runs.
+    /// The operator asks for a speed, mechanical rpm, negative in reverse, and repeats it while time runs. It waits for the drive's self-tests.
     pub fn start(&mut self, rpm: f64) -> Result<(), JsValue> {
         let rpm = magnitude("start", rpm, -f64::from(u16::MAX))?;
-        self.0.master().start(rpm as i32);
+        self.operator("start")?.start(rpm as i32);
         Ok(())
     }
 
@@ -98,118 +129,125 @@ impl Bench {
     #[wasm_bindgen(js_name = setSpeed)]
     pub fn set_speed(&mut self, rpm: f64) -> Result<(), JsValue> {
         let rpm = magnitude("setSpeed", rpm, 0.0)?;
-        self.0.master().set_speed(rpm as u16);
+        self.operator("setSpeed")?.set_speed(rpm as u16);
         Ok(())
     }
 
-    /// The operator asks for Standby.
-    pub fn stop(&mut self) {
-        self.0.master().stop();
+    /// The operator asks for Standby, which also acknowledges a fault.
+    pub fn stop(&mut self) -> Result<(), JsValue> {
+        self.operator("stop")?.stop();
+        Ok(())
     }
 
-    /// Lets time run, to the nearest control tick, and returns the rows of this run.
-    pub fn run(&mut self, seconds: f64) -> Result<Trace, JsValue> {
+    /// Lets time run, to the nearest control tick, and returns the rows since the last ones that were taken, one for each tick. `trace` false: without
+    /// rows, which is faster.
+    pub fn run(&mut self, seconds: f64, trace: Option<bool>) -> Result<Trace, JsValue> {
         if !(0.0..=RUN_MAX).contains(&seconds) {
             let message =
                 format!("run {}: must be 0 to {} s", shown(&seconds.into()), shown(&RUN_MAX.into()));
             return Err(range_error(&message));
         }
-        self.0.run(seconds);
-        Ok(self.0.bench_mut().take_trace().into())
+        self.core_mut().set_trace(trace.unwrap_or(true));
+        let ticks = (seconds * 1e9 / self.core().period_ns() as f64).round() as u64;
+        (0..ticks).for_each(|_| self.tick());
+        Ok(self.core_mut().take_trace().into())
     }
 
-    /// Time since power-up, s.
-    #[wasm_bindgen(getter)]
-    pub fn time(&self) -> f64 {
-        self.0.bench().time()
+    /// Lets so many control ticks pass, default one. Their rows are those of the next `takeTrace`, or `run`.
+    pub fn step(&mut self, ticks: Option<u32>) {
+        self.core_mut().set_trace(true);
+        (0..ticks.unwrap_or(1)).for_each(|_| self.tick());
     }
 
-    /// Signals of every trace, and of `value`.
-    #[wasm_bindgen(unchecked_return_type = "Signal[]")]
-    pub fn signals() -> Array {
-        signals(&SIGNALS)
+    /// The rows since the last ones that were taken.
+    #[wasm_bindgen(js_name = takeTrace)]
+    pub fn take_trace(&mut self) -> Trace {
+        self.core_mut().take_trace().into()
     }
 
-    /// The present value of a signal.
-    pub fn value(
-        &self,
-        #[wasm_bindgen(unchecked_param_type = "SignalName")] name: &JsValue,
-    ) -> Result<f64, JsValue> {
-        let text = name.as_string().unwrap_or_default();
-        let index = SIGNALS.iter().position(|signal| signal.name == text);
-        let value = index.and_then(|index| self.0.bench().values().get(index).copied());
-        value.ok_or_else(|| unknown(name, &SIGNALS))
-    }
-
-    /// The present value of every signal, in the order of `signals()`.
-    pub fn values(&self) -> Vec<f64> {
-        self.0.bench().values().to_vec()
-    }
-
-    /// State of the drive's state machine, 0 to 7.
-    #[wasm_bindgen(getter)]
-    pub fn state(&self) -> u8 {
-        self.0.bench().status().state as u8
-    }
-
-    /// Name of the state in the specification.
-    #[wasm_bindgen(getter, js_name = stateName)]
-    pub fn state_name(&self) -> String {
-        self.0.bench().status().state.name().to_owned()
-    }
-
-    /// Names of the bits of the fault word that are set.
-    #[wasm_bindgen(getter, unchecked_return_type = "FaultName[]")]
-    pub fn faults(&self) -> Vec<String> {
-        self.0.bench().status().faults.iter_names().map(|(name, _)| name.to_ascii_lowercase()).collect()
-    }
-
-    /// Why the drive stopped, if it did.
-    #[wasm_bindgen(getter, unchecked_return_type = "Fault | undefined")]
-    pub fn fault(&self) -> JsValue {
-        let code = self.0.bench().status().extended_code;
-        let Some(row) = Cause::TABLE.iter().find(|row| row.cause as u16 == code) else {
-            return JsValue::UNDEFINED;
-        };
-        let fault = Object::new();
-        set(&fault, "code", code);
-        set(&fault, "meaning", row.meaning);
-        fault.into()
-    }
-
-    /// Smallest set-point that commissioning gave the drive, rpm.
-    #[wasm_bindgen(getter, js_name = speedMin)]
-    pub fn speed_min(&self) -> f64 {
-        self.0.commissioning().speed_min
-    }
-
-    /// Largest set-point that commissioning gave the drive, rpm.
-    #[wasm_bindgen(getter, js_name = speedMax)]
-    pub fn speed_max(&self) -> f64 {
-        self.0.commissioning().speed_max
-    }
-
-    /// Where a limit of the drive holds the motor back, in words.
-    #[wasm_bindgen(getter)]
-    pub fn notes(&self) -> Vec<String> {
-        self.0.commissioning().notes.iter().map(ToString::to_string).collect()
-    }
-
-    /// Recording of the drive since it last booted: what `replay` takes, and a `.narxrec` file holds.
-    pub fn recording(&self) -> Vec<u8> {
-        self.0.bench().recording()
-    }
-
-    /// Control modes.
-    #[wasm_bindgen(unchecked_return_type = "Mode[]")]
-    pub fn modes() -> Vec<String> {
-        Mode::ALL.iter().map(|mode| mode.name().to_owned()).collect()
+    /// The bench as it stands, motor, drive, bus, recording and all: a second one, which goes on by itself. Keep some to return to an instant; the digest is then
+    /// what it would have been.
+    pub fn copy(&self) -> Self {
+        self.clone()
     }
 }
 
-fn load(options: &Options) -> Result<LoadConfig, JsValue> {
+impl Bench {
+    /// What it is made of.
+    pub(crate) const fn core(&self) -> &Core {
+        match &self.host {
+            Host::Operator(session) => session.bench(),
+            Host::Nobody(bench) => &bench.0,
+        }
+    }
+
+    /// The same, to change it.
+    pub(crate) const fn core_mut(&mut self) -> &mut Core {
+        match &mut self.host {
+            Host::Operator(session) => session.bench_mut(),
+            Host::Nobody(bench) => &mut bench.0,
+        }
+    }
+
+    pub(crate) const fn commissioning(&self) -> &Commissioning {
+        match &self.host {
+            Host::Operator(session) => session.commissioning(),
+            Host::Nobody(bench) => &bench.1,
+        }
+    }
+
+    fn operator(&mut self, call: &str) -> Result<&mut Session, JsValue> {
+        match &mut self.host {
+            Host::Operator(session) => Ok(session),
+            Host::Nobody(_) => {
+                Err(type_error(&format!("{call}: this bench has no operator; its drive obeys frames (send)")))
+            }
+        }
+    }
+
+    fn tick(&mut self) {
+        match &mut self.host {
+            Host::Operator(session) => session.step(),
+            Host::Nobody(bench) => {
+                bench.0.step();
+                // Whoever is at the host's place overhears what it receives.
+                while bench.0.receive().is_some() {}
+            }
+        }
+        if self.frames.is_some() {
+            self.overhear();
+        }
+    }
+
+    fn overhear(&mut self) {
+        while let Some(heard) = self.core_mut().overhear() {
+            if let Some(frames) = &mut self.frames {
+                if frames.len() == FRAMES_MAX {
+                    frames.pop_front();
+                }
+                frames.push_back(heard);
+            }
+        }
+    }
+}
+
+fn config(motor: &Motor, options: &Options) -> Result<SessionConfig, JsValue> {
+    let mode = options.choice("mode", &Mode::ALL.map(|mode| (mode.name(), mode)))?;
+    let supply = options.required("supplyVoltage")?;
+    let mut config = SessionConfig::new(*motor.config(), supply, mode.unwrap_or(Mode::Hall));
+    config.rated_current = motor.rated_current();
     let given = options.value("load")?.unwrap_or(JsValue::UNDEFINED);
-    let load = Options::new("load", &given, &LOAD_OPTIONS)?;
+    config.load = load(&given)?;
+    config.open_loop_speed = options.magnitude("openLoopSpeed")?;
+    config.hall_offset_deg = options.number("hallOffset")?.unwrap_or(config.hall_offset_deg);
+    config.parameters = parameters(options)?;
+    config.ambient = options.number("ambient")?.unwrap_or(config.ambient);
+    config.seed = options.whole("seed", 0.0, SEED_MAX)?.map_or(config.seed, |seed| seed as u64);
+    Ok(config)
+}
+
+pub(crate) fn load(given: &JsValue) -> Result<LoadConfig, JsValue> {
+    let load = Options::new("load", given, &LOAD_OPTIONS)?;
     Ok(LoadConfig {
         constant: load.magnitude("constant")?.unwrap_or(0.0),
         viscous: load.magnitude("viscous")?.unwrap_or(0.0),

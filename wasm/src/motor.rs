@@ -1,9 +1,9 @@
 //! Motors: from a data sheet, or one of the presets.
 
-use crate::error::{list, shown, type_error};
-use crate::options::Options;
 use narx_sim::plant::{BackEmf, MotorConfig};
 use narx_sim::presets::{self, PRESETS, Preset};
+use narx_wasm_values::error::{list, shown, type_error};
+use narx_wasm_values::options::Options;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]

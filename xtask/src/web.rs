@@ -55,7 +55,7 @@ pub fn build(root: &Path) -> Vec<Step<'_>> {
             install::rust_target(TARGET)?;
             install::npm(&root.join("wasm/web"))
         }),
-        Step::new("wasm module", move || module(root)),
+        Step::new("wasm modules", move || modules(root)),
         Step::new("wasm packages", move || packages(root)),
         Step::new("web page", move || {
             steps::run(
@@ -70,14 +70,15 @@ pub fn build(root: &Path) -> Vec<Step<'_>> {
 /// # Errors
 /// What is out of date, or what could not be read.
 pub fn declarations(root: &Path, check: bool) -> Outcome {
-    let (made, kept) = (root.join("wasm/pkg/web/narx.d.ts"), root.join("wasm/narx.d.ts"));
-    let text = fs::read_to_string(&made).map_err(|error| format!("{}: {error}", made.display()))?;
-    if check {
-        let same = fs::read_to_string(&kept).is_ok_and(|kept| kept == text);
-        let advice = || "wasm/narx.d.ts is out of date: cargo xtask generate writes it anew".to_owned();
-        return same.then(Vec::new).ok_or_else(advice);
+    for name in ["narx.d.ts", "core.d.ts"] {
+        let (made, kept) = (root.join("wasm/pkg/web").join(name), root.join("wasm").join(name));
+        let text = fs::read_to_string(&made).map_err(|error| format!("{}: {error}", made.display()))?;
+        if !check {
+            fs::write(&kept, text).map_err(|error| format!("{}: {error}", kept.display()))?;
+        } else if !fs::read_to_string(&kept).is_ok_and(|kept| kept == text) {
+            return Err(format!("wasm/{name} is out of date: cargo xtask generate writes it anew"));
+        }
     }
-    fs::write(&kept, text).map_err(|error| format!("{}: {error}", kept.display()))?;
     Ok(Vec::new())
 }
 
@@ -88,7 +89,7 @@ pub fn declarations(root: &Path, check: bool) -> Outcome {
 pub fn generate(root: &Path) -> Outcome {
     install::rust_target(TARGET)?;
     install::npm(&root.join("wasm/web"))?;
-    module(root)?;
+    modules(root)?;
     packages(root)?;
     declarations(root, false)?;
     steps::run(
@@ -99,32 +100,44 @@ pub fn generate(root: &Path) -> Outcome {
     )
 }
 
-/// The module as the compiler leaves it. Names of folders outside the project would differ on every machine.
-fn module(root: &Path) -> Outcome {
+/// The modules as the compiler leaves them. Names of folders outside the project would differ on every machine. Each is built by itself, because they want
+/// other features of core.
+fn modules(root: &Path) -> Outcome {
     let mut flags = vec![format!("--remap-path-prefix={}=narx", root.display())];
     if let Some(cargo) = cargo_home() {
         flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
     }
-    steps::run(
-        Command::new("cargo")
-            .args(["build", "-p", "narx-wasm", "--profile", "wasm", "--target", TARGET])
-            .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"))
-            .current_dir(root),
-    )
+    for package in ["narx-wasm", "narx-wasm-core"] {
+        steps::run(
+            Command::new("cargo")
+                .args(["build", "-p", package, "--profile", "wasm", "--target", TARGET])
+                .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"))
+                .current_dir(root),
+        )?;
+    }
+    Ok(Vec::new())
 }
 
-/// JavaScript around the module, and the module made small.
+/// JavaScript around the modules, the modules made small, and the TypeScript over them.
 fn packages(root: &Path) -> Outcome {
-    let module = target_directory(root).join(TARGET).join("wasm/narx_wasm.wasm");
+    let built = target_directory(root).join(TARGET).join("wasm");
     let directory = root.join("wasm/pkg");
     let mut pack = Command::new("cargo");
-    pack.args(["run", "--quiet", "--profile", "tool", "-p", "narx-wasm-pack", "--"]);
-    steps::run(pack.arg(&module).arg(&directory).current_dir(root))?;
+    pack.args(["run", "--quiet", "--profile", "tool", "-p", "narx-wasm-pack", "--"]).arg(&directory);
+    pack.args(["narx_wasm.wasm", "narx_wasm_core.wasm"].map(|name| built.join(name)));
+    steps::run(pack.current_dir(root))?;
+    let tools = root.join("wasm/web/node_modules/.bin");
     for package in ["web", "node"] {
-        let file = directory.join(package).join("narx_bg.wasm");
-        let mut optimise = Command::new(root.join("wasm/web/node_modules/.bin/wasm-opt"));
-        optimise.args(["-Os", "--converge"]).args(FEATURES).arg(&file).arg("-o").arg(&file);
-        steps::run(&mut optimise)?;
+        let package = directory.join(package);
+        for module in ["narx_bg.wasm", "core_bg.wasm"] {
+            let file = package.join(module);
+            let mut optimise = Command::new(tools.join("wasm-opt"));
+            optimise.args(["-Os", "--converge"]).args(FEATURES).arg(&file).arg("-o").arg(&file);
+            steps::run(&mut optimise)?;
+        }
+        let mut compile = Command::new(tools.join("tsc"));
+        compile.arg("-p").arg(root.join("wasm/ts")).arg("--outDir").arg(&package);
+        steps::run(&mut compile)?;
     }
     Ok(Vec::new())
 }

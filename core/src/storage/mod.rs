@@ -84,7 +84,7 @@ pub struct Opened {
 }
 
 /// The storage on one flash.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Storage<F> {
     flash: F,
     place: Option<Place>,

@@ -18,7 +18,7 @@ const STEP: u32 = 11;
 ///
 /// Time is given in nanoseconds and never runs back. [`advance`](Self::advance) settles everything up to an
 /// instant; a frame sent later than that cannot have taken part in what is settled.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Bus<const NODES: usize, const QUEUE: usize> {
     bitrate: u32,
     /// More than a hundred of them stand on the heap; a board without one has few.

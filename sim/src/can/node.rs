@@ -42,7 +42,7 @@ pub(super) struct Pending {
 pub(super) const RECOVERY: u32 = 128;
 
 /// One controller.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Node<const QUEUE: usize> {
     pub(super) bitrate: u32,
     pub(super) attachment: Attachment,

@@ -5,7 +5,7 @@ use narx_core::units::Duty;
 
 /// What a leg's gates ask for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Gate {
+pub enum Gate {
     /// Both switches off.
     #[default]
     Off,
@@ -82,6 +82,10 @@ impl Gates {
     }
 
     /// When this period's sample is taken, 1/65 536 of the period.
+    pub(crate) fn asked(&self) -> [Gate; 3] {
+        self.gates
+    }
+
     pub(crate) fn sample_at(&self) -> u16 {
         self.sample_at
     }

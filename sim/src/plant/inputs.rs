@@ -65,37 +65,38 @@ impl fmt::Display for InputError {
 
 impl core::error::Error for InputError {}
 
-/// Range, in thousandths of the unit, and the value at the start.
+/// Name, range in thousandths of the unit, and the value at the start.
 struct Row {
+    name: &'static str,
     min: f64,
     max: f64,
     unit: &'static str,
     start: f64,
 }
 
-const fn row(min: f64, max: f64, unit: &'static str, start: f64) -> Row {
-    Row { min, max, unit, start }
+const fn row(name: &'static str, min: f64, max: f64, unit: &'static str, start: f64) -> Row {
+    Row { name, min, max, unit, start }
 }
 
 /// One row for every input, in the order of [`Input`]. A board at rest with nothing connected, Z upwards.
 const ROWS: [Row; Input::ALL.len()] = [
-    row(0.0, 3_300.0, "V", 0.0),
-    row(0.0, 1e9, "ohm", 0.0),
-    row(-2_000.0, 2_000.0, "g", 0.0),
-    row(-2_000.0, 2_000.0, "g", 0.0),
-    row(-2_000.0, 2_000.0, "g", 1.0),
+    row("asi", 0.0, 3_300.0, "V", 0.0),
+    row("asi_source", 0.0, 1e9, "ohm", 0.0),
+    row("accel_x", -2_000.0, 2_000.0, "g", 0.0),
+    row("accel_y", -2_000.0, 2_000.0, "g", 0.0),
+    row("accel_z", -2_000.0, 2_000.0, "g", 1.0),
     // In mV, as Table 2 has it.
-    row(0.0, 55_000.0, "mV", 0.0),
-    row(0.0, 5_000.0, "V", 2.5),
-    row(0.0, 8_000.0, "V", 6.0),
-    row(0.0, 20_000.0, "V", 14.0),
-    row(0.0, 3_300.0, "V", 1.8),
-    row(0.0, 3_300.0, "V", 0.383),
-    row(-55_000.0, 250_000.0, "degC", 25.0),
-    row(-55_000.0, 250_000.0, "degC", 25.0),
-    row(0.0, 3_300.0, "V", 0.0),
-    row(0.0, 3_300.0, "V", 0.0),
-    row(0.0, 5_500.0, "V", 5.0),
+    row("pressure", 0.0, 55_000.0, "mV", 0.0),
+    row("pressure_common_mode", 0.0, 5_000.0, "V", 2.5),
+    row("rail6_v", 0.0, 8_000.0, "V", 6.0),
+    row("rail14_v", 0.0, 20_000.0, "V", 14.0),
+    row("accel_reference", 0.0, 3_300.0, "V", 1.8),
+    row("reference", 0.0, 3_300.0, "V", 0.383),
+    row("internal_temperature", -55_000.0, 250_000.0, "degC", 25.0),
+    row("external_temperature", -55_000.0, 250_000.0, "degC", 25.0),
+    row("dsio1", 0.0, 3_300.0, "V", 0.0),
+    row("dsio2", 0.0, 3_300.0, "V", 0.0),
+    row("hall_supply", 0.0, 5_500.0, "V", 5.0),
 ];
 
 impl Input {
@@ -121,6 +122,21 @@ impl Input {
 
     fn row(self) -> &'static Row {
         &ROWS[self as usize]
+    }
+
+    /// What it is called, in lower case.
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// Unit of its value.
+    pub fn unit(self) -> &'static str {
+        self.row().unit
+    }
+
+    /// The input of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|input| input.name() == name)
     }
 
     /// Smallest and largest value that it takes.

@@ -42,6 +42,7 @@ pub use config::{
     BackEmf, ComparatorConfig, ConverterConfig, HallConfig, InverterConfig, LoadConfig, MotorConfig,
     PlantConfig, SupplyConfig,
 };
+pub use gates::Gate;
 pub use injection::{Injection, InjectionError, InjectionOptions, Phase};
 pub use inputs::{Input, InputError};
 pub use ledger::Ledger;
@@ -258,6 +259,21 @@ impl Plant {
             diode_events: stage.diode_events,
             intervals: stage.intervals,
         }
+    }
+
+    /// Back-EMF of the phases against the star point, V.
+    pub fn back_emf(&self) -> [f64; 3] {
+        self.stage.legs_emf()
+    }
+
+    /// What the gates of legs A, B and C ask for now.
+    pub fn gates(&self) -> [Gate; 3] {
+        self.gates.asked()
+    }
+
+    /// Hall lines as they are wired: bit 0 = A, bit 1 = B, bit 2 = C.
+    pub fn hall(&self) -> u8 {
+        self.halls.code()
     }
 
     /// Number of the period.

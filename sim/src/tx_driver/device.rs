@@ -11,7 +11,7 @@ use narx_core::eddycan::{Configuration, Sample, TxDriver, Variant};
 const MAILBOXES: usize = 1;
 
 /// A TX-Driver on a bus.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Device {
     driver: TxDriver,
     variant: Variant,

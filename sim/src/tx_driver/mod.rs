@@ -26,7 +26,7 @@ pub const STEP_NS: u64 = 1_000_000_000 / SAMPLE_RATE as u64;
 pub const FIRMWARE: u16 = 0x0100;
 
 /// All TX-Drivers of a bus.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct TxDrivers {
     devices: Vec<Device>,
     seed: u64,

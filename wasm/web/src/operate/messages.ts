@@ -1,6 +1,7 @@
 // What the page and its worker say to each other.
 
-import type { MotorName, Replay } from "narx";
+import type { MotorName } from "narx";
+import type { Replay } from "narx/core";
 
 /** From the page. */
 export type Request =

@@ -1,6 +1,7 @@
 // The worker with the bench, and what it has told.
 
-import type { MotorName, Replay } from "narx";
+import type { MotorName } from "narx";
+import type { Replay } from "narx/core";
 import type { Answer, Now, Request, Rows } from "./messages";
 
 export interface Replayed {

@@ -1,6 +1,7 @@
 // The bench in a worker: it runs in step with the wall clock, and the page only draws.
 
-import init, { Bench, Motor, replay, type MotorName, type Trace } from "narx";
+import init, { Bench, Motor, type MotorName, type Trace } from "narx";
+import initCore, { replay } from "narx/core";
 import type { Answer, Now, Request, Rows } from "./messages";
 
 /** Between two runs, ms: a picture of a usual screen. */
@@ -96,7 +97,7 @@ addEventListener("message", ({ data }: MessageEvent<Request>) => {
     }
 });
 
-await init();
+await Promise.all([init(), initCore()]);
 answer({ kind: "motors", motors: Motor.presets().map((name) => ({ name, title: title(name) })) });
 before = performance.now();
 run();

@@ -61,7 +61,7 @@ impl From<trace::Trace> for Trace {
 }
 
 /// Signals as JavaScript sees them.
-pub(crate) fn signals(signals: &[trace::Signal]) -> Array {
+pub fn signals(signals: &[trace::Signal]) -> Array {
     let shape = |signal: &trace::Signal| {
         let shaped = Object::new();
         set(&shaped, "name", signal.name);
@@ -72,7 +72,7 @@ pub(crate) fn signals(signals: &[trace::Signal]) -> Array {
 }
 
 /// There is no signal of that name.
-pub(crate) fn unknown(name: &JsValue, signals: &[trace::Signal]) -> JsValue {
+pub fn unknown(name: &JsValue, signals: &[trace::Signal]) -> JsValue {
     let names = list(signals.iter().map(|signal| signal.name));
     type_error(&format!("signal {}: no such signal; one of {names}", shown(name)))
 }

@@ -5,23 +5,23 @@ use js_sys::{Error, Number, RangeError, TypeError};
 use wasm_bindgen::JsValue;
 
 /// A value of another type than was asked for, or a name that does not exist.
-pub(crate) fn type_error(message: &str) -> JsValue {
+pub fn type_error(message: &str) -> JsValue {
     TypeError::new(message).into()
 }
 
 /// A value that the drive or the bench cannot have.
-pub(crate) fn range_error(message: &dyn Display) -> JsValue {
+pub fn range_error(message: &dyn Display) -> JsValue {
     RangeError::new(&message.to_string()).into()
 }
 
 /// What could not be done.
-pub(crate) fn error(message: &dyn Display) -> JsValue {
+pub fn error(message: &dyn Display) -> JsValue {
     Error::new(&message.to_string()).into()
 }
 
 /// A value as its user wrote it; of what is neither text nor a number the type. The engine formats numbers, which
 /// saves carrying a formatter.
-pub(crate) fn shown(value: &JsValue) -> String {
+pub fn shown(value: &JsValue) -> String {
     if let Some(text) = value.as_string() {
         return format!("\"{text}\"");
     }
@@ -31,7 +31,7 @@ pub(crate) fn shown(value: &JsValue) -> String {
 }
 
 /// `a, b, c`
-pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+pub fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut text = String::new();
     for name in names {
         if !text.is_empty() {

@@ -5,14 +5,17 @@ use js_sys::{Object, Reflect};
 use wasm_bindgen::{JsCast, JsValue};
 
 /// An object of named arguments. Every name that is read must be one of those it was opened with.
-pub(crate) struct Options {
+pub struct Options {
     owner: &'static str,
     object: Object,
 }
 
 impl Options {
     /// Takes `value` for the options of `owner`, who knows these names only. Nothing given is no options.
-    pub(crate) fn new(owner: &'static str, value: &JsValue, names: &[&str]) -> Result<Self, JsValue> {
+    ///
+    /// # Errors
+    /// No object, or a name that `owner` does not know; the other calls likewise throw for a value that cannot be.
+    pub fn new(owner: &'static str, value: &JsValue, names: &[&str]) -> Result<Self, JsValue> {
         if value.is_undefined() {
             return Ok(Self { owner, object: Object::new() });
         }
@@ -31,13 +34,13 @@ impl Options {
     }
 
     /// The value of `name`, or `None` where there is none.
-    pub(crate) fn value(&self, name: &str) -> Result<Option<JsValue>, JsValue> {
+    pub fn value(&self, name: &str) -> Result<Option<JsValue>, JsValue> {
         let value = Reflect::get(&self.object, &name.into())?;
         Ok((!value.is_undefined()).then_some(value))
     }
 
     /// A finite number.
-    pub(crate) fn number(&self, name: &str) -> Result<Option<f64>, JsValue> {
+    pub fn number(&self, name: &str) -> Result<Option<f64>, JsValue> {
         let Some(value) = self.value(name)? else { return Ok(None) };
         match value.as_f64().filter(|number| number.is_finite()) {
             Some(number) => Ok(Some(number)),
@@ -46,13 +49,13 @@ impl Options {
     }
 
     /// A finite number that must be there.
-    pub(crate) fn required(&self, name: &str) -> Result<f64, JsValue> {
+    pub fn required(&self, name: &str) -> Result<f64, JsValue> {
         let missing = || type_error(&format!("{}: {name} is missing", self.owner));
         self.number(name)?.ok_or_else(missing)
     }
 
     /// A finite number, 0 or more.
-    pub(crate) fn magnitude(&self, name: &str) -> Result<Option<f64>, JsValue> {
+    pub fn magnitude(&self, name: &str) -> Result<Option<f64>, JsValue> {
         match self.number(name)? {
             Some(number) if number < 0.0 => Err(self.out_of_range(name, number, "0 or more")),
             number => Ok(number),
@@ -60,7 +63,7 @@ impl Options {
     }
 
     /// A whole number within `min..=max`.
-    pub(crate) fn whole(&self, name: &str, min: f64, max: f64) -> Result<Option<f64>, JsValue> {
+    pub fn whole(&self, name: &str, min: f64, max: f64) -> Result<Option<f64>, JsValue> {
         match self.number(name)? {
             Some(number) if number.fract() != 0.0 || !(min..=max).contains(&number) => {
                 let bound = |limit: f64| shown(&limit.into());
@@ -71,8 +74,14 @@ impl Options {
         }
     }
 
+    /// True or false.
+    pub fn flag(&self, name: &str) -> Result<Option<bool>, JsValue> {
+        let Some(value) = self.value(name)? else { return Ok(None) };
+        value.as_bool().map(Some).ok_or_else(|| self.refusal(name, &value, "true or false"))
+    }
+
     /// One of the named values.
-    pub(crate) fn choice<T: Copy>(&self, name: &str, choices: &[(&str, T)]) -> Result<Option<T>, JsValue> {
+    pub fn choice<T: Copy>(&self, name: &str, choices: &[(&str, T)]) -> Result<Option<T>, JsValue> {
         let Some(value) = self.value(name)? else { return Ok(None) };
         let text = value.as_string();
         let found = choices.iter().find(|(choice, _)| text.as_deref() == Some(choice));
@@ -94,7 +103,7 @@ impl Options {
 }
 
 /// Sets a property of a plain object that we made.
-pub(crate) fn set(object: &Object, name: &str, value: impl Into<JsValue>) {
+pub fn set(object: &Object, name: &str, value: impl Into<JsValue>) {
     // Only a frozen object refuses.
     let _ = Reflect::set(object, &name.into(), &value.into());
 }

@@ -1,10 +1,13 @@
 //! Running a recording again.
 
-use crate::error::{error, range_error, shown};
-use crate::options::set;
-use js_sys::Object;
+use js_sys::{Object, Uint8Array};
 use narx_core::motor::Drive;
-use narx_core::recording::{self, Recording};
+use narx_core::recording::{self, Recording, record_scoped};
+use narx_sim::recording::RecordingBuffer;
+use narx_sim::replayed::replayed;
+use narx_wasm_values::error::{error, range_error, shown};
+use narx_wasm_values::options::set;
+use narx_wasm_values::trace::Trace;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -21,6 +24,16 @@ export interface Replay {
     readonly otherBehaviour?: number;
     /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
     readonly outputs?: string;
+}
+
+/** What a scope has recorded of the inputs of every control tick. */
+export interface ScopeRecording {
+    /** What `replay` takes, and a `.narxrec` file holds. */
+    readonly recording: Uint8Array;
+    /** Number of its first tick since the drive's power-up. */
+    readonly firstTick: number;
+    /** Whether the replay came to what the drive did itself, from its second checkpoint on; absent where the record has none. */
+    readonly agrees?: boolean;
 }
 "#;
 
@@ -66,4 +79,27 @@ fn count(until: f64) -> Result<u64, JsValue> {
 
 fn hex(digest: u64) -> String {
     format!("{digest:016x}")
+}
+
+/// The trace of a recording that runs again, or of its first `until` ticks: what the drive was given, what it answered, and what it thought meanwhile. Its
+/// speeds are electrical, because a recording does not tell the pole pairs. Throws as `replay`.
+#[wasm_bindgen(js_name = replayTrace)]
+pub fn replay_trace(bytes: &[u8], until: Option<f64>) -> Result<Trace, JsValue> {
+    let until = until.map(count).transpose()?;
+    replayed(bytes, until).map(|found| found.trace.into()).map_err(|refused| error(&refused))
+}
+
+/// The recording that a scope's record of inputs is: the bytes of the download. Throws an `Error` for one of another version, or one that is damaged.
+#[wasm_bindgen(js_name = scopeRecording, unchecked_return_type = "ScopeRecording")]
+pub fn scope_recording(bytes: &[u8], label: &str) -> Result<Object, JsValue> {
+    let words: Vec<u16> = bytes.as_chunks().0.iter().map(|word| u16::from_be_bytes(*word)).collect();
+    let scoped =
+        record_scoped(&words, label, RecordingBuffer::default()).map_err(|refused| error(&refused))?;
+    let found = Object::new();
+    set(&found, "recording", Uint8Array::from(scoped.sink.0.as_slice()));
+    set(&found, "firstTick", scoped.first as f64);
+    if let Some(agrees) = scoped.agrees {
+        set(&found, "agrees", agrees);
+    }
+    Ok(found)
 }

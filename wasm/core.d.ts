@@ -1,0 +1,1251 @@
+/* tslint:disable */
+/* eslint-disable */
+
+/** A classic CAN frame. */
+export interface Frame {
+    /** Identifier, a number of 29 bits, or of 11. */
+    readonly id: number;
+    /** It has 29 bits, as all of the drive's have; default true. */
+    readonly extended?: boolean;
+    /** A remote frame; default false. */
+    readonly remote?: boolean;
+    /** Up to 8 bytes; of a remote frame as many zeros as it asks for. */
+    readonly data: Uint8Array;
+}
+
+
+
+/** A message of the drive or its master. Its name tells what is in it. */
+export type DriveMessage = {
+    [Name in keyof DriveValues]: {
+        readonly protocol: "narmotion";
+        /** As in the CAN database. */
+        readonly name: Name;
+        readonly opcode: number;
+        /** Sent by a drive, else by its master. */
+        readonly fromDrive: boolean;
+        readonly source: number;
+        readonly destination: number;
+        /** By field: numbers in their units, names of what has names. */
+        readonly values: DriveValues[Name];
+        /** By field; empty for plain numbers. */
+        readonly units: { readonly [Field in keyof DriveValues[Name]]: string };
+    };
+}[keyof DriveValues];
+
+/** A message of a TX-Driver or its master (eddyCAN). */
+export type NodeMessage = {
+    [Name in keyof NodeValues]: {
+        readonly protocol: "eddycan";
+        /** As Table 3 of the specification prints it. */
+        readonly name: Name;
+        /** Sent by a node, else by its master. */
+        readonly fromNode: boolean;
+        /** By signal; what a PDO does not carry is not there. */
+        readonly values: NodeValues[Name];
+        readonly units: { readonly [Signal in keyof NodeValues[Name]]: string };
+    };
+}[keyof NodeValues];
+
+
+
+/** An `Error` of a master by its `name`: nothing answers, the drive (or this master) does not do it now, or a parameter cannot have the value. */
+export interface MasterError extends Error {
+    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError";
+}
+
+/** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or why it was not done. */
+export type Answer = { readonly value: number; readonly error?: undefined } | { readonly error: MasterError };
+
+/** Requests without a value. */
+export type RequestName =
+| "build info"
+| "device info"
+| "reboot"
+| "trigger scope"
+| "disable hall supply"
+| "enable hall supply"
+| "set position"
+| "erase log"
+| "store"
+| "store once"
+| "reset calibration"
+| "auto-calibrate"
+| "calibrate hall";
+
+/** What a digital line is: an input, or an output of this level. */
+export interface Outputs {
+    /** `undefined`: an input. */
+    dsio1?: boolean;
+    dsio2?: boolean;
+}
+
+
+
+/** Name and unit of a signal; the unit of a plain number is empty. */
+export interface Signal {
+    readonly name: SignalName;
+    readonly unit: string;
+}
+
+
+
+/** What a master must know of its TX-Driver. */
+export interface TxMasterOptions {
+    /** 1 to 127. */
+    nodeId: number;
+    /** Sensors of it; default 1. */
+    channels?: 1 | 2;
+    /** How long an answer may take, 0.003 to 10 s; default 0.1. */
+    timeout?: number;
+}
+
+/** The last positions of a TX-Driver. */
+export interface Reading {
+    /** From the start of the measuring range, mm; of as many channels as it has. */
+    readonly positions: readonly number[];
+    /** Counts; absent where PDOs do not carry the encoder. */
+    readonly encoder?: number;
+    readonly trigger: "timer" | "sync" | "remote";
+    /** When they came, s. */
+    readonly time: number;
+}
+
+/** An entry of the object dictionary (eddyCAN specification, Table 4). Limits and factory value are in its unit. */
+export interface TxObject {
+    readonly index: number;
+    readonly subindex: number;
+    readonly name: string;
+    readonly unit: string;
+    /** Value of a raw 1. */
+    readonly scale: number;
+    readonly min: number;
+    readonly max: number;
+    readonly factory: number;
+    readonly access: string;
+    readonly acts: "at once" | "after a restart";
+    readonly description: string;
+}
+
+/** The raw value that was read or written, or why not; `abort` is the code of a node that refuses. */
+export type TxAnswer =
+| { readonly value: number; readonly error?: undefined }
+| { readonly error: MasterError; readonly abort?: number };
+
+
+
+/** What a replay found. Digests are 16 lower-case hexadecimal digits. */
+export interface Replay {
+    /** Ticks run. */
+    readonly ticks: number;
+    /** Digest of the outputs now. */
+    readonly digest: string;
+    /** Digest of the outputs when they were recorded; absent for a prefix. */
+    readonly recordedDigest?: string;
+    /** The recorder's behaviour version, where it is another one than ours: digests may then rightly differ. */
+    readonly otherBehaviour?: number;
+    /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
+    readonly outputs?: string;
+}
+
+/** What a scope has recorded of the inputs of every control tick. */
+export interface ScopeRecording {
+    /** What `replay` takes, and a `.narxrec` file holds. */
+    readonly recording: Uint8Array;
+    /** Number of its first tick since the drive's power-up. */
+    readonly firstTick: number;
+    /** Whether the replay came to what the drive did itself, from its second checkpoint on; absent where the record has none. */
+    readonly agrees?: boolean;
+}
+
+
+
+/** What there is to know of one parameter but its value. Limits and factory value are in its unit. */
+export interface Parameter {
+    readonly number: number;
+    readonly name: ParameterName;
+    readonly category: string;
+    /** Empty for plain numbers. */
+    readonly unit: string;
+    readonly type: "uint16" | "int32" | "uint32";
+    /** Value of a raw 1. */
+    readonly scale: number;
+    readonly min: number;
+    readonly max: number;
+    readonly factory: number;
+    /** Who may write it: nobody, a master while the drive is stopped, or at any time. */
+    readonly access: "read-only" | "stopped" | "live";
+    /** Writing 0, then 1 is a command. */
+    readonly command: boolean;
+    /** When a written value acts. */
+    readonly acts: "at once" | "next start" | "reboot";
+    readonly description: string;
+}
+
+/** A signal of the virtual scope; its number is its bit in parameter 22. */
+export interface ScopeSignal {
+    readonly name: ScopeSignalName;
+    readonly unit: string;
+    /** Value of a sample of 4096. */
+    readonly base: number;
+}
+
+/** A signal of the broadcast measurements. */
+export interface MeasurementSignal {
+    readonly name: MeasurementName;
+    readonly unit: string;
+    readonly opcode: number;
+    /** Place in its frame, 0 to 3. */
+    readonly word: number;
+    /** Value of a raw 1. */
+    readonly scale: number;
+}
+
+/** A record of the log as it was downloaded. */
+export interface LogRecord {
+    readonly index: number;
+    /** Since power-up, s. */
+    readonly time: number;
+    /** What each value is (the slot's number, and what is kept of it in bits 15 and 14), and its raw number. */
+    readonly values: readonly (readonly [what: number, raw: number])[];
+}
+
+
+
+/** Whom a master talks to, and how. */
+export interface MasterOptions {
+    /** Address of the drive, 0 to 255; default 170. */
+    slave?: number;
+    /** Address of the master, 0 to 255; default 85. */
+    monitor?: number;
+    /** Between two set-points, 0.001 to 10 s; default 0.05. */
+    setpointPeriod?: number;
+    /** Transmits nothing and hears everything; default false. */
+    silent?: boolean;
+    /** Reads every parameter in the background when the drive is first heard, and after what changes many of them; default true. */
+    readParameters?: boolean;
+    /** How long an answer may take, 0.001 to 10 s; default 0.1. */
+    timeout?: number;
+}
+
+/** A measurement that was heard. */
+export interface Measurement {
+    readonly name: MeasurementName;
+    readonly unit: string;
+    readonly value: number;
+    /** When, s. */
+    readonly time: number;
+}
+
+/** CRITICAL_FAULT as it was last heard. */
+export interface CriticalFault {
+    readonly faults: FaultName[];
+    /** Extended fault code. */
+    readonly code: number;
+    /** What that means; absent for a code of another firmware. */
+    readonly meaning?: string;
+}
+
+/** BUILD_INFO. */
+export interface BuildInfo {
+    readonly number: number;
+    /** Built from sources that were not committed. */
+    readonly modified: boolean;
+    /** YYYYMMDD. */
+    readonly date: number;
+}
+
+/** DEVICE_INFO. */
+export interface DeviceInfo {
+    /** Release of the board. */
+    readonly hardware: number;
+    /** Release of the firmware, major.minor. */
+    readonly software: string;
+    /** Serial number. */
+    readonly deviceNumber: number;
+    readonly address: number;
+}
+
+/** Words of a download. */
+export interface Chunk {
+    /** Place of the first one in the download, words. */
+    readonly offset: number;
+    /** High byte first. */
+    readonly bytes: Uint8Array;
+}
+
+/** How far a download is, words. */
+export interface Progress {
+    readonly received: number;
+    readonly total: number;
+}
+
+
+
+/** Whose messages count. */
+export interface LogOptions {
+    /** Address of the drive; default 170, `null` for any. */
+    slave?: number | null;
+    /** Address of its master; default 85, `null` for any. */
+    monitor?: number | null;
+    /** Node-ids of TX-Drivers whose PDOs of 8 bytes carry the encoder. */
+    encoders?: readonly number[];
+}
+
+/** Every message of one kind: columns of the same length. */
+export interface MessageTable {
+    /** As the CAN database or Table 3 of the eddyCAN specification has it. */
+    readonly name: keyof DriveValues | keyof NodeValues;
+    /** A drive or node sends it, else its master. */
+    readonly fromDevice: boolean;
+    /** As stamped, s. */
+    readonly time: Float64Array;
+    /** By signal, in its unit; values with names as their numbers, NaN where a message does not carry it. */
+    readonly columns: Readonly<Record<string, Float64Array>>;
+    /** By signal; empty for plain numbers. */
+    readonly units: Readonly<Record<string, string>>;
+    /** By signal: the names of its numbers, where they have some. */
+    readonly names: Readonly<Record<string, Readonly<Record<number, string>>>>;
+}
+
+/** A log as columns. Every line is a frame, blank, or an error. */
+export interface CanLog {
+    readonly lines: number;
+    /** All frames. */
+    readonly frames: {
+        /** As stamped, s. */
+        readonly time: Float64Array;
+        readonly id: Uint32Array;
+        /** Bits: 1 29-bit identifier, 2 remote, 4 error frame, 8 CAN FD, 16 received. */
+        readonly flags: Uint8Array;
+        readonly dlc: Uint8Array;
+        /** The first 8 bytes of each, zeros behind the last one. */
+        readonly data: Uint8Array;
+        /** Place of its table in `tables`; 255 unknown, 254 malformed, 253 an error frame. */
+        readonly message: Uint8Array;
+    };
+    /** The tables that have rows. */
+    readonly tables: readonly MessageTable[];
+    /** Lines that are no frame. */
+    readonly errors: readonly { readonly line: number; readonly text: string; readonly reason: string }[];
+}
+
+
+
+/**
+ * The other end of a drive's bus: it has no clock and no bus of its own. Times are seconds from any beginning and never run back. Give it every frame that
+ * arrives, and send what `poll` has, at `nextPoll` at the latest. `narx/drive` waits for its answers.
+ */
+export class Master {
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * Ends the download.
+     */
+    abortDownload(): void;
+    /**
+     * Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first` on. Throws for a silent master, and while
+     * another one goes on.
+     */
+    download(what: "description" | "scope" | "log", count?: number | null, first?: number | null): void;
+    /**
+     * Takes a frame that arrived at `now`, s. Only messages of its drive to this master are heard.
+     */
+    handleFrame(frame: Frame, now: number): void;
+    /**
+     * What the drive measures, as far as it was heard, in the order of Figure 14.
+     */
+    measurements(): Measurement[];
+    /**
+     * A master that has heard of nothing yet. Throws where an option cannot be.
+     */
+    constructor(options?: MasterOptions);
+    /**
+     * When to poll again at the latest if nothing arrives and nothing is asked for until then, s; infinity without a reason.
+     */
+    nextPoll(now: number): number;
+    /**
+     * Value of a parameter as it was last heard, in its unit; `undefined` before.
+     */
+    parameter(key: ParameterName | number): number | undefined;
+    /**
+     * The next answer; `undefined` before it is there.
+     */
+    pollAnswer(): Answer | undefined;
+    /**
+     * Words that have come since the last call. Words may come more than once, each time the same.
+     */
+    pollChunks(): Chunk[];
+    /**
+     * The end of the download, once all its chunks were taken: its length in words. Throws a `MasterError` for one that came to nothing.
+     */
+    pollDownload(): number | undefined;
+    /**
+     * The next frame that is due at `now`, s.
+     */
+    pollFrame(now: number): Frame | undefined;
+    /**
+     * Every frame that is due at `now`, s.
+     */
+    poll(now: number): Frame[];
+    /**
+     * Reads every parameter anew in the background.
+     */
+    readParameters(): void;
+    /**
+     * Asks for a parameter's value.
+     */
+    read(key: ParameterName | number): void;
+    /**
+     * Asks the drive for something. Answers come in the order of the requests. Throws a `MasterError` for a silent master, and while eight answers were not
+     * taken.
+     */
+    request(what: RequestName): void;
+    /**
+     * Asks for factory values of everything but what is the board's own. `serial`: parameter 1 of the board that is meant.
+     */
+    restoreFactory(serial: number): void;
+    /**
+     * Asks for the digital lines to be inputs, or outputs of a level.
+     */
+    setOutputs(outputs: Outputs): void;
+    /**
+     * Asks for another speed in the same direction, rpm.
+     */
+    setSpeed(rpm: number): void;
+    /**
+     * Asks for a shutdown: fault bit 28.
+     */
+    shutDown(): void;
+    /**
+     * Asks for a speed, mechanical rpm, negative in reverse. A drive takes a start once it has seen Standby: `stop` first.
+     */
+    start(rpm: number): void;
+    /**
+     * Asks for Standby, which also acknowledges a fault.
+     */
+    stop(): void;
+    /**
+     * Asks the drive to give a parameter a value, in its unit, to the nearest step of its scale. Throws a `RangeError` for one that it cannot have.
+     */
+    write(key: ParameterName | number, value: number): void;
+    /**
+     * The set-point that the drive has accepted, rpm.
+     */
+    readonly acceptedSpeed: number | undefined;
+    /**
+     * BUILD_INFO as it was last heard.
+     */
+    readonly build: BuildInfo | undefined;
+    /**
+     * Whether the drive was heard lately.
+     */
+    readonly connected: boolean;
+    /**
+     * CRITICAL_FAULT as it was last heard. Whether it still holds, `faults` says.
+     */
+    readonly critical: CriticalFault | undefined;
+    /**
+     * DEVICE_INFO as it was last heard.
+     */
+    readonly device: DeviceInfo | undefined;
+    /**
+     * How far the download is; `undefined` before its length is known, and without one.
+     */
+    readonly downloadProgress: Progress | undefined;
+    /**
+     * Names of the set bits of FAULT_WORD; `undefined` before it was heard.
+     */
+    readonly faults: FaultName[] | undefined;
+    /**
+     * When anything was last heard of the drive, s.
+     */
+    readonly lastHeard: number | undefined;
+    /**
+     * Parameters that are still to be read in the background.
+     */
+    readonly parametersToRead: number;
+    /**
+     * From one set-point to the next, s.
+     */
+    readonly setpointPeriod: number;
+    /**
+     * Magnitude of the set-point, rpm.
+     */
+    readonly setpoint: number;
+    /**
+     * Transmits nothing.
+     */
+    readonly silent: boolean;
+    /**
+     * Mechanical speed by what the control mode uses, rpm.
+     */
+    readonly speed: number | undefined;
+    /**
+     * Name of the state in the specification.
+     */
+    readonly stateName: StateName | undefined;
+    /**
+     * State of the drive, 0 to 7; `undefined` while it is not known.
+     */
+    readonly state: number | undefined;
+    /**
+     * STATUS_WORD as it was last heard (Table 8).
+     */
+    readonly status: DriveValues["STATUS_WORD"] | undefined;
+}
+
+/**
+ * Frames out of the bytes that come from an slcan adapter. Everything else that it says is counted or left.
+ */
+export class SlcanLines {
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * Takes bytes as they arrived, and returns the frames that are complete with them.
+     */
+    handleBytes(bytes: Uint8Array | number[]): Frame[];
+    /**
+     * Before the first byte.
+     */
+    constructor();
+    /**
+     * How often the adapter has said no.
+     */
+    readonly refusals: number;
+}
+
+/**
+ * Named signals, one row per control tick.
+ */
+export class Trace {
+    private constructor();
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * The values of one signal: 64 bits for time and counts, 32 for what is measured. A copy.
+     */
+    column(name: SignalName): Float32Array | Float64Array;
+    /**
+     * Rows.
+     */
+    readonly length: number;
+    /**
+     * The signals in the order of the columns of `run.csv`.
+     */
+    readonly signals: Signal[];
+    /**
+     * Time of each row since power-up, s.
+     */
+    readonly time: Float64Array;
+}
+
+/**
+ * The other end of a TX-Driver's bus. Times are seconds from any beginning and never run back.
+ */
+export class TxMaster {
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * Asks for PDO3.
+     */
+    askPositions(): void;
+    /**
+     * Commands the node (NMT).
+     */
+    command(command: "start" | "stop" | "pre-operational" | "reset"): void;
+    /**
+     * Takes a frame that arrived at `now`, s. Only messages of its node are heard.
+     */
+    handleFrame(frame: Frame, now: number): void;
+    /**
+     * A master that sends nothing until it is asked for something.
+     */
+    constructor(options: TxMasterOptions);
+    /**
+     * When to poll again at the latest, s; infinity without a reason.
+     */
+    nextPoll(now: number): number;
+    /**
+     * The next answer; `undefined` before it is there.
+     */
+    pollAnswer(): TxAnswer | undefined;
+    /**
+     * Every frame that is due at `now`, s.
+     */
+    poll(now: number): Frame[];
+    /**
+     * Reads an entry, or writes a raw value to it.
+     */
+    request(index: number, subindex: number, value?: number | null): void;
+    /**
+     * Sends a SYNC: every node samples and sends PDO2.
+     */
+    sync(): void;
+    /**
+     * Boot-up messages.
+     */
+    readonly boots: number;
+    /**
+     * Error messages.
+     */
+    readonly errors: number;
+    /**
+     * What the last error message meant (Table 13).
+     */
+    readonly lastError: string | undefined;
+    /**
+     * Frames of the node that mean nothing: most likely PDOs of another layout.
+     */
+    readonly malformed: number;
+    /**
+     * Whether the node was heard lately.
+     */
+    readonly present: boolean;
+    /**
+     * The last positions, if some have come since the node booted.
+     */
+    readonly reading: Reading | undefined;
+    /**
+     * The state of the last heartbeat.
+     */
+    readonly state: "boot-up" | "stopped" | "operational" | "pre-operational" | undefined;
+}
+
+/**
+ * What closes an adapter.
+ */
+export function closeSlcan(): Uint8Array;
+
+/**
+ * The message in a frame, by the tables of PROTOCOL.md: of the drive with 29 bits, of TX-Drivers with 11; `undefined` if neither protocol has such a
+ * frame. `encoder`: PDOs of 8 bytes have the encoder in them, which they do not tell themselves.
+ */
+export function decode(frame: Frame, encoder?: boolean | null): DriveMessage | NodeMessage | undefined;
+
+/**
+ * A frame as an adapter takes it.
+ */
+export function encodeSlcan(frame: Frame): Uint8Array;
+
+/**
+ * The records of a log download, each of `size` bytes (parameter 69); those that the drive could not read are left out.
+ */
+export function logRecords(bytes: Uint8Array | number[], size: number): LogRecord[];
+
+/**
+ * Signals of the measurements in the order of Figure 14.
+ */
+export function measurementSignals(): MeasurementSignal[];
+
+/**
+ * What opens an adapter at so many bit/s (default 500 000, those of the drive): it is closed before, whatever it was told.
+ */
+export function openSlcan(bitrate?: number | null, listen?: boolean | null): Uint8Array;
+
+/**
+ * Every parameter in the order of the numbers.
+ */
+export function parameters(): Parameter[];
+
+/**
+ * A log of can-utils (`candump -L`), decoded: text or its bytes.
+ */
+export function readLog(text: string | Uint8Array, options?: LogOptions): CanLog;
+
+/**
+ * Runs a recording again, bit for bit: all of it, or its first `until` ticks.
+ *
+ * Throws an `Error` that names the byte where a damaged recording is wrong, and a `RangeError` for an `until`
+ * that is not a count of ticks.
+ */
+export function replay(bytes: Uint8Array | number[], until?: number | null): Replay;
+
+/**
+ * The trace of a recording that runs again, or of its first `until` ticks: what the drive was given, what it answered, and what it thought meanwhile. Its
+ * speeds are electrical, because a recording does not tell the pole pairs. Throws as `replay`.
+ */
+export function replayTrace(bytes: Uint8Array | number[], until?: number | null): Trace;
+
+/**
+ * The recording that a scope's record of inputs is: the bytes of the download. Throws an `Error` for one of another version, or one that is damaged.
+ */
+export function scopeRecording(bytes: Uint8Array | number[], label: string): ScopeRecording;
+
+/**
+ * Signals of the virtual scope in the order of their bits.
+ */
+export function scopeSignals(): ScopeSignal[];
+
+/**
+ * The object dictionary in order.
+ */
+export function txObjects(): TxObject[];
+
+export type InitInput = RequestInfo | URL | Response | BufferSource | WebAssembly.Module;
+
+export interface InitOutput {
+    readonly memory: WebAssembly.Memory;
+    readonly __wbg_master_free: (a: number, b: number) => void;
+    readonly __wbg_slcanlines_free: (a: number, b: number) => void;
+    readonly __wbg_trace_free: (a: number, b: number) => void;
+    readonly __wbg_txmaster_free: (a: number, b: number) => void;
+    readonly closeSlcan: () => [number, number];
+    readonly decode: (a: any, b: number) => [number, number, number];
+    readonly encodeSlcan: (a: any) => [number, number, number, number];
+    readonly logRecords: (a: number, b: number, c: number) => any;
+    readonly master_abortDownload: (a: number) => void;
+    readonly master_acceptedSpeed: (a: number) => number;
+    readonly master_build: (a: number) => any;
+    readonly master_connected: (a: number) => number;
+    readonly master_critical: (a: number) => any;
+    readonly master_device: (a: number) => any;
+    readonly master_download: (a: number, b: any, c: number, d: number) => [number, number];
+    readonly master_downloadProgress: (a: number) => any;
+    readonly master_faults: (a: number) => any;
+    readonly master_handleFrame: (a: number, b: any, c: number) => [number, number];
+    readonly master_lastHeard: (a: number) => [number, number];
+    readonly master_measurements: (a: number) => any;
+    readonly master_new: (a: any) => [number, number, number];
+    readonly master_nextPoll: (a: number, b: number) => number;
+    readonly master_parameter: (a: number, b: any) => [number, number, number, number];
+    readonly master_parametersToRead: (a: number) => number;
+    readonly master_poll: (a: number, b: number) => any;
+    readonly master_pollAnswer: (a: number) => any;
+    readonly master_pollChunks: (a: number) => any;
+    readonly master_pollDownload: (a: number) => [number, number, number];
+    readonly master_pollFrame: (a: number, b: number) => any;
+    readonly master_read: (a: number, b: any) => [number, number];
+    readonly master_readParameters: (a: number) => void;
+    readonly master_request: (a: number, b: any) => [number, number];
+    readonly master_restoreFactory: (a: number, b: number) => [number, number];
+    readonly master_setOutputs: (a: number, b: any) => [number, number];
+    readonly master_setSpeed: (a: number, b: number) => [number, number];
+    readonly master_setpoint: (a: number) => number;
+    readonly master_setpointPeriod: (a: number) => number;
+    readonly master_shutDown: (a: number) => void;
+    readonly master_silent: (a: number) => number;
+    readonly master_speed: (a: number) => number;
+    readonly master_start: (a: number, b: number) => [number, number];
+    readonly master_state: (a: number) => number;
+    readonly master_stateName: (a: number) => [number, number];
+    readonly master_status: (a: number) => any;
+    readonly master_stop: (a: number) => void;
+    readonly master_write: (a: number, b: any, c: number) => [number, number];
+    readonly measurementSignals: () => any;
+    readonly openSlcan: (a: number, b: number, c: number) => [number, number, number, number];
+    readonly parameters: () => any;
+    readonly readLog: (a: any, b: any) => [number, number, number];
+    readonly replay: (a: number, b: number, c: number, d: number) => [number, number, number];
+    readonly replayTrace: (a: number, b: number, c: number, d: number) => [number, number, number];
+    readonly scopeRecording: (a: number, b: number, c: number, d: number) => [number, number, number];
+    readonly scopeSignals: () => any;
+    readonly slcanlines_handleBytes: (a: number, b: number, c: number) => any;
+    readonly slcanlines_new: () => number;
+    readonly slcanlines_refusals: (a: number) => number;
+    readonly trace_column: (a: number, b: any) => [number, number, number];
+    readonly trace_length: (a: number) => number;
+    readonly trace_signals: (a: number) => any;
+    readonly trace_time: (a: number) => [number, number, number];
+    readonly txObjects: () => any;
+    readonly txmaster_askPositions: (a: number) => [number, number];
+    readonly txmaster_boots: (a: number) => number;
+    readonly txmaster_command: (a: number, b: any) => [number, number];
+    readonly txmaster_errors: (a: number) => number;
+    readonly txmaster_handleFrame: (a: number, b: any, c: number) => [number, number];
+    readonly txmaster_lastError: (a: number) => [number, number];
+    readonly txmaster_malformed: (a: number) => number;
+    readonly txmaster_new: (a: any) => [number, number, number];
+    readonly txmaster_nextPoll: (a: number, b: number) => number;
+    readonly txmaster_poll: (a: number, b: number) => any;
+    readonly txmaster_pollAnswer: (a: number) => any;
+    readonly txmaster_present: (a: number) => number;
+    readonly txmaster_reading: (a: number) => any;
+    readonly txmaster_request: (a: number, b: number, c: number, d: number) => [number, number];
+    readonly txmaster_state: (a: number) => [number, number];
+    readonly txmaster_sync: (a: number) => [number, number];
+    readonly __wbindgen_malloc: (a: number, b: number) => number;
+    readonly __wbindgen_realloc: (a: number, b: number, c: number, d: number) => number;
+    readonly __wbindgen_free: (a: number, b: number, c: number) => void;
+    readonly __wbindgen_exn_store: (a: number) => void;
+    readonly __externref_table_alloc: () => number;
+    readonly __wbindgen_externrefs: WebAssembly.Table;
+    readonly __externref_table_dealloc: (a: number) => void;
+    readonly __wbindgen_start: () => void;
+}
+
+export type SyncInitInput = BufferSource | WebAssembly.Module;
+
+/**
+ * Instantiates the given `module`, which can either be bytes or
+ * a precompiled `WebAssembly.Module`.
+ *
+ * @param {{ module: SyncInitInput }} module - Passing `SyncInitInput` directly is deprecated.
+ *
+ * @returns {InitOutput}
+ */
+export function initSync(module: { module: SyncInitInput } | SyncInitInput): InitOutput;
+
+/**
+ * If `module_or_path` is {RequestInfo} or {URL}, makes a request and
+ * for everything else, calls `WebAssembly.instantiate` directly.
+ *
+ * @param {{ module_or_path: InitInput | Promise<InitInput> }} module_or_path - Passing `InitInput` directly is deprecated.
+ *
+ * @returns {Promise<InitOutput>}
+ */
+export default function __wbg_init (module_or_path?: { module_or_path: InitInput | Promise<InitInput> } | InitInput | Promise<InitInput>): Promise<InitOutput>;
+
+/** Signals of the trace of a replay. */
+export type SignalName =
+    | "time"
+    | "state"
+    | "duty"
+    | "hall"
+    | "step"
+    | "limiter"
+    | "crossing"
+    | "crossing_margin"
+    | "bus_voltage_measured"
+    | "bus_current_measured"
+    | "voltage_a_measured"
+    | "voltage_b_measured"
+    | "voltage_c_measured"
+    | "electrical_setpoint"
+    | "electrical_speed_hall"
+    | "electrical_speed_sensorless"
+    | "faults";
+
+/** Bits of the fault word. */
+export type FaultName =
+    | "temperature_warning"
+    | "over_temperature"
+    | "over_voltage"
+    | "under_voltage"
+    | "over_current"
+    | "legs_driver"
+    | "hall_sensors"
+    | "over_pressure"
+    | "store_mismatch"
+    | "emergency_shutdown"
+    | "external_shutdown"
+    | "device_timeout"
+    | "store_absent"
+    | "store_version";
+
+/** States of the drive, 0 to 7. */
+export type StateName =
+    | "Initialization"
+    | "Standby"
+    | "Rotor lock"
+    | "Open-loop"
+    | "Sensorless Closed-loop"
+    | "Closed-loop Hall Effect Sensors"
+    | "Fault"
+    | "Sensorless Auto-Restart";
+
+/** Parameters of the drive. */
+export type ParameterName =
+    | "Memory Mapping Flag"
+    | "Device Number"
+    | "Slave CAN address"
+    | "Master CAN address"
+    | "Hardware Release"
+    | "Build number"
+    | "Software Release"
+    | "Source modified"
+    | "Temperature measurement source selection"
+    | "Accel use ref for scaling selection"
+    | "Accel X calib offset"
+    | "Accel Y calib offset"
+    | "Accel Z calib offset"
+    | "HV current calib offset"
+    | "HV voltage calib offset"
+    | "Temperature calib offset"
+    | "Mechanical position calibration value"
+    | "Set position calibration value (rising edge)"
+    | "Pressure calib offset"
+    | "Pressure calib gain"
+    | "Pressure meas offset"
+    | "Pressure meas gain"
+    | "Virtual Scop Channels Selection"
+    | "Virtual Scop Samples Number"
+    | "Virtual Scop Sampling Prescaler"
+    | "Virtual Scop Sampling Time"
+    | "Virtual Scop Trig phase"
+    | "01 - Logging start index"
+    | "02 - Logging package index"
+    | "03 - Logging slot"
+    | "04 - Logging slot"
+    | "05 - Logging slot"
+    | "06 - Logging slot"
+    | "07 - Logging slot"
+    | "08 - Logging slot"
+    | "09 - Logging slot"
+    | "10 - Logging slot"
+    | "11 - Logging slot"
+    | "12 - Logging slot"
+    | "13 - Logging slot"
+    | "14 - Logging slot"
+    | "15 - Logging slot"
+    | "16 - Logging slot"
+    | "17 - Logging slot"
+    | "18 - Logging slot"
+    | "19 - Logging slot"
+    | "20 - Logging slot"
+    | "21 - Logging slot"
+    | "22 - Logging slot"
+    | "23 - Logging slot"
+    | "24 - Logging slot"
+    | "25 - Logging slot"
+    | "26 - Logging slot"
+    | "27 - Logging slot"
+    | "28 - Logging slot"
+    | "29 - Logging slot"
+    | "30 - Logging slot"
+    | "31 - Logging slot"
+    | "32 - Logging slot"
+    | "33 - Logging slot"
+    | "34 - Logging slot"
+    | "35 - Logging slot"
+    | "36 - Logging slot"
+    | "37 - Logging slot"
+    | "38 - Logging slot"
+    | "39 - Logging slot"
+    | "40 - Logging end index"
+    | "Logging read start index"
+    | "Logging read number of indexes"
+    | "Logging data size bytes"
+    | "Logging data max index"
+    | "Logging data write index"
+    | "Logging period"
+    | "Logging data subsectors number"
+    | "Logging data ongoing subsector erase index"
+    | "Logging read request"
+    | "Logging erase request"
+    | "Logging memory full flag"
+    | "Motor pair poles"
+    | "Select control sequence for standard motor"
+    | "Hall effect offset angle"
+    | "Open-loop enable"
+    | "Closed-loop Sensorless enable"
+    | "Closed-loop Hall Effect Sensors enable"
+    | "Closed-Loop initial duty cycle"
+    | "Max period between two ZC events"
+    | "N periods to discard after a sector change"
+    | "Open-Loop duty cycle"
+    | "Open-loop speed setpoint"
+    | "Rotor lock duty cycle"
+    | "Speed Ki coefficient SL"
+    | "Speed Kp coefficient SL"
+    | "Speed Ki coefficient HES"
+    | "Speed Kp coefficient HES"
+    | "HV current Kp coefficient"
+    | "HV current Ki coefficient"
+    | "Max HV current setpoint rate"
+    | "Hall Effect Sensors PS enable"
+    | "Max duty cycle SL"
+    | "Speed setpoint rate"
+    | "ZC delay compensation"
+    | "Speed setpoint max saturation SL"
+    | "Speed setpoint min saturation SL"
+    | "Speed setpoint max saturation HES"
+    | "Speed setpoint min saturation HES"
+    | "Max HV current limitation soft start"
+    | "Max HV current limitation"
+    | "Max duty cycle"
+    | "Open-Loop phase duration"
+    | "Open-Loop ramp rising time"
+    | "Rotor lock phase duration"
+    | "can_autosend_period"
+    | "Fault state wait time before acknowledgement"
+    | "Electrical period measurement time-out"
+    | "Can TimeOut period"
+    | "Critical fault mask"
+    | "Over-current HV threshold"
+    | "Over-pressure threshold"
+    | "Over-temperature shutdown threshold"
+    | "Over-voltage HV threshold"
+    | "Under-voltage HV threshold"
+    | "Over-temperature warning threshold"
+    | "Store parameters"
+    | "Store once parameters"
+    | "Reset calibration parameters"
+    | "Auto-calibrate"
+    | "Scope state"
+    | "Drive state"
+    | "Hall order"
+    | "Hall polarity mask"
+    | "Hall calibration request"
+    | "Hall stall time"
+    | "Nominal supply voltage"
+    | "Back-EMF constant"
+    | "Winding resistance"
+    | "Phase current limit"
+    | "Digital shutdown input"
+    | "Duty slew limit"
+    | "Minimum on-time"
+    | "Timing advance"
+    | "Refused frames"
+    | "Malformed frames"
+    | "Start refusal"
+    | "Hall invalid codes"
+    | "Hall jumps"
+    | "Hall calibration state"
+    | "Active limiter"
+    | "Hall interpolation speed"
+    | "Extended fault code"
+    | "Winding inductance"
+    | "Frames lost"
+    | "Rejected parameter"
+    | "ZC falling delay difference"
+    | "Last zero crossing"
+    | "Zero crossing margin"
+    | "Zero crossings"
+    | "Scope trigger"
+    | "Scope trigger signal"
+    | "Scope trigger level"
+    | "Bus error state"
+    | "Transmit error counter"
+    | "Receive error counter"
+    | "Bus-offs"
+    | "Accel meas offset"
+    | "Tilt"
+    | "Vibration"
+    | "Scope inputs"
+    | "Scope words";
+
+/** Signals of the measurements. */
+export type MeasurementName =
+    | "Accel X"
+    | "Accel Y"
+    | "Accel Z"
+    | "DSI1_DSP"
+    | "Mechanical estimated speed SL"
+    | "Mechanical position"
+    | "Electrical input Power"
+    | "HV Voltage"
+    | "HV Current"
+    | "+6V_MEAS"
+    | "Driver 14V Voltage"
+    | "Ambient Temperature"
+    | "Vref Accel (+1.8V)"
+    | "+0.383VREF"
+    | "ASI_DSP"
+    | "VoltagePhaseA"
+    | "VoltagePhaseB"
+    | "VoltagePhaseC"
+    | "PIN_MEAS"
+    | "Mechanical estimated speed HES"
+    | "DSI2_DSP";
+
+/** Signals of the virtual scope. */
+export type ScopeSignalName =
+    | "Speed set-point"
+    | "Mechanical estimated speed SL"
+    | "Mechanical estimated speed HES"
+    | "HV Voltage"
+    | "HV Current"
+    | "Electrical input Power"
+    | "VoltagePhaseA"
+    | "VoltagePhaseB"
+    | "VoltagePhaseC"
+    | "Duty"
+    | "Electrical angle"
+    | "Drive state"
+    | "Active limiter"
+    | "Step"
+    | "Hall code"
+    | "Last zero crossing"
+    | "Zero crossing margin"
+    | "Speed loop voltage"
+    | "Phase current"
+    | "HV Current of one period"
+    | "Fault bit"
+    | "Digital inputs";
+
+/** What is in the drive's messages, by their names in the CAN database. */
+export interface DriveValues {
+    readonly BUILD_INFO_REQUEST: {};
+    readonly BUILD_INFO: {
+        readonly "Build number": number;
+        readonly "Source modified": "no" | "yes" | number;
+        readonly "Build date": number;
+    };
+    readonly DEVICE_INFO_REQUEST: {};
+    readonly DEVICE_INFO: {
+        readonly "Hardware release": number;
+        readonly "Software release": number;
+        readonly "Device number": number;
+        readonly "CAN address": number;
+    };
+    readonly REQUEST_WORD: {
+        readonly "Motor mode": "Standby" | "Drive" | "Reverse" | "Fault" | number;
+    };
+    readonly STATUS_WORD: {
+        readonly "Log erase possible": "no" | "yes";
+        readonly "Log download possible": "no" | "yes";
+        readonly "Log memory erased": "no" | "yes";
+        readonly "Log memory full": "no" | "yes";
+        readonly "Logging state": "LOG_BOOT_UP" | "LOG_INIT" | "LOG_WRITE_WAIT_PER" | "LOG_WRITE" | "LOG_READ_REQ_INIT" | "LOG_SEND_READ_REQ" | "LOG_WAIT_READ_RESULT" | "LOG_READ_SEND_CAN_FRAMES" | "LOG_ERASE_ONGOING" | "LOG_ERASE_END" | "LOG_READ_END" | number;
+        readonly "Control mode": "Off" | "Open loop" | "Sensorless closed loop" | "Hall closed loop" | number;
+        readonly "Motor mode": "Standby" | "Drive" | "Reverse" | "Fault" | number;
+    };
+    readonly FAULT_WORD: {
+        readonly "Faults": FaultName[];
+    };
+    readonly CRITICAL_FAULT: {
+        readonly "Faults": FaultName[];
+        readonly "Extended fault code": number;
+    };
+    readonly REBOOT_SET: {};
+    readonly REBOOT: {
+        readonly "Acknowledged": "no" | "yes" | number;
+    };
+    readonly MOTOR_CMD_SET: {
+        readonly "Speed": number;
+    };
+    readonly MOTOR_CMD: {
+        readonly "Speed": number;
+    };
+    readonly DSIO_DATA_CMD: {
+        readonly "DSIO1 output enable": "no" | "yes" | number;
+        readonly "DSIO1 level": "low" | "high" | number;
+        readonly "DSIO2 output enable": "no" | "yes" | number;
+        readonly "DSIO2 level": "low" | "high" | number;
+    };
+    readonly Disable_Hall_PS: {
+        readonly "Disable": "no" | "yes" | number;
+    };
+    readonly PARAMETER_SET: {
+        readonly "Number": number;
+        readonly "Value": number;
+    };
+    readonly PARAMETER_REQUEST: {
+        readonly "Number": number;
+    };
+    readonly PARAMETER: {
+        readonly "Number": number;
+        readonly "Value": number;
+        readonly "Status": "Done" | "Unknown number" | "Read-only" | "Out of range" | "Wrong state" | "Storage" | number;
+    };
+    readonly LOG_VIRTUAL_SCOPE_SET: {};
+    readonly LOG_VIRTUAL_SCOPE_REQUEST: {};
+    readonly LOG_VIRTUAL_SCOPE: {
+        readonly "Address": number;
+        readonly "Sample 1": number;
+        readonly "Sample 2": number;
+        readonly "Sample 3": number;
+    };
+    readonly RESTORE_FACTORY_SETTING: {
+        readonly "Serial number": number;
+    };
+    readonly XML_DOWNLOAD_REQUEST: {
+        readonly "Command": "Length" | "Start" | number;
+    };
+    readonly XML_DOWNLOAD_ANSWER: {
+        readonly "Length": number;
+    };
+    readonly XML_DOWNLOAD_DATA: {
+        readonly "Address": number;
+        readonly "Text 1": number;
+        readonly "Text 2": number;
+        readonly "Text 3": number;
+    };
+    readonly EXT_MEM_LOG_READ_DATA: {
+        readonly "Word counter": number;
+        readonly "Data 1": number;
+        readonly "Data 2": number;
+        readonly "Data 3": number;
+    };
+    readonly MEASUREMENT_0: {
+        readonly "Accel X": number;
+        readonly "Accel Y": number;
+        readonly "Accel Z": number;
+        readonly "DSI1_DSP": "low" | "high" | number;
+    };
+    readonly MEASUREMENT_1: {
+        readonly "Mechanical estimated speed SL": number;
+        readonly "Mechanical position": number;
+        readonly "Electrical input Power": number;
+    };
+    readonly MEASUREMENT_2: {
+        readonly "HV Voltage": number;
+        readonly "HV Current": number;
+        readonly "+6V_MEAS": number;
+        readonly "Driver 14V Voltage": number;
+    };
+    readonly MEASUREMENT_3: {
+        readonly "Ambient Temperature": number;
+        readonly "Vref Accel (+1.8V)": number;
+        readonly "+0.383VREF": number;
+        readonly "ASI_DSP": number;
+    };
+    readonly MEASUREMENT_4: {
+        readonly "VoltagePhaseA": number;
+        readonly "VoltagePhaseB": number;
+        readonly "VoltagePhaseC": number;
+        readonly "PIN_MEAS": number;
+    };
+    readonly MEASUREMENT_5: {
+        readonly "Mechanical estimated speed HES": number;
+        readonly "DSI2_DSP": "low" | "high" | number;
+    };
+    readonly MEASUREMENT_7: {};
+    readonly MEASUREMENT_8: {};
+}
+
+/** What is in the messages of TX-Drivers. */
+export interface NodeValues {
+    readonly "NMT": {
+        readonly "Node": number;
+        readonly "Command": "start" | "stop" | "pre-operational" | "reset" | number;
+    };
+    readonly "SYNC": {};
+    readonly "Error": {
+        readonly "Node": number;
+        readonly "Code": "generic error" | "CAN controller error passive" | "protocol error" | number;
+    };
+    readonly "PDO1": {
+        readonly "Node": number;
+        readonly "Position 1": number;
+        readonly "Position 2"?: number;
+        readonly "Encoder"?: number;
+    };
+    readonly "PDO2": {
+        readonly "Node": number;
+        readonly "Position 1": number;
+        readonly "Position 2"?: number;
+        readonly "Encoder"?: number;
+    };
+    readonly "PDO3": {
+        readonly "Node": number;
+        readonly "Position 1": number;
+        readonly "Position 2"?: number;
+        readonly "Encoder"?: number;
+    };
+    readonly "PDO3 request": {
+        readonly "Node": number;
+        readonly "Bytes": number;
+    };
+    readonly "SDO answer": {
+        readonly "Node": number;
+        readonly "Index": number;
+        readonly "Subindex": number;
+        readonly "Entry": "Node-ID" | "Bitrate Index" | "Nr Of Nodes" | "Update Time" | "Can Config Register" | "Basic Config Register" | "Filter" | "Filter" | "Comparator" | "Comparator" | "Counts Per Revolution" | "Encoder Resolution" | "Reset Encoder" | "Firmware Version" | "unknown" | number;
+        readonly "Outcome": "written" | "value" | "abort" | number;
+        readonly "Value": number;
+    };
+    readonly "SDO request": {
+        readonly "Node": number;
+        readonly "Index": number;
+        readonly "Subindex": number;
+        readonly "Entry": "Node-ID" | "Bitrate Index" | "Nr Of Nodes" | "Update Time" | "Can Config Register" | "Basic Config Register" | "Filter" | "Filter" | "Comparator" | "Comparator" | "Counts Per Revolution" | "Encoder Resolution" | "Reset Encoder" | "Firmware Version" | "unknown" | number;
+        readonly "Action": "read" | "write" | "abort" | "unknown" | number;
+        readonly "Value": number;
+    };
+    readonly "Heartbeat": {
+        readonly "Node": number;
+        readonly "State": "boot-up" | "stopped" | "operational" | "pre-operational" | number;
+    };
+}

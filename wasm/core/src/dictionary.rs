@@ -1,0 +1,162 @@
+//! Tables: parameters, signals of scope and measurements, and what records of the log hold.
+
+use crate::messages::{float, unit};
+use js_sys::{Array, Object};
+use narx_core::bus::narmotion::SIGNALS;
+use narx_core::dictionary::{Decimal, Dictionary, Parameter};
+use narx_core::motor::signal::DRIVE_SIGNALS;
+use narx_core::storage::Record;
+use narx_wasm_values::error::{list, range_error, shown, type_error};
+use narx_wasm_values::options::set;
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** What there is to know of one parameter but its value. Limits and factory value are in its unit. */
+export interface Parameter {
+    readonly number: number;
+    readonly name: ParameterName;
+    readonly category: string;
+    /** Empty for plain numbers. */
+    readonly unit: string;
+    readonly type: "uint16" | "int32" | "uint32";
+    /** Value of a raw 1. */
+    readonly scale: number;
+    readonly min: number;
+    readonly max: number;
+    readonly factory: number;
+    /** Who may write it: nobody, a master while the drive is stopped, or at any time. */
+    readonly access: "read-only" | "stopped" | "live";
+    /** Writing 0, then 1 is a command. */
+    readonly command: boolean;
+    /** When a written value acts. */
+    readonly acts: "at once" | "next start" | "reboot";
+    readonly description: string;
+}
+
+/** A signal of the virtual scope; its number is its bit in parameter 22. */
+export interface ScopeSignal {
+    readonly name: ScopeSignalName;
+    readonly unit: string;
+    /** Value of a sample of 4096. */
+    readonly base: number;
+}
+
+/** A signal of the broadcast measurements. */
+export interface MeasurementSignal {
+    readonly name: MeasurementName;
+    readonly unit: string;
+    readonly opcode: number;
+    /** Place in its frame, 0 to 3. */
+    readonly word: number;
+    /** Value of a raw 1. */
+    readonly scale: number;
+}
+
+/** A record of the log as it was downloaded. */
+export interface LogRecord {
+    readonly index: number;
+    /** Since power-up, s. */
+    readonly time: number;
+    /** What each value is (the slot's number, and what is kept of it in bits 15 and 14), and its raw number. */
+    readonly values: readonly (readonly [what: number, raw: number])[];
+}
+"#;
+
+/// Every parameter in the order of the numbers.
+#[wasm_bindgen(unchecked_return_type = "Parameter[]")]
+pub fn parameters() -> Array {
+    Dictionary::rows().map(parameter).collect()
+}
+
+fn parameter(row: &Parameter) -> Object {
+    let value = |digits| float(Decimal { digits, exponent: row.exponent });
+    let shaped = Object::new();
+    set(&shaped, "number", row.number);
+    set(&shaped, "name", row.name);
+    set(&shaped, "category", row.category.label());
+    set(&shaped, "unit", unit(row.unit));
+    set(&shaped, "type", row.kind.label());
+    set(&shaped, "scale", value(1));
+    set(&shaped, "min", value(row.min));
+    set(&shaped, "max", value(row.max));
+    set(&shaped, "factory", value(row.default));
+    set(&shaped, "access", row.access.label());
+    set(&shaped, "command", row.command);
+    set(&shaped, "acts", row.effect.label());
+    set(&shaped, "description", row.description);
+    shaped
+}
+
+/// The row of a parameter that is given by number or name; case does not matter.
+pub(crate) fn row(key: &JsValue) -> Result<&'static Parameter, JsValue> {
+    let by_number = key.as_f64().filter(|number| number.fract() == 0.0 && (0.0..65_536.0).contains(number));
+    let found = match key.as_string() {
+        Some(name) => Dictionary::find(&name),
+        None => by_number.and_then(|number| Dictionary::row(number as u16)),
+    };
+    found.ok_or_else(|| type_error(&format!("there is no parameter {}", shown(key))))
+}
+
+/// Signals of the virtual scope in the order of their bits.
+#[wasm_bindgen(js_name = scopeSignals, unchecked_return_type = "ScopeSignal[]")]
+pub fn scope_signals() -> Array {
+    let shape = |row: &narx_core::motor::signal::SignalRow| {
+        let shaped = Object::new();
+        set(&shaped, "name", row.name);
+        set(&shaped, "unit", unit(row.unit));
+        set(&shaped, "base", float(row.base));
+        shaped
+    };
+    DRIVE_SIGNALS.iter().map(shape).collect()
+}
+
+/// Signals of the measurements in the order of Figure 14.
+#[wasm_bindgen(js_name = measurementSignals, unchecked_return_type = "MeasurementSignal[]")]
+pub fn measurement_signals() -> Array {
+    let shape = |row: &narx_core::bus::narmotion::Signal| {
+        let shaped = Object::new();
+        set(&shaped, "name", row.name);
+        set(&shaped, "unit", unit(row.unit));
+        set(&shaped, "opcode", row.opcode.raw());
+        set(&shaped, "word", row.word);
+        set(&shaped, "scale", float(Decimal { digits: 1, exponent: row.exponent }));
+        shaped
+    };
+    SIGNALS.iter().map(shape).collect()
+}
+
+/// The records of a log download, each of `size` bytes (parameter 69); those that the drive could not read are left out.
+#[wasm_bindgen(js_name = logRecords, unchecked_return_type = "LogRecord[]")]
+pub fn log_records(bytes: &[u8], size: usize) -> Array {
+    let record = |bytes: &[u8]| {
+        let record = Record::parse(bytes)?;
+        let entry = record.entry();
+        let pair = |(what, raw): &(u16, i32)| Array::of2(&(*what).into(), &(*raw).into());
+        let shaped = Object::new();
+        set(&shaped, "index", record.index());
+        set(&shaped, "time", f64::from(entry.time) / 1000.0);
+        set(&shaped, "values", entry.values.iter().map(pair).collect::<Array>());
+        Some(shaped)
+    };
+    bytes.chunks_exact(size.max(1)).filter_map(record).collect()
+}
+
+/// The value of `choices` with this name.
+pub(crate) fn choice<T: Copy>(what: &str, given: &JsValue, choices: &[(&str, T)]) -> Result<T, JsValue> {
+    let text = given.as_string();
+    let found = choices.iter().find(|(name, _)| text.as_deref() == Some(name));
+    found.map(|(_, chosen)| *chosen).ok_or_else(|| {
+        let names = list(choices.iter().map(|(name, _)| *name));
+        type_error(&format!("{what} {}: must be one of {names}", shown(given)))
+    })
+}
+
+/// `value` as a whole number from `min` to `max`.
+pub(crate) fn whole(what: &str, value: f64, min: f64, max: f64) -> Result<f64, JsValue> {
+    if value.fract() == 0.0 && (min..=max).contains(&value) {
+        return Ok(value);
+    }
+    let [value, min, max] = [value, min, max].map(|number| shown(&number.into()));
+    Err(range_error(&format!("{what} {value}: must be a whole number from {min} to {max}")))
+}

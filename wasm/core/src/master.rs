@@ -1,0 +1,404 @@
+//! The master of a drive: frames and times in, frames out.
+
+use crate::dictionary::{choice, row, whole};
+use crate::messages::{faults, float, status, unit};
+use crate::requests;
+use js_sys::{Array, Object, Uint8Array};
+use narx_core::bus::narmotion::{Addresses, StatusWord};
+use narx_core::master::{Config, Download, Heard, Master as Core};
+use narx_sim::engineering;
+use narx_wasm_values::error::{range_error, shown};
+use narx_wasm_values::frame;
+use narx_wasm_values::options::{Options, set};
+use wasm_bindgen::prelude::*;
+
+#[wasm_bindgen(typescript_custom_section)]
+const TYPES: &str = r#"
+/** Whom a master talks to, and how. */
+export interface MasterOptions {
+    /** Address of the drive, 0 to 255; default 170. */
+    slave?: number;
+    /** Address of the master, 0 to 255; default 85. */
+    monitor?: number;
+    /** Between two set-points, 0.001 to 10 s; default 0.05. */
+    setpointPeriod?: number;
+    /** Transmits nothing and hears everything; default false. */
+    silent?: boolean;
+    /** Reads every parameter in the background when the drive is first heard, and after what changes many of them; default true. */
+    readParameters?: boolean;
+    /** How long an answer may take, 0.001 to 10 s; default 0.1. */
+    timeout?: number;
+}
+
+/** A measurement that was heard. */
+export interface Measurement {
+    readonly name: MeasurementName;
+    readonly unit: string;
+    readonly value: number;
+    /** When, s. */
+    readonly time: number;
+}
+
+/** CRITICAL_FAULT as it was last heard. */
+export interface CriticalFault {
+    readonly faults: FaultName[];
+    /** Extended fault code. */
+    readonly code: number;
+    /** What that means; absent for a code of another firmware. */
+    readonly meaning?: string;
+}
+
+/** BUILD_INFO. */
+export interface BuildInfo {
+    readonly number: number;
+    /** Built from sources that were not committed. */
+    readonly modified: boolean;
+    /** YYYYMMDD. */
+    readonly date: number;
+}
+
+/** DEVICE_INFO. */
+export interface DeviceInfo {
+    /** Release of the board. */
+    readonly hardware: number;
+    /** Release of the firmware, major.minor. */
+    readonly software: string;
+    /** Serial number. */
+    readonly deviceNumber: number;
+    readonly address: number;
+}
+
+/** Words of a download. */
+export interface Chunk {
+    /** Place of the first one in the download, words. */
+    readonly offset: number;
+    /** High byte first. */
+    readonly bytes: Uint8Array;
+}
+
+/** How far a download is, words. */
+export interface Progress {
+    readonly received: number;
+    readonly total: number;
+}
+"#;
+
+const OPTIONS: [&str; 6] = ["slave", "monitor", "setpointPeriod", "silent", "readParameters", "timeout"];
+/// What a MOTOR_CMD can carry.
+const RPM_MAX: f64 = u16::MAX as f64;
+
+/// The other end of a drive's bus: it has no clock and no bus of its own. Times are seconds from any beginning and never run back. Give it every frame that
+/// arrives, and send what `poll` has, at `nextPoll` at the latest. `narx/drive` waits for its answers.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Master {
+    pub(crate) core: Core,
+    /// The last time that it was told, microseconds.
+    now: u64,
+}
+
+#[wasm_bindgen]
+impl Master {
+    /// A master that has heard of nothing yet. Throws where an option cannot be.
+    #[wasm_bindgen(constructor)]
+    pub fn new(
+        #[wasm_bindgen(unchecked_optional_param_type = "MasterOptions")] options: &JsValue,
+    ) -> Result<Master, JsValue> {
+        let options = Options::new("Master", options, &OPTIONS)?;
+        let factory = Config::default();
+        let address = |name, factory| {
+            Ok::<u8, JsValue>(options.whole(name, 0.0, 255.0)?.map_or(factory, |address| address as u8))
+        };
+        let time = |name, factory| match options.number(name)? {
+            Some(seconds) if (0.001..=10.0).contains(&seconds) => Ok(microseconds(seconds)),
+            None => Ok(factory),
+            Some(seconds) => Err(range_error(&format!(
+                "Master: {name} {} s: must be 0.001 to 10 s",
+                shown(&seconds.into())
+            ))),
+        };
+        let Addresses { drive, master } = factory.addresses;
+        let config = Config {
+            addresses: Addresses { drive: address("slave", drive)?, master: address("monitor", master)? },
+            setpoint_period: time("setpointPeriod", factory.setpoint_period)?,
+            timeout: time("timeout", factory.timeout)?,
+            silent: options.flag("silent")?.unwrap_or(factory.silent),
+            read_parameters: options.flag("readParameters")?.unwrap_or(factory.read_parameters),
+            ..factory
+        };
+        Ok(Self { core: Core::new(config), now: 0 })
+    }
+
+    /// Takes a frame that arrived at `now`, s. Only messages of its drive to this master are heard.
+    #[wasm_bindgen(js_name = handleFrame)]
+    pub fn handle_frame(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "Frame")] frame: &JsValue,
+        now: f64,
+    ) -> Result<(), JsValue> {
+        let frame = frame::parse(frame)?;
+        self.tell(now);
+        self.core.handle_frame(&frame, self.now);
+        Ok(())
+    }
+
+    /// The next frame that is due at `now`, s.
+    #[wasm_bindgen(js_name = pollFrame, unchecked_return_type = "Frame | undefined")]
+    pub fn poll_frame(&mut self, now: f64) -> JsValue {
+        self.tell(now);
+        let due = self.core.poll_frame(self.now);
+        due.map_or(JsValue::UNDEFINED, |due| frame::object(&due).into())
+    }
+
+    /// Every frame that is due at `now`, s.
+    #[wasm_bindgen(unchecked_return_type = "Frame[]")]
+    pub fn poll(&mut self, now: f64) -> Array {
+        self.tell(now);
+        let now = self.now;
+        std::iter::from_fn(|| self.core.poll_frame(now)).map(|due| frame::object(&due)).collect()
+    }
+
+    /// When to poll again at the latest if nothing arrives and nothing is asked for until then, s; infinity without a reason.
+    #[wasm_bindgen(js_name = nextPoll)]
+    pub fn next_poll(&mut self, now: f64) -> f64 {
+        self.tell(now);
+        match self.core.next_poll(self.now) {
+            u64::MAX => f64::INFINITY,
+            due => seconds(due),
+        }
+    }
+
+    /// Asks for a speed, mechanical rpm, negative in reverse. A drive takes a start once it has seen Standby: `stop` first.
+    pub fn start(&mut self, rpm: f64) -> Result<(), JsValue> {
+        self.core.start(whole("start", rpm, -RPM_MAX, RPM_MAX)? as i32);
+        Ok(())
+    }
+
+    /// Asks for another speed in the same direction, rpm.
+    #[wasm_bindgen(js_name = setSpeed)]
+    pub fn set_speed(&mut self, rpm: f64) -> Result<(), JsValue> {
+        self.core.set_speed(whole("setSpeed", rpm, 0.0, RPM_MAX)? as u16);
+        Ok(())
+    }
+
+    /// Asks for Standby, which also acknowledges a fault.
+    pub fn stop(&mut self) {
+        self.core.stop();
+    }
+
+    /// Asks for a shutdown: fault bit 28.
+    #[wasm_bindgen(js_name = shutDown)]
+    pub fn shut_down(&mut self) {
+        self.core.shut_down();
+    }
+
+    /// Magnitude of the set-point, rpm.
+    #[wasm_bindgen(getter)]
+    pub fn setpoint(&self) -> u16 {
+        self.core.setpoint()
+    }
+
+    /// From one set-point to the next, s.
+    #[wasm_bindgen(getter, js_name = setpointPeriod)]
+    pub fn setpoint_period(&self) -> f64 {
+        seconds(self.core.config().setpoint_period)
+    }
+
+    /// Transmits nothing.
+    #[wasm_bindgen(getter)]
+    pub fn silent(&self) -> bool {
+        self.core.config().silent
+    }
+
+    /// Whether the drive was heard lately.
+    #[wasm_bindgen(getter)]
+    pub fn connected(&self) -> bool {
+        self.core.is_connected(self.now)
+    }
+
+    /// When anything was last heard of the drive, s.
+    #[wasm_bindgen(getter, js_name = lastHeard)]
+    pub fn last_heard(&self) -> Option<f64> {
+        self.core.report().last.map(seconds)
+    }
+
+    /// State of the drive, 0 to 7; `undefined` while it is not known.
+    #[wasm_bindgen(getter)]
+    pub fn state(&self) -> Option<u8> {
+        self.core.state().map(|state| state as u8)
+    }
+
+    /// Name of the state in the specification.
+    #[wasm_bindgen(getter, js_name = stateName, unchecked_return_type = "StateName | undefined")]
+    pub fn state_name(&self) -> Option<String> {
+        self.core.state().map(|state| state.name().to_owned())
+    }
+
+    /// Names of the set bits of FAULT_WORD; `undefined` before it was heard.
+    #[wasm_bindgen(getter, unchecked_return_type = "FaultName[] | undefined")]
+    pub fn faults(&self) -> JsValue {
+        let heard = self.core.report().faults;
+        heard.map_or(JsValue::UNDEFINED, |heard| faults(heard.value).into())
+    }
+
+    /// CRITICAL_FAULT as it was last heard. Whether it still holds, `faults` says.
+    #[wasm_bindgen(getter, unchecked_return_type = "CriticalFault | undefined")]
+    pub fn critical(&self) -> JsValue {
+        let Some(Heard { value, .. }) = self.core.report().critical else { return JsValue::UNDEFINED };
+        let shaped = Object::new();
+        set(&shaped, "faults", faults(value.faults));
+        set(&shaped, "code", value.code);
+        if let Some(cause) = value.cause() {
+            set(&shaped, "meaning", cause.meaning);
+        }
+        shaped.into()
+    }
+
+    /// STATUS_WORD as it was last heard (Table 8).
+    #[wasm_bindgen(getter, unchecked_return_type = "DriveValues[\"STATUS_WORD\"] | undefined")]
+    pub fn status(&self) -> JsValue {
+        let heard = self.core.report().status;
+        heard.map_or(JsValue::UNDEFINED, |heard| status(StatusWord::encode(heard.value)))
+    }
+
+    /// The set-point that the drive has accepted, rpm.
+    #[wasm_bindgen(getter, js_name = acceptedSpeed)]
+    pub fn accepted_speed(&self) -> Option<u16> {
+        self.core.report().accepted_speed.map(|heard| heard.value)
+    }
+
+    /// BUILD_INFO as it was last heard.
+    #[wasm_bindgen(getter, unchecked_return_type = "BuildInfo | undefined")]
+    pub fn build(&self) -> JsValue {
+        let Some(Heard { value, .. }) = self.core.report().build else { return JsValue::UNDEFINED };
+        let shaped = Object::new();
+        set(&shaped, "number", value.number);
+        set(&shaped, "modified", value.modified);
+        set(&shaped, "date", value.date);
+        shaped.into()
+    }
+
+    /// DEVICE_INFO as it was last heard.
+    #[wasm_bindgen(getter, unchecked_return_type = "DeviceInfo | undefined")]
+    pub fn device(&self) -> JsValue {
+        let Some(Heard { value, .. }) = self.core.report().device else { return JsValue::UNDEFINED };
+        let shaped = Object::new();
+        set(&shaped, "hardware", value.hardware);
+        set(&shaped, "software", format!("{}.{}", value.software >> 8, value.software & 0xFF));
+        set(&shaped, "deviceNumber", value.device_number);
+        set(&shaped, "address", value.address);
+        shaped.into()
+    }
+
+    /// What the drive measures, as far as it was heard, in the order of Figure 14.
+    #[wasm_bindgen(unchecked_return_type = "Measurement[]")]
+    pub fn measurements(&self) -> Array {
+        let known = self.core.measurements().iter();
+        let shape = |(row, heard): (&narx_core::bus::narmotion::Signal, Option<Heard<_>>)| {
+            let Heard { value, at } = heard?;
+            let shaped = Object::new();
+            set(&shaped, "name", row.name);
+            set(&shaped, "unit", unit(row.unit));
+            set(&shaped, "value", float(value));
+            set(&shaped, "time", seconds(at));
+            Some(shaped)
+        };
+        known.filter_map(shape).collect()
+    }
+
+    /// Mechanical speed by what the control mode uses, rpm.
+    #[wasm_bindgen(getter)]
+    pub fn speed(&self) -> Option<i16> {
+        self.core.speed().map(|heard| heard.value)
+    }
+
+    /// Value of a parameter as it was last heard, in its unit; `undefined` before.
+    pub fn parameter(
+        &self,
+        #[wasm_bindgen(unchecked_param_type = "ParameterName | number")] key: &JsValue,
+    ) -> Result<Option<f64>, JsValue> {
+        let row = row(key)?;
+        let heard = self.core.parameters().get(row.number);
+        Ok(heard.map(|heard| engineering::to_unit(row, row.kind.widen(heard.value))))
+    }
+
+    /// Reads every parameter anew in the background.
+    #[wasm_bindgen(js_name = readParameters)]
+    pub fn read_parameters(&mut self) {
+        self.core.read_parameters();
+    }
+
+    /// Parameters that are still to be read in the background.
+    #[wasm_bindgen(getter, js_name = parametersToRead)]
+    pub fn parameters_to_read(&self) -> usize {
+        self.core.parameters_to_read()
+    }
+
+    /// Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first` on. Throws for a silent master, and while
+    /// another one goes on.
+    pub fn download(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "\"description\" | \"scope\" | \"log\"")] what: &JsValue,
+        count: Option<u32>,
+        first: Option<u32>,
+    ) -> Result<(), JsValue> {
+        let count = count.unwrap_or(0);
+        let choices = [
+            ("description", Download::Description),
+            ("scope", Download::Scope { words: count }),
+            ("log", Download::Log { first: first.unwrap_or(0), records: count }),
+        ];
+        let what = choice("download", what, &choices)?;
+        self.core.download(what).map_err(|refused| requests::thrown(requests::REFUSED, &refused))
+    }
+
+    /// Words that have come since the last call. Words may come more than once, each time the same.
+    #[wasm_bindgen(js_name = pollChunks, unchecked_return_type = "Chunk[]")]
+    pub fn poll_chunks(&mut self) -> Array {
+        let shape = |chunk: narx_core::master::Chunk| {
+            let bytes: Vec<u8> = chunk.bytes().collect();
+            let shaped = Object::new();
+            set(&shaped, "offset", chunk.offset);
+            set(&shaped, "bytes", Uint8Array::from(bytes.as_slice()));
+            shaped
+        };
+        std::iter::from_fn(|| self.core.poll_chunk()).map(shape).collect()
+    }
+
+    /// How far the download is; `undefined` before its length is known, and without one.
+    #[wasm_bindgen(getter, js_name = downloadProgress, unchecked_return_type = "Progress | undefined")]
+    pub fn download_progress(&self) -> JsValue {
+        let Some(progress) = self.core.download_progress() else { return JsValue::UNDEFINED };
+        let shaped = Object::new();
+        set(&shaped, "received", progress.received);
+        set(&shaped, "total", progress.total);
+        shaped.into()
+    }
+
+    /// The end of the download, once all its chunks were taken: its length in words. Throws a `MasterError` for one that came to nothing.
+    #[wasm_bindgen(js_name = pollDownload)]
+    pub fn poll_download(&mut self) -> Result<Option<u32>, JsValue> {
+        self.core.poll_download().transpose().map_err(requests::download_error)
+    }
+
+    /// Ends the download.
+    #[wasm_bindgen(js_name = abortDownload)]
+    pub fn abort_download(&mut self) {
+        self.core.abort_download();
+    }
+}
+
+impl Master {
+    /// It is `now`; time never runs back.
+    fn tell(&mut self, now: f64) {
+        self.now = self.now.max(microseconds(now));
+    }
+}
+
+pub(crate) fn microseconds(seconds: f64) -> u64 {
+    (seconds * 1e6).round() as u64
+}
+
+pub(crate) fn seconds(microseconds: u64) -> f64 {
+    microseconds as f64 / 1e6
+}

@@ -1,0 +1,318 @@
+// A drive as its master sees it: on a bench, or on a real bus.
+
+import {
+    measurementSignals,
+    type BuildInfo,
+    type DeviceInfo,
+    type DriveValues,
+    type FaultName,
+    type Frame,
+    type Master,
+    type MasterOptions,
+    type Measurement,
+    type MeasurementName,
+    type Outputs,
+    type Progress,
+    type RequestName,
+    type StateName,
+} from "./core.js";
+import { failure, Link } from "./link.js";
+import { Log } from "./log.js";
+import { Parameters, type ParameterKey } from "./parameters.js";
+import { Scope } from "./scope.js";
+
+export type { Keep, LogName } from "./log.js";
+export type { ParameterKey } from "./parameters.js";
+export type { ScopeSetup, ScopeState, Trigger } from "./scope.js";
+export type { Table } from "./table.js";
+export type { Log, Parameters, Scope };
+
+/** Longest wait for a start, s. */
+const START_MAX = 10;
+/** A command is on the bus and the drive has acted on it within this time, s. */
+const ANSWER = 0.05;
+/** Longest waits for a hall calibration to begin and to end, s. */
+const [CALIBRATION_BEGIN, CALIBRATION_MAX] = [3, 60];
+const [CALIBRATION_REQUEST, CALIBRATION_STATE, CALIBRATION_DONE] = ["Hall calibration request", "Hall calibration state", 2] as const;
+const [INITIALIZATION, STANDBY, ROTOR_LOCK, OPEN_LOOP, SENSORLESS, HALL, FAULT] = [0, 1, 2, 3, 4, 5, 6];
+const REFUSALS = new Map([
+    [1, "no mode is enabled"],
+    [2, "parameters do not fit together"],
+    [4, "it was not asked for Standby before"],
+]);
+
+/** What a drive says of itself. */
+export interface Info {
+    readonly build: BuildInfo;
+    readonly device: DeviceInfo;
+}
+
+/** A drive. It has no clock and no bus of its own: give it every frame that arrives and send what `poll` has, often (`nextPoll`); promises settle on the way. Times are
+ * seconds from any beginning. Set-points are repeated from the beginning, which keeps measurements coming. */
+export class Drive {
+    #link: Link;
+    readonly parameters: Parameters;
+    readonly scope: Scope;
+    readonly log: Log;
+
+    /** Throws where an option cannot be. */
+    constructor(options: MasterOptions = {}) {
+        this.#link = new Link(options);
+        this.parameters = new Parameters(this.#link);
+        this.scope = new Scope(this.#link);
+        this.log = new Log(this.#link);
+    }
+
+    /** The state machine inside. */
+    get master(): Master {
+        return this.#link.master;
+    }
+
+    /** Takes a frame that arrived at `now`, s. Only messages of this drive are heard. */
+    handleFrame(frame: Frame, now: number): void {
+        this.#link.handleFrame(frame, now);
+    }
+
+    /** What is to be sent at `now`, s. */
+    poll(now: number): Frame[] {
+        return this.#link.poll(now);
+    }
+
+    /** When to poll again at the latest, s. What waits looks at every poll, so 10 ms are good where something is waited for. */
+    nextPoll(now: number): number {
+        return this.master.nextPoll(now);
+    }
+
+    /** Asks for a speed, mechanical rpm, negative in reverse, and waits until the motor is in open or closed loop, as the mode has it. Without that a "StartError"
+     * says why not. A drive in Fault does not start: `stop` acknowledges the fault. */
+    async start(rpm: number): Promise<void> {
+        this.#link.start(rpm);
+        const attempt = { asked: undefined as number | undefined, idle: false };
+        const ends = this.#endsInClosedLoop();
+        if (!(await this.#link.wait(() => this.#started(attempt, rpm < 0, ends), START_MAX))) {
+            const known = this.stateName === undefined ? "nothing was heard of the drive" : `the drive is in ${this.stateName}`;
+            throw failure("StartError", `no start within ${START_MAX} s: ${known}`);
+        }
+        await this.#judge(attempt.idle);
+    }
+
+    /** Asks for another speed in the same direction, mechanical rpm. */
+    setSpeed(rpm: number): void {
+        this.master.setSpeed(rpm);
+    }
+
+    /** Asks for Standby, which also acknowledges a fault. */
+    stop(): void {
+        this.#link.stop();
+    }
+
+    /** Asks for a shutdown: the drive goes into Fault with bit 28. */
+    shutDown(): void {
+        this.master.shutDown();
+    }
+
+    /** State, 0 to 7; `undefined` while it is not known. */
+    get state(): number | undefined {
+        return this.master.state;
+    }
+
+    /** Its name in the specification. */
+    get stateName(): StateName | undefined {
+        return this.master.stateName;
+    }
+
+    /** Names of the bits of the fault word that are set. */
+    get faults(): FaultName[] {
+        return this.master.faults ?? [];
+    }
+
+    /** What the extended code of the last critical fault means; `undefined` without a fault. */
+    get fault(): string | undefined {
+        const critical = this.master.critical;
+        if (this.faults.length === 0 || critical === undefined) {
+            return undefined;
+        }
+        return critical.meaning ?? `extended fault code 0x${critical.code.toString(16).padStart(4, "0")}`;
+    }
+
+    /** The fields of STATUS_WORD as they were last heard. */
+    get status(): DriveValues["STATUS_WORD"] | undefined {
+        return this.master.status;
+    }
+
+    /** Whether the drive was heard lately. */
+    get connected(): boolean {
+        return this.master.connected;
+    }
+
+    /** What the drive measures, as far as it was heard. */
+    get measurements(): Measurement[] {
+        return this.master.measurements();
+    }
+
+    /** One of them, in its unit; `undefined` before it was heard. */
+    measurement(name: MeasurementName): number | undefined {
+        const found = this.measurements.find((measurement) => measurement.name === name);
+        if (found === undefined && !measurementSignals().some((signal) => signal.name === name)) {
+            throw new TypeError(`there is no measurement "${name}"`);
+        }
+        return found?.value;
+    }
+
+    /** Mechanical speed by what the control mode uses, rpm. */
+    get speed(): number | undefined {
+        return this.master.speed;
+    }
+
+    /** BUILD_INFO and DEVICE_INFO, asked for now. */
+    async info(): Promise<Info> {
+        await Promise.all([this.#request("build info"), this.#request("device info")]);
+        const { build, device } = this.master;
+        if (build === undefined || device === undefined) {
+            throw failure("NoAnswerError", "the drive does not say what it is");
+        }
+        return { build, device };
+    }
+
+    /** Downloads the drive's description of itself (XML). */
+    async description(progress?: (progress: Progress) => void): Promise<string> {
+        const bytes = await this.#link.download(() => this.master.download("description"), progress);
+        return new TextDecoder().decode(bytes).replace(/\0+$/, "");
+    }
+
+    /** Restarts a stopped drive, and waits until it is in Standby or Fault again: what is not stored is lost. */
+    async reboot(): Promise<void> {
+        await this.#request("reboot");
+        // Its self-tests take half a second.
+        await this.#link.wait(() => this.state === INITIALIZATION, 0.2);
+        if (!(await this.#link.wait(() => this.state === STANDBY || this.state === FAULT, 5))) {
+            throw failure("NoAnswerError", "the drive was not heard within 5 s after its reboot");
+        }
+    }
+
+    /** Sets the digital lines: without a level one is an input. */
+    async setOutputs(outputs: Outputs): Promise<void> {
+        await this.#link.ask(() => this.master.setOutputs(outputs));
+    }
+
+    /** Switches the supply of the hall sensors off, or leaves it to parameter 97. */
+    async setHallSupply(on: boolean): Promise<void> {
+        await this.#request(on ? "enable hall supply" : "disable hall supply");
+    }
+
+    /** The present mechanical position becomes that of parameter 16. */
+    async setPosition(): Promise<void> {
+        await this.#request("set position");
+    }
+
+    /** With the bridge off: the bus current reads 0 and the bus voltage reads parameter 266. */
+    async autoCalibrate(): Promise<void> {
+        await this.#request("auto-calibrate");
+    }
+
+    /** The next start turns the motor one electrical revolution each way to find order, polarity and offset of the hall sensors. With `run` that start is made now, and the
+     * promise waits until the motor stands again, some 5 s; a "StartError" says that nothing was found. `parameters.storeOnce` keeps what was. */
+    async calibrateHall(run = false): Promise<void> {
+        if (run) {
+            await this.#link.wait(() => (this.state ?? INITIALIZATION) !== INITIALIZATION, CALIBRATION_BEGIN);
+        }
+        await this.#request("calibrate hall");
+        if (!run) {
+            return;
+        }
+        // It turns at a speed of its own.
+        this.#link.start(1);
+        const turns = () => this.state === ROTOR_LOCK || this.state === OPEN_LOOP;
+        if (await this.#link.wait(() => turns() || this.state === FAULT, CALIBRATION_BEGIN)) {
+            await this.#link.wait(() => !turns(), CALIBRATION_MAX);
+        }
+        const [state, name, fault] = [this.state, this.stateName, this.fault];
+        const done = (await this.parameters.get(CALIBRATION_STATE as ParameterKey)) === CALIBRATION_DONE;
+        this.#link.stop();
+        // The next start wants the drive to have heard that.
+        await this.wait(2 * this.master.setpointPeriod);
+        if (!done || state !== STANDBY) {
+            await this.parameters.set(CALIBRATION_REQUEST as ParameterKey, 0);
+            const why = fault === undefined ? "" : `: ${fault}`;
+            throw failure("StartError", `the hall calibration found nothing: the drive is in ${name}${why}`);
+        }
+    }
+
+    /** Until so many seconds have passed in the times of `poll`. */
+    async wait(seconds: number): Promise<void> {
+        await this.#link.wait(() => false, seconds);
+    }
+
+    /** Until `done`, at most `timeout` s: whether it was done. */
+    waitFor(done: () => boolean, timeout = 10): Promise<boolean> {
+        return this.#link.wait(done, timeout);
+    }
+
+    async #request(what: RequestName): Promise<void> {
+        await this.#link.ask(() => this.master.request(what));
+    }
+
+    /** In which state a start ends is the modes' business. */
+    #endsInClosedLoop(): () => boolean | undefined {
+        let found: boolean | undefined;
+        const enabled = ["Closed-loop Hall Effect Sensors enable", "Closed-loop Sensorless enable"] as ParameterKey[];
+        const read = async () => {
+            const values = await Promise.all(enabled.map((name) => this.parameters.get(name)));
+            found = values.some((value) => value !== 0);
+        };
+        // A drive that does not answer ends the wait by its time.
+        read().catch(() => undefined);
+        return () => found;
+    }
+
+    #started(attempt: { asked: number | undefined; idle: boolean }, reverse: boolean, ends: () => boolean | undefined): boolean {
+        const state = this.state;
+        if (state === FAULT) {
+            return true;
+        }
+        if (this.#link.startPending || state === undefined) {
+            return false;
+        }
+        const now = this.#link.now;
+        attempt.asked ??= now;
+        if (now < attempt.asked + ANSWER) {
+            return false;
+        }
+        const turns = this.status?.["Motor mode"] === (reverse ? "Reverse" : "Drive");
+        switch (state) {
+            case HALL:
+            case SENSORLESS:
+                return turns;
+            case OPEN_LOOP:
+                return turns && ends() === false;
+            case STANDBY:
+                attempt.idle = now >= attempt.asked + 4 * ANSWER;
+                return attempt.idle;
+            default:
+                return false;
+        }
+    }
+
+    /** Throws for a start that has failed. */
+    async #judge(idle: boolean): Promise<void> {
+        if (this.state === FAULT) {
+            const code = await this.parameters.get("Extended fault code" as ParameterKey);
+            // The code may come later than the state.
+            await this.#link.wait(() => this.fault !== undefined, ANSWER);
+            const why = this.fault ?? `code 0x${code.toString(16).padStart(4, "0")}`;
+            throw failure("StartError", `the drive is in Fault: ${why} (${this.faults.toSorted().join(", ")})`);
+        }
+        if (!idle) {
+            return;
+        }
+        const refusal = await this.parameters.get("Start refusal" as ParameterKey);
+        const rejected = await this.parameters.get("Rejected parameter" as ParameterKey);
+        const row = refusal === 2 ? this.parameters.row(rejected) : undefined;
+        if (row !== undefined) {
+            throw failure("StartError", `the drive refused the start: parameter ${row.number} "${row.name}" does not fit the others`);
+        }
+        const unknown = refusal === 0 ? "it stays in Standby" : `reason ${refusal}`;
+        throw failure("StartError", `the drive refused the start: ${REFUSALS.get(refusal) ?? unknown}`);
+    }
+}
+

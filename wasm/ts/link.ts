@@ -1,0 +1,209 @@
+// A master and its time: what is waited for. Nobody blocks and nothing has a clock: whoever owns a drive gives it frames and times,
+// and promises settle on the way.
+
+import { Master, type Chunk, type Frame, type MasterError, type MasterOptions, type Progress } from "./core.js";
+
+/** An error that its name tells from others: "NoAnswerError", "RefusedError", "ParameterError" or "StartError". */
+export function failure(name: MasterError["name"] | "StartError", message: string): Error {
+    return Object.assign(new Error(message), { name });
+}
+
+interface Question {
+    readonly begin: () => void;
+    readonly resolve: (value: number) => void;
+    readonly reject: (error: unknown) => void;
+}
+
+interface Waiter {
+    readonly done: () => boolean;
+    /** s */
+    readonly until: number;
+    readonly resolve: (done: boolean) => void;
+}
+
+interface Download {
+    readonly begin: () => void;
+    readonly progress: ((progress: Progress) => void) | undefined;
+    readonly chunks: Chunk[];
+    readonly resolve: (bytes: Uint8Array) => void;
+    readonly reject: (error: unknown) => void;
+    told: number;
+}
+
+/** Answers that the master keeps at most. */
+const ANSWERS = 8;
+
+/** A start that waits until the drive takes it: it must have been asked for Standby since it last stopped or booted. */
+class Starter {
+    #rpm: number | undefined;
+    #asked: number | undefined;
+
+    get pending(): boolean {
+        return this.#rpm !== undefined;
+    }
+
+    start(rpm: number): void {
+        [this.#rpm, this.#asked] = [rpm, undefined];
+    }
+
+    cancel(): void {
+        this.#rpm = undefined;
+    }
+
+    poll(master: Master, now: number): void {
+        const state = master.state;
+        if (this.#rpm === undefined || state === undefined) {
+            return;
+        }
+        if (state <= 1) {
+            if (this.#asked === undefined) {
+                master.stop();
+            }
+            if (this.#asked === undefined || state === 0) {
+                this.#asked = now;
+            }
+            if (now < this.#asked + 2 * master.setpointPeriod) {
+                return;
+            }
+        }
+        master.start(this.#rpm);
+        this.#rpm = undefined;
+    }
+}
+
+/** Of one drive. */
+export class Link {
+    readonly master: Master;
+    #now = 0;
+    #starter = new Starter();
+    #waiting: Question[] = [];
+    #asked: Question[] = [];
+    #waiters: Waiter[] = [];
+    #downloads: Download[] = [];
+    #download: Download | undefined;
+
+    constructor(options: MasterOptions) {
+        this.master = new Master(options);
+    }
+
+    /** The last time that it was told, s. */
+    get now(): number {
+        return this.#now;
+    }
+
+    get startPending(): boolean {
+        return this.#starter.pending;
+    }
+
+    handleFrame(frame: Frame, now: number): void {
+        this.#now = Math.max(this.#now, now);
+        this.master.handleFrame(frame, this.#now);
+        this.#settle();
+    }
+
+    poll(now: number): Frame[] {
+        this.#now = Math.max(this.#now, now);
+        this.#starter.poll(this.master, this.#now);
+        this.#ask();
+        const due = this.master.poll(this.#now);
+        this.#settle();
+        return due;
+    }
+
+    start(rpm: number): void {
+        if (!Number.isInteger(rpm) || Math.abs(rpm) > 65535) {
+            throw new RangeError(`start ${rpm}: must be a whole number from -65535 to 65535`);
+        }
+        this.#starter.start(rpm);
+    }
+
+    stop(): void {
+        this.#starter.cancel();
+        this.master.stop();
+    }
+
+    /** Makes a request of the master, and waits for its answer. What `begin` throws is the answer, too. */
+    ask(begin: () => void): Promise<number> {
+        return new Promise((resolve, reject) => this.#waiting.push({ begin, resolve, reject }));
+    }
+
+    /** Until `done`, at most `seconds`: whether it was done. */
+    wait(done: () => boolean, seconds: number): Promise<boolean> {
+        return new Promise((resolve) => this.#waiters.push({ done, until: this.#now + seconds, resolve }));
+    }
+
+    /** The bytes of a download, one after another. */
+    download(begin: () => void, progress?: (progress: Progress) => void): Promise<Uint8Array> {
+        return new Promise((resolve, reject) =>
+            this.#downloads.push({ begin, progress, chunks: [], resolve, reject, told: -1 }),
+        );
+    }
+
+    #ask(): void {
+        while (this.#asked.length < ANSWERS && this.#waiting.length > 0) {
+            const question = this.#waiting.shift()!;
+            try {
+                question.begin();
+                this.#asked.push(question);
+            } catch (error) {
+                question.reject(error);
+            }
+        }
+        if (this.#download === undefined && this.#downloads.length > 0) {
+            const download = this.#downloads.shift()!;
+            try {
+                download.begin();
+                this.#download = download;
+            } catch (error) {
+                download.reject(error);
+            }
+        }
+    }
+
+    #settle(): void {
+        for (let answer = this.master.pollAnswer(); answer !== undefined; answer = this.master.pollAnswer()) {
+            const question = this.#asked.shift();
+            if (answer.error !== undefined) {
+                question?.reject(answer.error);
+            } else {
+                question?.resolve(answer.value);
+            }
+        }
+        this.#receive();
+        for (const waiter of this.#waiters.filter(({ done, until }) => done() || this.#now >= until)) {
+            this.#waiters.splice(this.#waiters.indexOf(waiter), 1);
+            waiter.resolve(waiter.done());
+        }
+    }
+
+    #receive(): void {
+        const download = this.#download;
+        if (download === undefined) {
+            return;
+        }
+        const progress = this.master.downloadProgress;
+        download.chunks.push(...this.master.pollChunks());
+        if (progress !== undefined && progress.received !== download.told) {
+            download.told = progress.received;
+            download.progress?.(progress);
+        }
+        try {
+            const words = this.master.pollDownload();
+            if (words !== undefined) {
+                this.#download = undefined;
+                download.resolve(joined(download.chunks, words));
+            }
+        } catch (error) {
+            this.#download = undefined;
+            download.reject(error);
+        }
+    }
+}
+
+function joined(chunks: Chunk[], words: number): Uint8Array {
+    const bytes = new Uint8Array(2 * words);
+    for (const chunk of chunks) {
+        bytes.set(chunk.bytes, 2 * chunk.offset);
+    }
+    return bytes;
+}

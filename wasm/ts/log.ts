@@ -1,0 +1,163 @@
+// The external log memory of a drive: records of chosen values, written periodically.
+
+import {
+    logRecords,
+    measurementSignals,
+    parameters,
+    type LogRecord,
+    type MeasurementName,
+    type ParameterName,
+    type Progress,
+} from "./core.js";
+import { failure, type Link } from "./link.js";
+import { Parameters } from "./parameters.js";
+import type { Table } from "./table.js";
+
+const [SLOT_FIRST, SLOT_LAST, NOTHING] = [29, 65, 0xffff];
+const [RECORD_BYTES, INDEX_MAX, WRITE_INDEX, PERIOD, FULL] = [69, 70, 71, 72, 77];
+const SIGNAL_FIRST = 0x2000;
+
+/** Which value of a slot is kept: that of the moment, or one since the record before. */
+export type Keep = "live" | "min" | "max" | "mean";
+const KEEP: readonly Keep[] = ["live", "min", "max", "mean"];
+
+/** What a slot can name. */
+export type LogName = MeasurementName | ParameterName;
+
+interface What {
+    readonly number: number;
+    readonly unit: string;
+    readonly scale: number;
+}
+
+/** What a slot can name: number there, unit, and what the raw value is worth. A parameter that is a signal, too, is the same value under another number. */
+function what(): Map<string, What> {
+    const rows = parameters().map(({ name, number, unit, scale }) => [name, { number, unit, scale }] as const);
+    const signals = measurementSignals().map(
+        ({ name, opcode, word, unit, scale }) => [name, { number: SIGNAL_FIRST + 4 * opcode + word, unit, scale }] as const,
+    );
+    return new Map<string, What>([...rows, ...signals]);
+}
+
+/** The name of every number, those of parameters that are signals, too, among them. */
+function names(): Map<number, string> {
+    const known = [...what()].map(([name, { number }]) => [number, name] as const);
+    return new Map([...parameters().map(({ number, name }) => [number, name] as const), ...known]);
+}
+
+/** Sets up, reads and erases the log. */
+export class Log {
+    #link: Link;
+    #parameters: Parameters;
+
+    constructor(link: Link) {
+        this.#link = link;
+        this.#parameters = new Parameters(link);
+    }
+
+    /** Records in the memory. */
+    length(): Promise<number> {
+        return this.#parameters.get(WRITE_INDEX);
+    }
+
+    /** Records that the memory holds; 0 without one. */
+    capacity(): Promise<number> {
+        return this.#parameters.get(INDEX_MAX);
+    }
+
+    /** Whether the memory is full: nothing is written then until it is erased. */
+    async full(): Promise<boolean> {
+        return (await this.#parameters.get(FULL)) !== 0;
+    }
+
+    /** The logging state (Table 8) as it was last heard. */
+    get state(): string {
+        return String(this.#link.master.status?.["Logging state"] ?? "unknown");
+    }
+
+    /** What is logged. */
+    async slots(): Promise<Partial<Record<LogName, Keep>>> {
+        const known = names();
+        const found: Record<string, Keep> = {};
+        for (let number = SLOT_FIRST; number <= SLOT_LAST; number++) {
+            const slot = await this.#parameters.get(number);
+            if ((slot & 0xffff) !== NOTHING) {
+                found[known.get(slot & 0xffff) ?? `parameter ${slot & 0xffff}`] = KEEP[(slot >> 16) & 3]!;
+            }
+        }
+        return found;
+    }
+
+    /** Chooses what is logged (up to 37 values), and every how many seconds, 0.001 to 3600. `parameters.store` keeps it. */
+    async configure(values: readonly LogName[] | Partial<Record<LogName, Keep>>, period: number): Promise<void> {
+        const chosen = Array.isArray(values) ? values.map((name) => [name, "live"] as const) : Object.entries(values);
+        const known = what();
+        const slots = chosen.map(([name, keep]) => {
+            const found = [...known].find(([other]) => other.toLowerCase() === name.toLowerCase())?.[1];
+            if (found === undefined) {
+                throw new TypeError(`there is no parameter or measurement "${name}"`);
+            }
+            const kind = KEEP.indexOf(keep as Keep);
+            if (kind < 0) {
+                throw new TypeError(`kept value "${keep}": must be one of ${KEEP.join(", ")}`);
+            }
+            return found.number + kind * 0x10000;
+        });
+        const count = SLOT_LAST + 1 - SLOT_FIRST;
+        if (slots.length > count) {
+            throw new RangeError(`values: ${slots.length} are too many, the log has ${count} slots`);
+        }
+        await this.#parameters.set(PERIOD, period * 1000);
+        for (let at = 0; at < count; at++) {
+            await this.#parameters.set(SLOT_FIRST + at, slots[at] ?? NOTHING);
+        }
+    }
+
+    /** Records from index `first` on, to the last one or `count` of them: `time` in s since power-up, `index`, and the values. NaN stands for a value that a record
+     * does not have; a record that the drive cannot read any more is left out. */
+    async download(first = 0, count?: number, progress?: (progress: Progress) => void): Promise<Table> {
+        const length = await this.length();
+        const records = count ?? Math.max(length - first, 0);
+        if (!(first >= 0 && records >= 0 && first + records <= length)) {
+            throw new RangeError(`records ${first} to ${first + records}: the log has ${length}`);
+        }
+        if (records === 0) {
+            return table([]);
+        }
+        const size = await this.#parameters.get(RECORD_BYTES);
+        const bytes = await this.#link.download(() => this.#link.master.download("log", records, first), progress);
+        return table(logRecords(bytes, size));
+    }
+
+    /** Erases every record; refused while driving. With `wait`, until that is done: minutes for a full memory. */
+    async erase(wait = true): Promise<void> {
+        await this.#link.ask(() => this.#link.master.request("erase log"));
+        for (let idle = 0; wait && idle < 2; ) {
+            await this.#link.wait(() => false, 0.1);
+            const erasing = this.state === "LOG_ERASE_ONGOING" || this.state === "LOG_ERASE_END";
+            idle = erasing || ((await this.length()) > 0 && (await this.full())) ? 0 : idle + 1;
+            if (!this.#link.master.connected) {
+                throw failure("NoAnswerError", "the drive was lost while it erases its log");
+            }
+        }
+    }
+}
+
+function table(records: LogRecord[]): Table {
+    const known = names();
+    const worth = what();
+    const columns: Record<string, Float64Array> = { index: Float64Array.from(records, ({ index }) => index) };
+    const units: Record<string, string> = { index: "" };
+    records.forEach(({ values }, row) => {
+        for (const [slot, raw] of values) {
+            const name = known.get(slot & 0x3fff) ?? `parameter ${slot & 0x3fff}`;
+            const keep = KEEP[slot >> 14]!;
+            const { unit, scale } = worth.get(name) ?? { unit: "", scale: 1 };
+            const label = keep === "live" ? name : `${name} ${keep}`;
+            const column = (columns[label] ??= new Float64Array(records.length).fill(NaN));
+            units[label] ??= unit;
+            column[row] = raw * scale;
+        }
+    });
+    return { time: Float64Array.from(records, ({ time }) => time), columns, units };
+}

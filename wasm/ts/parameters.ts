@@ -1,0 +1,111 @@
+// The parameters of a drive.
+
+import { parameters, type Parameter, type ParameterName } from "./core.js";
+import type { Link } from "./link.js";
+
+/** A parameter by its name (case does not matter) or number. */
+export type ParameterKey = ParameterName | number;
+
+const DEVICE_NUMBER = 1;
+
+/** Reads and writes; values are in the parameters' units. Every call that asks the drive rejects with a `MasterError`, or a `RangeError` that names parameter,
+ * value and range. */
+export class Parameters {
+    #link: Link;
+    #rows: Parameter[] | undefined;
+
+    constructor(link: Link) {
+        this.#link = link;
+    }
+
+    /** What they are, in the order of the numbers. */
+    get rows(): readonly Parameter[] {
+        return (this.#rows ??= parameters());
+    }
+
+    /** What one is; `undefined` if there is no such parameter. */
+    row(key: ParameterKey): Parameter | undefined {
+        const folded = String(key).toLowerCase();
+        return this.rows.find(({ number, name }) => number === key || name.toLowerCase() === folded);
+    }
+
+    /** Those whose name, category or description has the text; case does not matter. */
+    find(text: string): Parameter[] {
+        const folded = text.toLowerCase();
+        return this.rows.filter(({ name, category, description }) =>
+            `${name} ${category} ${description}`.toLowerCase().includes(folded),
+        );
+    }
+
+    /** The value as it was last heard; `undefined` before. Asks nothing. */
+    known(key: ParameterKey): number | undefined {
+        return this.#link.master.parameter(key);
+    }
+
+    /** The value now. */
+    get(key: ParameterKey): Promise<number> {
+        return this.#link.ask(() => this.#link.master.read(key));
+    }
+
+    /** Writes a value, to the nearest step of its scale, and returns what the drive has now. */
+    set(key: ParameterKey, value: number): Promise<number> {
+        return this.#link.ask(() => this.#link.master.write(key, value));
+    }
+
+    /** Every parameter that can be written and is no command, by name: what `load` takes. */
+    async toObject(): Promise<Partial<Record<ParameterName, number>>> {
+        const rows = this.rows.filter(({ access, command }) => access !== "read-only" && !command);
+        const values = await Promise.all(rows.map(({ number }) => this.get(number)));
+        return Object.fromEntries(rows.map(({ name }, at) => [name, values[at]]));
+    }
+
+    /** Writes the values that differ from the drive's: the names of those. Every name and value is checked before the first is written; the device number
+     * is left as it is. */
+    async load(values: Partial<Record<ParameterName, number>>): Promise<ParameterName[]> {
+        const wanted = Object.entries(values).map(([name, value]) => {
+            const row = this.row(name as ParameterName);
+            if (row === undefined) {
+                throw new TypeError(`there is no parameter "${name}"`);
+            }
+            if (row.access === "read-only") {
+                throw new TypeError(`parameter ${row.number} "${row.name}": read-only`);
+            }
+            if (!(value >= row.min && value <= row.max)) {
+                throw new RangeError(
+                    `parameter ${row.number} "${row.name}": ${value} ${row.unit} is outside ${row.min} to ${row.max} ${row.unit}`,
+                );
+            }
+            return { row, value };
+        });
+        const changed: ParameterName[] = [];
+        for (const { row, value } of wanted) {
+            const differs = Math.abs((await this.get(row.number)) - value) > row.scale / 2;
+            if (differs && row.number !== DEVICE_NUMBER) {
+                await this.set(row.number, value);
+                changed.push(row.name);
+            }
+        }
+        return changed;
+    }
+
+    /** Stores every parameter but the device number and the calibration in the drive's memory. */
+    async store(): Promise<void> {
+        await this.#link.ask(() => this.#link.master.request("store"));
+    }
+
+    /** Stores the device number and the calibration (category 02). */
+    async storeOnce(): Promise<void> {
+        await this.#link.ask(() => this.#link.master.request("store once"));
+    }
+
+    /** Sets the calibration (category 02) to its factory values. */
+    async resetCalibration(): Promise<void> {
+        await this.#link.ask(() => this.#link.master.request("reset calibration"));
+    }
+
+    /** Sets and stores factory values for everything but what is the board's own. */
+    async restoreFactory(): Promise<void> {
+        const serial = await this.get(DEVICE_NUMBER);
+        await this.#link.ask(() => this.#link.master.restoreFactory(serial));
+    }
+}

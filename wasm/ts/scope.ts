@@ -1,0 +1,209 @@
+// The virtual scope of a drive: it records signals of the control tick, tick by tick.
+
+import {
+    scopeRecording,
+    scopeSignals,
+    type Progress,
+    type ScopeRecording,
+    type ScopeSignal,
+    type ScopeSignalName,
+} from "./core.js";
+import { failure, type Link } from "./link.js";
+import { Parameters } from "./parameters.js";
+import type { Table } from "./table.js";
+
+const [CHANNELS, SAMPLES, PRESCALER, SAMPLING_TIME, BEFORE] = [22, 23, 24, 25, 26];
+const [STATE, TRIGGER, TRIGGER_SIGNAL, TRIGGER_LEVEL, INPUTS, WORDS] = [260, 290, 291, 292, 300, 301];
+
+/** What the scope does (parameter 260). */
+export type ScopeState = "idle" | "armed" | "recording" | "done";
+const STATES: readonly ScopeState[] = ["idle", "armed", "recording", "done"];
+
+/** What begins a record (parameters 290 to 292). An armed scope can be forced, too, whatever it waits for. */
+export type Trigger =
+    | { readonly kind: "forced" | "state change" | "fault" }
+    | {
+          readonly kind: "above" | "below" | "rising" | "falling";
+          readonly signal: ScopeSignalName;
+          /** In the signal's unit. */
+          readonly value: number;
+      };
+const KINDS: readonly Trigger["kind"][] = ["forced", "above", "below", "rising", "falling", "state change", "fault"];
+
+/** How the scope is set up. */
+export interface ScopeSetup {
+    /** Samples of each signal, as far as the memory has room; default 256. Of inputs: control ticks; default 400. */
+    samples?: number;
+    /** Control ticks from one sample to the next; default 1. */
+    prescaler?: number;
+    /** Default: nothing but `force`. */
+    trigger?: Trigger;
+    /** Samples from before the trigger, fewer than `samples`; default 0. */
+    before?: number;
+}
+
+/** Arms, forces and reads the scope. A record survives faults and further starts until the scope is armed again. */
+export class Scope {
+    #link: Link;
+    #parameters: Parameters;
+
+    constructor(link: Link) {
+        this.#link = link;
+        this.#parameters = new Parameters(link);
+    }
+
+    /** What can be recorded. */
+    get signals(): readonly ScopeSignal[] {
+        return scopeSignals();
+    }
+
+    /** What it does now. */
+    async state(): Promise<ScopeState> {
+        return STATES[await this.#parameters.get(STATE)] ?? "idle";
+    }
+
+    /** Sets it up and arms it. Rejects with a "RefusedError" while it is armed or recording. */
+    async arm(signals: readonly ScopeSignalName[], setup: ScopeSetup = {}): Promise<void> {
+        const known = scopeSignals();
+        const bits = signals.map((name) => bit(known, name));
+        if (bits.length === 0) {
+            throw new TypeError("signals: must name at least one");
+        }
+        const channels = bits.reduce((sum, bit) => sum + 2 ** bit, 0);
+        await this.#setUp(setup, 256, [[CHANNELS, channels]]);
+    }
+
+    /** Sets it up to record the inputs of every control tick, and arms it: what `downloadRecording` makes a recording of. 34 to 68 ms have room. */
+    async armInputs(setup: Omit<ScopeSetup, "prescaler"> = {}): Promise<void> {
+        await this.#setUp(setup, 400, [[INPUTS, 1]]);
+    }
+
+    async #setUp(setup: ScopeSetup, samples: number, what: [number, number][]): Promise<void> {
+        const state = await this.state();
+        if (state === "armed" || state === "recording") {
+            throw failure("RefusedError", `the scope is ${state}: force it, or wait until it is done`);
+        }
+        const trigger = setup.trigger ?? { kind: "forced" };
+        const kind = KINDS.indexOf(trigger.kind);
+        if (kind < 0) {
+            throw new TypeError(`trigger "${trigger.kind}": must be one of ${KINDS.join(", ")}`);
+        }
+        const writes: [number, number][] = [
+            [INPUTS, 0],
+            [SAMPLES, setup.samples ?? samples],
+            [PRESCALER, setup.prescaler ?? 1],
+            [BEFORE, setup.before ?? 0],
+            ...what,
+        ];
+        if ("signal" in trigger) {
+            const known = scopeSignals();
+            const at = bit(known, trigger.signal);
+            writes.push([TRIGGER_SIGNAL, at], [TRIGGER_LEVEL, trigger.value / known[at]!.base]);
+        }
+        writes.push([TRIGGER, kind]);
+        for (const [number, value] of writes) {
+            await this.#parameters.set(number, value);
+        }
+        await this.#press();
+    }
+
+    /** Triggers the armed scope now. Rejects with a "RefusedError" if it is not armed. */
+    async force(): Promise<void> {
+        const state = await this.state();
+        if (state !== "armed") {
+            throw failure("RefusedError", `the scope is ${state}: only an armed one can be forced`);
+        }
+        await this.#press();
+    }
+
+    /** Until the record is complete, at most `timeout` s. */
+    async wait(timeout = 10): Promise<void> {
+        const end = this.#link.now + timeout;
+        for (let state = await this.state(); state !== "done"; state = await this.state()) {
+            if (this.#link.now >= end) {
+                throw failure("NoAnswerError", `the scope is ${state} after ${timeout} s: its trigger did not come`);
+            }
+            await this.#link.wait(() => false, 0.01);
+        }
+    }
+
+    /** The record: a row per sample, `time` in s from the trigger. Rejects with a "RefusedError" while there is none. */
+    async download(progress?: (progress: Progress) => void): Promise<Table<ScopeSignalName>> {
+        await this.#expectRecord(false);
+        const channels = await this.#parameters.get(CHANNELS);
+        const chosen = scopeSignals().filter((_, bit) => Math.floor(channels / 2 ** bit) % 2 === 1);
+        const step = await this.#parameters.get(SAMPLING_TIME);
+        const before = await this.#parameters.get(BEFORE);
+        const bytes = await this.#read(progress);
+        const samples = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+        const rows = Math.floor(bytes.length / 2 / chosen.length);
+        const column = ({ base }: ScopeSignal, at: number) =>
+            Float64Array.from({ length: rows }, (_, row) => (samples.getInt16(2 * (row * chosen.length + at)) / 4096) * base);
+        return {
+            time: Float64Array.from({ length: rows }, (_, row) => (row - Math.min(before, rows)) * step),
+            columns: Object.fromEntries(chosen.map((signal, at) => [signal.name, column(signal, at)])),
+            units: Object.fromEntries(chosen.map(({ name, unit }) => [name, unit])),
+        };
+    }
+
+    /** The record of inputs, as a recording that `replay` runs again bit for bit. */
+    async downloadRecording(progress?: (progress: Progress) => void): Promise<ScopeRecording> {
+        await this.#expectRecord(true);
+        return scopeRecording(await this.#read(progress), "recorded by the scope");
+    }
+
+    /** Arms it, waits for the trigger at most `timeout` s (without one it is forced) and downloads the record. */
+    async capture(
+        signals: readonly ScopeSignalName[],
+        setup: ScopeSetup = {},
+        timeout = 10,
+    ): Promise<Table<ScopeSignalName>> {
+        await this.arm(signals, setup);
+        await this.#await(setup, timeout);
+        return this.download();
+    }
+
+    /** Records inputs, waits as `capture` does and downloads the recording. */
+    async record(setup: Omit<ScopeSetup, "prescaler"> = {}, timeout = 10): Promise<ScopeRecording> {
+        await this.armInputs(setup);
+        await this.#await(setup, timeout);
+        return this.downloadRecording();
+    }
+
+    async #await({ trigger, before }: ScopeSetup, timeout: number): Promise<void> {
+        if (trigger === undefined) {
+            // What goes before the trigger has to be there first.
+            await this.#link.wait(() => false, (before ?? 0) * (await this.#parameters.get(SAMPLING_TIME)));
+            await this.force();
+        }
+        await this.wait(timeout);
+    }
+
+    async #read(progress?: (progress: Progress) => void): Promise<Uint8Array> {
+        const words = await this.#parameters.get(WORDS);
+        return this.#link.download(() => this.#link.master.download("scope", words), progress);
+    }
+
+    async #expectRecord(inputs: boolean): Promise<void> {
+        const state = await this.state();
+        if (state !== "done") {
+            throw failure("RefusedError", `the scope is ${state}: it has no record`);
+        }
+        if (Boolean(await this.#parameters.get(INPUTS)) !== inputs) {
+            const [kind, call] = inputs ? ["signals", "download"] : ["inputs", "downloadRecording"];
+            throw failure("RefusedError", `the scope has recorded ${kind}: ${call}() reads it`);
+        }
+    }
+
+    async #press(): Promise<void> {
+        await this.#link.ask(() => this.#link.master.request("trigger scope"));
+    }
+}
+
+function bit(known: readonly ScopeSignal[], name: ScopeSignalName): number {
+    const at = known.findIndex((signal) => signal.name.toLowerCase() === name.toLowerCase());
+    if (at < 0) {
+        throw new TypeError(`there is no scope signal "${name}"`);
+    }
+    return at;
+}
