@@ -3,11 +3,16 @@
 import { History, type Entered } from "./history";
 import { KEPT, type Action, type Answer, type Heard, type Request, type Row, type Setup } from "./messages";
 
+/** From one figure to the next, ms. */
+const READING = 200;
+
 const NOTHING = Object.fromEntries(KEPT.map((name) => [name, 0])) as Row;
 
 export class Simulation {
     /** The tick in view. */
     row = $state.raw<Row>(NOTHING);
+    /** The same for figures that are read: while time runs, a few a second. */
+    reading = $state.raw<Row>(NOTHING);
     /** The states that led to it, oldest first. */
     entered = $state.raw<Entered[]>([]);
     /** Rises with every new picture. */
@@ -40,6 +45,7 @@ export class Simulation {
     #busy = false;
     #changed = false;
     #frame = 0;
+    #read = 0;
     #hidden = () => this.#tellPace();
 
     constructor(setup: Setup, pace: number, playing: boolean) {
@@ -167,7 +173,16 @@ export class Simulation {
             this.#changed = false;
             this.length = this.history.length;
             this.row = this.history.row(this.age);
-            this.entered = this.history.entered(this.age);
+            const entered = this.history.entered(this.age);
+            // The same array as long as nothing has changed: what depends on it is not drawn anew then.
+            if (entered.length !== this.entered.length || entered.at(-1)?.time !== this.entered.at(-1)?.time) {
+                this.entered = entered;
+            }
+            const now = performance.now();
+            if (!this.playing || now - this.#read > READING || this.row.state !== this.reading.state) {
+                this.#read = now;
+                this.reading = this.row;
+            }
             this.shown += 1;
         }
         this.#frame = requestAnimationFrame(() => this.#draw());
