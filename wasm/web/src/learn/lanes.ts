@@ -56,19 +56,20 @@ export const SPEED: Lane = {
 /** A zero crossing has just been accepted. */
 const accepted = (read: Read) => read("crossing") === 1 && read("crossing_margin") !== read("crossing_margin", 1);
 
-/** The floating phase's terminal alone, against half of the bus, with the crossings that the drive has accepted. */
+/** The floating phase's terminal alone, from half of the bus, with the crossings that the drive has accepted. */
 export const FLOATING: Lane = {
-    title: "Floating end",
+    title: "Floating",
     unit: "V",
     height: 150,
+    least: 1,
     series: [
         ...NAMES.map((name, phase) => ({
             label: name.toUpperCase(),
-            value: (read: Read) => (floating(read("step")) === phase ? read(`voltage_${name}`) : Number.NaN),
+            value: (read: Read) => (floating(read("step")) === phase ? read(`voltage_${name}`) - read("bus_voltage") / 2 : Number.NaN),
             colour: `--phase-${name}`,
         })),
-        { label: "half of the bus", value: (read: Read) => read("bus_voltage") / 2, colour: "--quiet", dash: [6, 4] },
-        { label: "crossing accepted", value: (read: Read) => (accepted(read) ? read("bus_voltage") / 2 : Number.NaN), colour: "--field", points: true },
+        { label: "half of the bus", value: () => 0, colour: "--quiet", dash: [6, 4] },
+        { label: "crossing accepted", value: (read: Read) => (accepted(read) ? 0 : Number.NaN), colour: "--field", points: true },
     ],
 };
 

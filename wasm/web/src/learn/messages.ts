@@ -48,6 +48,6 @@ export type Request = { kind: "open"; setup: Setup } | { kind: "pace"; pace: num
 export type Answer =
     | { kind: "ready" }
     | { kind: "opened"; speedMin: number; speedMax: number; notes: string[] }
-    /** `acted`: these are the consequences of actions, else of time. */
-    | { kind: "ran"; rows: Rows; frames: Heard[]; acted: boolean; fault?: string }
+    /** `acted`: when the actions began whose consequences these are, s; else they are of time alone. */
+    | { kind: "ran"; rows: Rows; frames: Heard[]; acted?: number; fault?: string }
     | { kind: "refused"; reason: string };

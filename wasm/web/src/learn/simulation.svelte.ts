@@ -35,6 +35,8 @@ export class Simulation {
     readonly history = new History();
     /** A control tick, s. */
     readonly tick = 1e-4;
+    /** Hears when actions have begun, s. */
+    handleActed: (time: number) => void = () => {};
     /** Hears every frame of the bus, where the bench keeps them; `acted`: what the last actions have brought forth. */
     handleFrames: (frames: Heard[], acted: boolean) => void = () => {};
 
@@ -154,13 +156,17 @@ export class Simulation {
     }
 
     #ran({ rows, frames, acted, fault }: Answer & { kind: "ran" }): void {
-        this.#busy &&= !acted;
+        const done = acted !== undefined;
+        this.#busy &&= !done;
         this.history.append(rows);
         if (frames.length > 0) {
-            this.handleFrames(frames, acted);
+            this.handleFrames(frames, done);
         }
         this.fault = fault;
-        this.open ||= acted;
+        this.open ||= done;
+        if (done) {
+            this.handleActed(acted);
+        }
         this.#changed = true;
         if (this.age > 0) {
             // Whoever looks back keeps looking at the same tick.

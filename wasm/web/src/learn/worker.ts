@@ -23,7 +23,7 @@ function answer(message: Answer, transfer: Transferable[] = []): void {
     postMessage(message, { transfer });
 }
 
-function tell(rows: Rows, acted = false): void {
+function tell(rows: Rows, acted?: number): void {
     const fault = bench?.state === 6 ? bench.fault?.meaning : undefined;
     const frames = (bench?.takeFrames() ?? []).map(read);
     answer({ kind: "ran", rows, frames, acted, fault }, rows.map((column) => column.buffer));
@@ -56,6 +56,7 @@ function joined(parts: Rows[]): Rows {
 function act(bench: Bench, actions: Action[]): void {
     // What was on the bus before is not of these actions.
     tell(joined([]));
+    const began = bench.time;
     const parts: Rows[] = [];
     for (const action of actions) {
         switch (action.kind) {
@@ -93,7 +94,7 @@ function act(bench: Bench, actions: Action[]): void {
                 break;
         }
     }
-    tell(joined(parts), true);
+    tell(joined(parts), began);
 }
 
 function open({ motor, options, before }: Setup): void {
