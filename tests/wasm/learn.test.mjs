@@ -11,6 +11,9 @@ before(async () => {
 });
 after(() => browser?.close());
 
+/** Nothing moves before it is asked to, which leaves the computer to the physics. */
+const STILL = { reducedMotion: "reduce" };
+
 /** A chapter whose simulation has opened. */
 async function open(chapter, options = {}) {
     const { page, complaints } = await browser.open(options, `#/learn/${chapter}`);
@@ -41,6 +44,15 @@ test("six steps: the rotor is turned by keys, swings to the step's place, and ru
     await rotor.press("PageUp");
     assert.equal(await reading(page, "angle"), 120);
     assert.equal(await reading(page, "torque"), 50, "half way from the flat top to the place of rest");
+    // By hand: a quarter turn from the right to the top.
+    const { x, y, width, height } = await rotor.boundingBox();
+    const [middle, centre, radius] = [x + width / 2, y + height / 2, 0.35 * width];
+    await page.mouse.move(middle + radius, centre);
+    await page.mouse.down();
+    await page.mouse.move(middle + 0.7 * radius, centre - 0.7 * radius);
+    await page.mouse.move(middle, centre - radius);
+    assert.equal(await reading(page, "angle"), 210);
+    await page.mouse.up();
     for (const [step, rest] of [["AB", 150], ["AC", 210], ["BC", 270], ["BA", 330]]) {
         await page.getByRole("button", { name: step, exact: true }).click();
         await reaches(page, "angle", rest - 1, rest + 1);
@@ -79,7 +91,7 @@ test("back-EMF: it grows with the speed of the hand, and the drive accepts a cro
 });
 
 test("open loop: too fast a ramp loses the step without a fault, a slower one or a lighter rotor does not", async () => {
-    const { page, complaints } = await open("open-loop");
+    const { page, complaints } = await open("open-loop", STILL);
     const verdict = (text) => page.locator('[data-reading="verdict"]').getByText(text).waitFor();
     await verdict("follows");
     await reaches(page, "field", 990, 1010);
@@ -96,7 +108,7 @@ test("open loop: too fast a ramp loses the step without a fault, a slower one or
 });
 
 test("sensorless start: from state to state, a tick on, a tick back", async () => {
-    const { page, complaints } = await open("sensorless-start", { reducedMotion: "reduce" });
+    const { page, complaints } = await open("sensorless-start", STILL);
     const next = page.getByRole("button", { name: "To the next state" });
     for (const state of ["2 Rotor lock", "3 Open-loop", "4 Sensorless"]) {
         await next.click();
@@ -113,11 +125,15 @@ test("sensorless start: from state to state, a tick on, a tick back", async () =
     await page.locator('[data-reading="state"]').getByText("3 Open-loop").waitFor();
     assert.equal((await time()).toFixed(1), (handedOver - 0.2).toFixed(1));
     assert.equal(await page.locator('[data-reading="crossing"]').textContent(), "accepted");
+    // 0.4 s before, in the lock.
+    await slide(page, "Look back", -4000);
+    await page.locator('[data-reading="state"]').getByText("2 Rotor lock").waitFor();
+    assert.match(await page.locator('[data-reading="step"]').textContent(), /^lock /);
     assert.deepEqual(complaints, []);
 });
 
 test("demagnetisation: current and inductance hold the terminal at the rail until crossings come late", async () => {
-    const { page, complaints } = await open("demagnetisation");
+    const { page, complaints } = await open("demagnetisation", STILL);
     await reaches(page, "clamped", 0, 1);
     await reaches(page, "late", 0, 0);
     await slide(page, /Load/, 180);
@@ -129,7 +145,7 @@ test("demagnetisation: current and inductance hold the terminal at the rail unti
 });
 
 test("hall sensors: misaligned ones cost current, and the calibration finds by how much", async () => {
-    const { page, complaints } = await open("hall-sensors");
+    const { page, complaints } = await open("hall-sensors", STILL);
     await reaches(page, "peak", 2.5, 3.5);
     const aligned = await reading(page, "rms");
     await slide(page, /Sensors/, 40);
@@ -144,7 +160,7 @@ test("hall sensors: misaligned ones cost current, and the calibration finds by h
 });
 
 test("speed loop: less integral gain is slower, too much swings, and a limit of the current takes over", async () => {
-    const { page, complaints } = await open("speed-loop");
+    const { page, complaints } = await open("speed-loop", STILL);
     await reaches(page, "back", 50, 150);
     assert.ok((await reading(page, "overshoot")) < 40);
     assert.equal(await reading(page, "limiter"), "speed loop");
@@ -204,7 +220,7 @@ test("faults: the diagram is Table 7, lights the way to the fault, and lets nobo
 });
 
 test("frames: a click shows what it sends and what the drive says to it", async () => {
-    const { page, complaints } = await open("frames");
+    const { page, complaints } = await open("frames", STILL);
     const row = (name) => page.getByRole("row").filter({ has: page.getByRole("button", { name, exact: true }) }).first();
     const field = (name) => page.locator(`[data-field="${name}"]`).textContent();
     await page.getByRole("button", { name: "Drive, 9000 rpm" }).click();
@@ -221,7 +237,7 @@ test("frames: a click shows what it sends and what the drive says to it", async 
 });
 
 test("all chapters say what they are about, lead from one to the next, and end", async () => {
-    const { page } = await browser.open({}, "#/learn");
+    const { page } = await browser.open(STILL, "#/learn");
     const links = await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").evaluateAll((links) => links.map(({ hash }) => hash));
     await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").first().click();
     const visited = [];
