@@ -4,7 +4,7 @@ import { History } from "./history";
 import { KEPT, type Row } from "./messages";
 import { trapezoid, wrap } from "./model";
 
-/** A picture of a usual screen, s. */
+/** From row to row, s. */
 const FRAME = 1 / 60;
 
 export class Hand {
@@ -19,6 +19,8 @@ export class Hand {
 
     #polePairs: number;
     #time = 0;
+    /** Less than a row, s. */
+    #owed = 0;
     #angle = 60;
     /** Where the hand has put it. */
     #wanted = 60;
@@ -37,8 +39,16 @@ export class Hand {
         this.held = false;
     }
 
-    /** A picture later. */
-    step(): void {
+    /** Time passes. */
+    step(seconds: number): void {
+        // A page that was hidden does not catch up.
+        for (this.#owed += Math.min(seconds, 0.1); this.#owed >= FRAME; this.#owed -= FRAME) {
+            this.#move();
+        }
+        this.shown += 1;
+    }
+
+    #move(): void {
         const before = this.#angle;
         if (this.held) {
             // A hand is not as jerky as a pointer.
@@ -57,6 +67,5 @@ export class Hand {
         };
         this.row = { ...this.row, ...values };
         this.history.append(KEPT.map((name) => Float64Array.of(this.row[name])));
-        this.shown += 1;
     }
 }

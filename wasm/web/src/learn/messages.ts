@@ -47,7 +47,7 @@ export type Request = { kind: "open"; setup: Setup } | { kind: "pace"; pace: num
 /** From the worker. */
 export type Answer =
     | { kind: "ready" }
-    | { kind: "opened"; speedMin: number; speedMax: number; notes: string[] }
+    | { kind: "opened" }
     /** `acted`: when the actions began whose consequences these are, s; else they are of time alone. */
     | { kind: "ran"; rows: Rows; frames: Heard[]; acted?: number; fault?: string }
     | { kind: "refused"; reason: string };

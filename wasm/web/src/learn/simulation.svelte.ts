@@ -24,12 +24,10 @@ export class Simulation {
     playing = $state(false);
     /** Simulated over real time. */
     pace = $state(1);
-    /** Why the drive stopped. */
+    /** Why the drive has stopped, at the newest tick. */
     fault = $state<string>();
     /** Why the simulation cannot be. */
     problem = $state<string>();
-    /** Limits of the set-point, rpm, and what the drive has to say about them. */
-    limits = $state.raw({ speedMin: 0, speedMax: 0, notes: [] as string[] });
     /** A bench has been opened and what came before has been done. */
     open = $state(false);
     readonly history = new History();
@@ -143,7 +141,6 @@ export class Simulation {
                 this.history.clear();
                 this.age = 0;
                 this.problem = undefined;
-                this.limits = answer;
                 return;
             case "ran":
                 this.#ran(answer);

@@ -108,7 +108,7 @@ function open({ motor, options, before }: Setup): void {
         made.free();
     }
     owed = 0;
-    answer({ kind: "opened", speedMin: bench.speedMin, speedMax: bench.speedMax, notes: bench.notes });
+    answer({ kind: "opened" });
     act(bench, before);
 }
 
