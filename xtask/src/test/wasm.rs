@@ -17,7 +17,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         if std::env::var_os("CHROMIUM").is_none() {
             install::debian(&[CHROMIUM])?;
         }
-        node(root, &["page"])
+        node(root, &["page", "operate", "passing", "instruments", "adapter"])
     }));
     steps
 }
