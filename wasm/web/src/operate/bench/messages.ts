@@ -18,6 +18,8 @@ type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
 export type Request =
     | { kind: "open"; setup: Setup }
     | { kind: "act"; actions: Action[] }
+    /** A report was taken. */
+    | { kind: "heard" }
     /** Simulated seconds in a second; 0 stands still. */
     | { kind: "pace"; pace: number }
     | { kind: "step"; ticks: number }

@@ -151,7 +151,8 @@ class VirtualDrive {
                 this.now = answer.now;
                 this.rows.append(answer.rows);
                 this.#listener?.handle(answer.now.time, answer.frames);
-                return;
+                // Behind what was sent for it.
+                return queueMicrotask(() => this.#worker?.postMessage({ kind: "heard" } satisfies Request));
             case "reproduced":
                 this.reproduced = answer;
                 this.#repeats = false;
