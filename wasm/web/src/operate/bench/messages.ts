@@ -16,7 +16,8 @@ type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
 
 /** From the page. */
 export type Request =
-    | { kind: "open"; setup: Setup }
+    /** Powers a drive up; the actions come before its first tick. */
+    | { kind: "open"; setup: Setup; actions: Action[] }
     | { kind: "act"; actions: Action[] }
     /** A report was taken. */
     | { kind: "heard" }

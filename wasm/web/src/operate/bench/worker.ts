@@ -38,8 +38,10 @@ function buffers(rows: Rows): Transferable[] {
 }
 
 function open(request: Request & { kind: "open" }): void {
-    begin(new JournalledBench(request.setup));
+    const powered = new JournalledBench(request.setup);
+    request.actions.forEach((action) => powered.act(action));
     pace = 1;
+    begin(powered);
 }
 
 function begin(opened: JournalledBench): void {
