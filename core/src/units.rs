@@ -32,13 +32,12 @@ macro_rules! quantity {
                 Self::from_ratio(milli as i64, 1000)
             }
             /// `numerator / denominator` of the unit, rounded to nearest, saturating; a denominator of 0 counts as 1.
-            pub const fn from_ratio(numerator: i64, denominator: i64) -> Self {
-                let denominator = if denominator == 0 { 1 } else { denominator };
-                Self::from_bits(saturate(div_round((numerator as i128) << 16, denominator as i128)))
+            pub const fn from_ratio(numerator: i64, denominator: i32) -> Self {
+                Self::from_bits(ratio(numerator, denominator))
             }
             /// The value in units of 1 / `per_unit`, rounded to nearest, saturating.
             pub const fn scaled(self, per_unit: i32) -> i32 {
-                saturate((self.to_bits() as i64 * per_unit as i64 + 0x8000) as i128 >> 16)
+                saturate64((self.to_bits() as i64 * per_unit as i64 + 0x8000) >> 16)
             }
             /// Sum, saturating.
             #[inline]
@@ -134,24 +133,28 @@ impl ElectricalAngle {
     }
 }
 
-/// Quotient rounded to nearest, halves away from zero.
-const fn div_round(numerator: i128, denominator: i128) -> i128 {
+/// Raw I16F16 of a quotient, rounded to nearest, halves away from zero, saturating; a denominator of 0 counts as 1.
+#[inline(never)]
+const fn ratio(numerator: i64, denominator: i32) -> i32 {
+    let denominator = if denominator == 0 { 1 } else { denominator as i64 };
     let half = denominator.abs() / 2;
-    if numerator < 0 { (numerator - half) / denominator } else { (numerator + half) / denominator }
+    // More than this saturates whatever it is divided by, and has no room to be shifted.
+    let most = 1_i64 << 46;
+    let numerator = if numerator > most {
+        most
+    } else if numerator < -most {
+        -most
+    } else {
+        numerator
+    } << 16;
+    saturate64(if numerator < 0 {
+        (numerator - half) / denominator
+    } else {
+        (numerator + half) / denominator
+    })
 }
 
 /// The nearest `i32`.
-pub(crate) const fn saturate(value: i128) -> i32 {
-    if value > i32::MAX as i128 {
-        i32::MAX
-    } else if value < i32::MIN as i128 {
-        i32::MIN
-    } else {
-        value as i32
-    }
-}
-
-/// The nearest `i32` of an `i64`: the hot path's saturation.
 #[inline]
 pub(crate) const fn saturate64(value: i64) -> i32 {
     if value > i32::MAX as i64 {

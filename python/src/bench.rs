@@ -238,7 +238,7 @@ pub(crate) fn number(key: &Bound<'_, PyAny>) -> PyResult<u16> {
         return known.ok_or_else(|| error::parameter(format!("there is no parameter {key}")));
     };
     Dictionary::find(&name).map(|row| row.number).ok_or_else(|| {
-        let hint = error::suggestion(key.py(), &name, Dictionary::rows().map(|row| row.name));
+        let hint = error::suggestion(key.py(), &name, Dictionary::rows().map(|row| row.name()));
         error::parameter(format!("there is no parameter \"{name}\"{hint}"))
     })
 }

@@ -19,19 +19,19 @@ fn parameter<'py>(py: Python<'py>, row: &Parameter) -> PyResult<Bound<'py, PyDic
     let value = |digits| frame::float(Decimal { digits, exponent: row.exponent });
     let fields = PyDict::new(py);
     fields.set_item("number", row.number)?;
-    fields.set_item("name", row.name)?;
+    fields.set_item("name", row.name())?;
     fields.set_item("category", row.category.label())?;
-    fields.set_item("unit", if row.unit == "-" { "" } else { row.unit })?;
+    fields.set_item("unit", if row.unit() == "-" { "" } else { row.unit() })?;
     fields.set_item("type", row.kind.label())?;
     fields.set_item("scale", value(1))?;
-    fields.set_item("min", value(row.min))?;
-    fields.set_item("max", value(row.max))?;
-    fields.set_item("factory", value(row.default))?;
+    fields.set_item("min", value(row.min()))?;
+    fields.set_item("max", value(row.max()))?;
+    fields.set_item("factory", value(row.default()))?;
     fields.set_item("access", row.access.label())?;
     fields.set_item("command", row.command)?;
     fields
         .set_item("acts", if row.effect == Effect::Immediately { "at once" } else { row.effect.label() })?;
-    fields.set_item("description", row.description)?;
+    fields.set_item("description", row.description())?;
     Ok(fields)
 }
 

@@ -110,7 +110,7 @@ fn fields<'py>(
             parameter = u16::try_from(raw).ok().and_then(Dictionary::row);
         }
         let unit = match (field.meaning, parameter) {
-            (Meaning::ParameterValue, Some(row)) => row.unit,
+            (Meaning::ParameterValue, Some(row)) => row.unit(),
             _ => field.unit,
         };
         units.set_item(field.name, if unit == "-" { "" } else { unit })?;

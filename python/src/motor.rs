@@ -333,9 +333,9 @@ fn dictionary<'py>(py: Python<'py>, parameters: &Parameters) -> PyResult<Bound<'
     for (row, raw) in parameters.iter().filter(|(row, _)| row.access != Access::ReadOnly && !row.command) {
         let value = engineering::to_unit(row, row.kind.widen(raw));
         if row.exponent < 0 {
-            values.set_item(row.name, value)?;
+            values.set_item(row.name(), value)?;
         } else {
-            values.set_item(row.name, value as i64)?;
+            values.set_item(row.name(), value as i64)?;
         }
     }
     Ok(values)

@@ -51,7 +51,7 @@ pub fn raw(number: u16, value: f64) -> Result<i64, ValueError> {
     let parameter = Dictionary::row(number).ok_or(ValueError::Unknown { number })?;
     let raw =
         libm::round(if parameter.exponent < 0 { value * power(parameter) } else { value / power(parameter) });
-    if !(parameter.min as f64..=parameter.max as f64).contains(&raw) {
+    if !(parameter.min() as f64..=parameter.max() as f64).contains(&raw) {
         return Err(ValueError::OutOfRange { parameter, value });
     }
     Ok(raw as i64)
@@ -67,16 +67,16 @@ impl fmt::Display for ValueError {
             Self::Unknown { number } => write!(f, "there is no parameter {number}"),
             Self::OutOfRange { parameter, value } => {
                 let limit = |digits| Decimal { digits, exponent: parameter.exponent };
-                let unit = if parameter.unit == "-" { "" } else { parameter.unit };
+                let unit = if parameter.unit() == "-" { "" } else { parameter.unit() };
                 let space = if unit.is_empty() { "" } else { " " };
                 write!(
                     f,
                     "parameter {} \"{}\": {}{space}{unit} is outside {} to {}{space}{unit}",
                     parameter.number,
-                    parameter.name,
+                    parameter.name(),
                     Shown::Plain(*value),
-                    limit(parameter.min),
-                    limit(parameter.max)
+                    limit(parameter.min()),
+                    limit(parameter.max())
                 )
             }
         }

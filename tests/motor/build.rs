@@ -91,7 +91,7 @@ fn every_parameter_reaches_the_tick_in_its_units() {
     ROWS.iter().for_each(|row| set(row.number, row.value));
     let built = Coefficients::build(&parameters, &Board::BENCH).unwrap();
     for row in &ROWS {
-        let name = Dictionary::row(row.number).unwrap().name;
+        let name = Dictionary::row(row.number).unwrap().name();
         let found = (row.found)(&built);
         assert!(
             (found - row.expected).abs() <= 1e-4 * row.expected,

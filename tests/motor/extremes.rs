@@ -29,15 +29,15 @@ fn numbers() -> Vec<u16> {
 fn change() -> impl Strategy<Value = (u16, i32)> {
     (prop::sample::select(numbers()), 0..6, any::<u32>()).prop_map(|(number, place, random)| {
         let row = Dictionary::row(number).unwrap();
-        let span = row.max - row.min;
+        let span = row.max() - row.min();
         let value = match place {
-            0 => row.min,
-            1 => row.min + span.min(1),
-            2 => row.max,
-            3 => row.max - span.min(1),
+            0 => row.min(),
+            1 => row.min() + span.min(1),
+            2 => row.max(),
+            3 => row.max() - span.min(1),
             // Small values and any.
-            4 => row.min + i64::from(random % 100).min(span),
-            _ => row.min + i64::from(random) % (span + 1),
+            4 => row.min() + i64::from(random % 100).min(span),
+            _ => row.min() + i64::from(random) % (span + 1),
         };
         (number, value as i32)
     })

@@ -89,7 +89,10 @@ fn explicit_parameters_win_and_bad_ones_are_named() {
         }
     }
     let text = with(speed_max.number, 1e9).unwrap_err().to_string();
-    assert!(text.contains(speed_max.name) && text.contains("1000000000") && text.contains("65535"), "{text}");
+    assert!(
+        text.contains(speed_max.name()) && text.contains("1000000000") && text.contains("65535"),
+        "{text}"
+    );
     assert_eq!(with(999, 1.0).unwrap_err().to_string(), "there is no parameter 999");
 }
 
@@ -98,26 +101,28 @@ fn explicit_parameters_win_and_bad_ones_are_named() {
 fn units_are_exact_both_ways() {
     let mut parameters = Parameters::new();
     for row in Dictionary::rows() {
-        for raw in [row.min, row.max, row.default] {
+        for raw in [row.min(), row.max(), row.default()] {
             let value = engineering::to_unit(row, raw);
             engineering::set(&mut parameters, row.number, value).unwrap();
-            assert_eq!(row.kind.widen(parameters.raw(row.number)), raw, "{}", row.name);
+            assert_eq!(row.kind.widen(parameters.raw(row.number)), raw, "{}", row.name());
             assert_eq!(engineering::value(&parameters, row.number), Some(value));
             assert_eq!(
                 row.engineering(parameters.raw(row.number)).to_string().parse(),
                 Ok(value),
                 "{}",
-                row.name
+                row.name()
             );
         }
         // Half a step of the scale is still the limit; a whole one is beyond it.
         let step = engineering::to_unit(row, 1);
         let before = parameters.clone();
         assert!(
-            engineering::set(&mut parameters, row.number, engineering::to_unit(row, row.max) + step).is_err()
+            engineering::set(&mut parameters, row.number, engineering::to_unit(row, row.max()) + step)
+                .is_err()
         );
         assert!(
-            engineering::set(&mut parameters, row.number, engineering::to_unit(row, row.min) - step).is_err()
+            engineering::set(&mut parameters, row.number, engineering::to_unit(row, row.min()) - step)
+                .is_err()
         );
         assert_eq!(parameters, before);
     }

@@ -41,10 +41,10 @@ fn reason(text: &str) -> Reason {
 }
 
 fn is_same(row: &Parameter, described: &DescribedParameter) -> bool {
-    let unit = if row.unit == "-" { "" } else { row.unit };
-    (row.number, row.name, unit, row.kind, row.exponent)
+    let unit = if row.unit() == "-" { "" } else { row.unit() };
+    (row.number, row.name(), unit, row.kind, row.exponent)
         == (described.number, &described.name, &described.unit, described.kind, described.exponent)
-        && (row.min, row.max, row.default) == (described.min, described.max, described.default)
+        && (row.min(), row.max(), row.default()) == (described.min, described.max, described.default)
         && (row.access, row.command, row.effect) == (described.access, described.command, described.effect)
 }
 
@@ -57,7 +57,7 @@ fn every_parameter_is_read_as_the_dictionary_has_it() {
         assert!(is_same(row, described), "{row:?} {described:?}");
         let raw = row.factory_raw();
         assert_eq!(row.engineering(raw), described.engineering(raw));
-        for raw in [row.min, row.max, row.min - 1, row.max + 1].map(|raw| raw as i32) {
+        for raw in [row.min(), row.max(), row.min() - 1, row.max() + 1].map(|raw| raw as i32) {
             assert_eq!(row.accepts(raw), described.accepts(raw), "{} {raw}", row.number);
         }
     }

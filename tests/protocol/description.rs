@@ -67,7 +67,7 @@ fn every_parameter_is_there_once() {
 fn no_text_of_a_table_has_markup() {
     let mut texts: Vec<&str> = Vec::new();
     texts.extend(
-        Dictionary::rows().flat_map(|row| [row.name, row.unit, row.description, row.category.label()]),
+        Dictionary::rows().flat_map(|row| [row.name(), row.unit(), row.description(), row.category.label()]),
     );
     for message in &MESSAGES {
         texts.push(message.name);

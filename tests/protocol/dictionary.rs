@@ -59,7 +59,7 @@ fn numbers_are_the_printed_order_without_gaps() {
 #[test]
 fn anchors_stand_where_they_were_published() {
     for (number, name) in ANCHORS {
-        assert_eq!(Dictionary::row(number).map(|row| row.name), Some(name), "parameter {number}");
+        assert_eq!(Dictionary::row(number).map(|row| row.name()), Some(name), "parameter {number}");
         assert_eq!(Dictionary::find(name).map(|row| row.number), Some(number), "{name}");
     }
     assert_eq!((number::OPEN_LOOP_ENABLE, number::SENSORLESS_ENABLE, number::HALL_ENABLE), (81, 82, 83));
@@ -68,8 +68,13 @@ fn anchors_stand_where_they_were_published() {
 #[test]
 fn names_are_unique_and_every_row_is_documented() {
     for row in Dictionary::rows() {
-        assert_eq!(Dictionary::find(row.name), Some(row), "{}", row.name);
-        assert!(row.description.len() > 20 && row.description.ends_with('.'), "{}: {}", row.number, row.name);
+        assert_eq!(Dictionary::find(row.name()), Some(row), "{}", row.name());
+        assert!(
+            row.description().len() > 20 && row.description().ends_with('.'),
+            "{}: {}",
+            row.number,
+            row.name()
+        );
     }
 }
 
@@ -77,14 +82,14 @@ fn names_are_unique_and_every_row_is_documented() {
 fn factory_values_lie_within_their_ranges() {
     let factory = Parameters::new();
     for (row, raw) in factory.iter() {
-        assert!(row.min <= row.default && row.default <= row.max, "{} {}", row.number, row.name);
-        assert!(row.accepts(raw), "{} {}", row.number, row.name);
+        assert!(row.min() <= row.default() && row.default() <= row.max(), "{} {}", row.number, row.name());
+        assert!(row.accepts(raw), "{} {}", row.number, row.name());
         let (low, high) = match row.kind {
             Kind::U16 => (0, i64::from(u16::MAX)),
             Kind::I32 => (i64::from(i32::MIN), i64::from(i32::MAX)),
             Kind::U32 => (0, i64::from(u32::MAX)),
         };
-        assert!(low <= row.min && row.max <= high, "{} {} does not fit its type", row.number, row.name);
+        assert!(low <= row.min() && row.max() <= high, "{} {} does not fit its type", row.number, row.name());
     }
 }
 
@@ -173,13 +178,13 @@ fn table() {
             "{:3} | {} | {} | {} 1e{} | {} | {}..={} | {} | {:?}{} | {:?}\n",
             row.number,
             row.category.label(),
-            row.name,
+            row.name(),
             row.kind.label(),
             row.exponent,
-            row.unit,
-            value(row.min),
-            value(row.max),
-            value(row.default),
+            row.unit(),
+            value(row.min()),
+            value(row.max()),
+            value(row.default()),
             row.access,
             if row.command { " command" } else { "" },
             row.effect,

@@ -167,14 +167,14 @@ fn parameter(row: &Parameter) -> String {
         "| {} | {} | {} | {} | {} | {} | {} to {} | {} | {access} | {acts} | {} |",
         row.number,
         row.category.label().split('-').next().unwrap(),
-        row.name,
-        row.unit,
+        row.name(),
+        row.unit(),
         row.kind.label(),
         value(1),
-        value(row.min),
-        value(row.max),
-        value(row.default),
-        row.description,
+        value(row.min()),
+        value(row.max()),
+        value(row.default()),
+        row.description(),
     )
 }
 

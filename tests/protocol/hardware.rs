@@ -30,7 +30,7 @@ fn row<'a>(text: &'a str, key: &str) -> Vec<&'a str> {
 }
 
 fn factory(row: &Parameter) -> String {
-    format!("{} {}", Decimal { digits: row.default, exponent: row.exponent }, row.unit)
+    format!("{} {}", Decimal { digits: row.default(), exponent: row.exponent }, row.unit())
 }
 
 /// `119 Over-voltage HV threshold` in a last cell names a parameter of the dictionary; the cell behind the name of the
@@ -42,7 +42,8 @@ fn limits_are_the_factory_values_of_their_parameters() {
     for cells in rows(&text, 4).into_iter().filter(|cells| cells.len() == 4) {
         let Some((number, name)) = cells[3].split_once(' ') else { continue };
         let Ok(number) = number.parse::<u16>() else { continue };
-        let Some(parameter) = Dictionary::rows().find(|row| row.number == number && row.name == name) else {
+        let Some(parameter) = Dictionary::rows().find(|row| row.number == number && row.name() == name)
+        else {
             panic!("no parameter {number} is called {name}");
         };
         assert_eq!(cells[1], factory(parameter), "{cells:?}");
@@ -123,8 +124,8 @@ fn ratings_are_those_of_the_bench_and_of_commissioning() {
     assert!(cells("bus capacitance").contains(&format!("{capacitance:.0} uF")));
     for (key, number) in [("supply current", 106), ("phase current, peak", 269)] {
         let parameter = Dictionary::rows().find(|row| row.number == number).unwrap();
-        let most = Decimal { digits: parameter.max, exponent: parameter.exponent };
-        assert_eq!(row(&text, key)[3], format!("{most} {}", parameter.unit), "no more can be asked for");
+        let most = Decimal { digits: parameter.max(), exponent: parameter.exponent };
+        assert_eq!(row(&text, key)[3], format!("{most} {}", parameter.unit()), "no more can be asked for");
     }
 }
 

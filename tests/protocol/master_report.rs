@@ -26,7 +26,11 @@ fn parameters_are_read_at_the_beginning_and_kept() {
     for (row, heard) in pair.master.parameters().iter() {
         let heard = heard.unwrap();
         let live = row.access == Access::ReadOnly;
-        assert!(live || Some(heard.value) == pair.bench.node.parameters().value(row.number), "{}", row.name);
+        assert!(
+            live || Some(heard.value) == pair.bench.node.parameters().value(row.number),
+            "{}",
+            row.name()
+        );
         assert!(heard.at <= pair.now && heard.age(pair.now) <= 400 * MS);
     }
     assert_eq!(pair.master.parameters().find("CAN TimeOut period").map(|heard| heard.value), Some(250));

@@ -68,17 +68,17 @@ fn every_number_answers_a_read() {
 fn every_writable_parameter_takes_its_whole_range() {
     for row in Dictionary::rows().filter(|row| row.access != Access::ReadOnly && !row.command) {
         let mut bench = Bench::new();
-        for value in [row.min, row.max, row.default] {
-            assert_eq!(bench.write(row.number, value as i32), (value as i32, Done), "{}", row.name);
-            assert_eq!(bench.read(row.number), (value as i32, Done), "{}", row.name);
+        for value in [row.min(), row.max(), row.default()] {
+            assert_eq!(bench.write(row.number, value as i32), (value as i32, Done), "{}", row.name());
+            assert_eq!(bench.read(row.number), (value as i32, Done), "{}", row.name());
         }
         assert_eq!(
-            bench.write(row.number, (row.min - 1) as i32).1 == Done,
-            row.accepts((row.min - 1) as i32)
+            bench.write(row.number, (row.min() - 1) as i32).1 == Done,
+            row.accepts((row.min() - 1) as i32)
         );
         assert_eq!(
-            bench.write(row.number, (row.max + 1) as i32).1 == Done,
-            row.accepts((row.max + 1) as i32)
+            bench.write(row.number, (row.max() + 1) as i32).1 == Done,
+            row.accepts((row.max() + 1) as i32)
         );
     }
 }
@@ -107,7 +107,7 @@ fn state_decides_what_may_be_written() {
                 _ => true,
             };
             let expected = if (live || stopped) && special { Done } else { WrongState };
-            assert_eq!(bench.write(row.number, row.min as i32).1, expected, "{} in {state:?}", row.name);
+            assert_eq!(bench.write(row.number, row.min() as i32).1, expected, "{} in {state:?}", row.name());
         }
     }
 }

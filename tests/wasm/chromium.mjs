@@ -19,7 +19,7 @@ try {
 
 /** Runs in the page. An exception would come back with the browser's words around it. */
 async function inPage([folder, base64, ticks]) {
-    const { default: init, replay } = await import(`${folder}core.js`);
+    const { default: init, replay } = await import(`${folder}lab.js`);
     await init();
     const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
     try {

@@ -42,3 +42,13 @@ test("the reader's choice of colours is kept", async () => {
     await page.getByLabel("Colours").waitFor();
     assert.equal(await background(), dark);
 });
+
+test("once loaded the page works without a network", async () => {
+    const { page, complaints } = await browser.open({}, "#/learn");
+    await page.evaluate(() => navigator.serviceWorker.ready.then(({ active }) => active));
+    await page.context().setOffline(true);
+    await page.reload();
+    await page.evaluate(() => location.assign("#/operate/main"));
+    await page.getByRole("status").getByText("Standby", { exact: true }).waitFor();
+    assert.deepEqual(complaints, []);
+});

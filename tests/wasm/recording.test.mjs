@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { replay } from "../../wasm/pkg/node/core.js";
+import { replay } from "../../wasm/pkg/node/lab.js";
 import { Bench, Motor } from "../../wasm/pkg/node/narx.js";
 import { VECTORS } from "./vectors.mjs";
 

@@ -2,7 +2,11 @@
 
 use crate::bench::{Bench, load};
 use js_sys::{Array, Object};
+use narx_core::bus::eddycan::{Channels, NodeId};
+use narx_core::eddycan::Entry;
 use narx_sim::plant::{Injection, InjectionOptions, Input, Phase};
+use narx_sim::sensor::{EddyCurrentConfig, Encoder, Target};
+use narx_sim::tx_driver::TxDriverConfig;
 use narx_wasm_values::error::{list, range_error, shown, type_error};
 use narx_wasm_values::frame;
 use narx_wasm_values::options::{Options, set};
@@ -30,6 +34,18 @@ export interface InjectionOptions {
     high?: boolean;
 }
 
+/** An eddyCAN TX-Driver on the bus and the shaft of a bench. */
+export interface TxDriverOptions {
+    /** 1 to 127. */
+    nodeId: number;
+    /** Sensors of it; default 1. */
+    channels?: 1 | 2;
+    /** Counts per revolution of an incremental encoder on the shaft, 1 to 65 535; default none. */
+    encoder?: number;
+    /** mm; default 2. */
+    measuringRange?: number;
+}
+
 /** An input of the board that is read slowly. */
 export interface Input {
     readonly name: InputName;
@@ -40,6 +56,7 @@ export interface Input {
 "#;
 
 const INJECTION_OPTIONS: [&str; 3] = ["value", "phase", "high"];
+const TX_DRIVER_OPTIONS: [&str; 4] = ["nodeId", "channels", "encoder", "measuringRange"];
 const PHASES: [(&str, Phase); 3] = [("A", Phase::A), ("B", Phase::B), ("C", Phase::C)];
 
 #[wasm_bindgen]
@@ -133,6 +150,22 @@ impl Bench {
         self.core_mut().plant_mut().set_input(found, value).map_err(refused)
     }
 
+    /// Powers up an eddyCAN TX-Driver on the drive's bus, in factory state. Its sensors watch the shaft's surface, a quarter of a revolution apart.
+    #[wasm_bindgen(js_name = addTxDriver)]
+    pub fn add_tx_driver(
+        &mut self,
+        #[wasm_bindgen(unchecked_param_type = "TxDriverOptions")] options: &JsValue,
+    ) -> Result<(), JsValue> {
+        let config = tx_driver(options)?;
+        let node = config.configuration.node();
+        if self.core().tx_drivers().iter().any(|device| device.driver().node() == node) {
+            let message = format!("addTxDriver: nodeId {} is that of another TX-Driver", node.raw());
+            return Err(range_error(&message));
+        }
+        let added = self.core_mut().add_tx_driver(&config);
+        added.map(drop).map_err(|refused| range_error(&refused))
+    }
+
     /// The inputs of the board and what they take.
     #[wasm_bindgen(unchecked_return_type = "Input[]")]
     pub fn inputs() -> Array {
@@ -147,6 +180,26 @@ impl Bench {
         };
         Input::ALL.into_iter().map(shape).collect()
     }
+}
+
+fn tx_driver(options: &JsValue) -> Result<TxDriverConfig, JsValue> {
+    let options = Options::new("addTxDriver", options, &TX_DRIVER_OPTIONS)?;
+    options.required("nodeId")?;
+    let node = options.whole("nodeId", 1.0, 127.0)?.and_then(|node| NodeId::new(node as u8));
+    let mut config = TxDriverConfig::new(node.unwrap_or(NodeId::FACTORY));
+    if options.whole("channels", 1.0, 2.0)? == Some(2.0) {
+        config.channels = Channels::Dual;
+    }
+    if let Some(range) = options.magnitude("measuringRange")? {
+        config.sensors =
+            [0.0, 90.0].map(|bearing| EddyCurrentConfig::new(range, Target::surface(range / 2.0, bearing)));
+    }
+    if let Some(counts) = options.whole("encoder", 1.0, u16::MAX.into())? {
+        config.encoder = Some(Encoder::Rotary { counts: counts as u16 });
+        // Every count of 16 bits is one of the entry's values.
+        let _ = config.configuration.set(Entry::CountsPerRevolution, counts as u32);
+    }
+    Ok(config)
 }
 
 /// A fault by its name.

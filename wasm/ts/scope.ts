@@ -1,13 +1,7 @@
 // The virtual scope of a drive: it records signals of the control tick, tick by tick.
 
-import {
-    scopeRecording,
-    scopeSignals,
-    type Progress,
-    type ScopeRecording,
-    type ScopeSignal,
-    type ScopeSignalName,
-} from "./core.js";
+import { scopeSignals, type Progress, type ScopeSignal, type ScopeSignalName } from "./core.js";
+import type { ScopeRecording } from "./lab.js";
 import { failure, type Link } from "./link.js";
 import { Parameters } from "./parameters.js";
 import type { Table } from "./table.js";
@@ -149,7 +143,14 @@ export class Scope {
     /** The record of inputs, as a recording that `replay` runs again bit for bit. */
     async downloadRecording(progress?: (progress: Progress) => void): Promise<ScopeRecording> {
         await this.#expectRecord(true);
-        return scopeRecording(await this.#read(progress), "recorded by the scope");
+        const bytes = await this.#read(progress);
+        // It brings the control code with it, which nothing else here needs.
+        const lab = await import("./lab.js");
+        // In Node a module is there when it is imported.
+        if (typeof lab.default === "function") {
+            await lab.default();
+        }
+        return lab.scopeRecording(bytes, "recorded by the scope");
     }
 
     /** Arms it, waits for the trigger at most `timeout` s (without one it is forced) and downloads the record. */

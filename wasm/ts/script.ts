@@ -1,6 +1,18 @@
 // What was done to a bench, and when: a plain object that makes the same bits again, for a link, a file, or the way back in time.
 
-import { Bench, Motor, type BenchOptions, type Frame, type InjectionName, type InjectionOptions, type InputName, type LoadOptions, type MotorName, type MotorOptions } from "./narx.js";
+import {
+    Bench,
+    Motor,
+    type BenchOptions,
+    type Frame,
+    type InjectionName,
+    type InjectionOptions,
+    type InputName,
+    type LoadOptions,
+    type MotorName,
+    type MotorOptions,
+    type TxDriverOptions,
+} from "./narx.js";
 
 /** A call of a bench at the beginning of a control tick. */
 export type Input = { readonly tick: number } & (
@@ -11,6 +23,7 @@ export type Input = { readonly tick: number } & (
     | { readonly call: "clear"; readonly fault?: InjectionName; readonly options?: InjectionOptions }
     | { readonly call: "setLoad"; readonly load: LoadOptions }
     | { readonly call: "setInput"; readonly input: InputName; readonly value: number }
+    | { readonly call: "addTxDriver"; readonly options: TxDriverOptions }
 );
 
 /** All that a bench's bits depend on. It survives `JSON.stringify`. */
@@ -58,6 +71,8 @@ export function apply(bench: Bench, input: Input): void {
             return bench.setLoad(input.load);
         case "setInput":
             return bench.setInput(input.input, input.value);
+        case "addTxDriver":
+            return bench.addTxDriver(input.options);
     }
 }
 

@@ -1,17 +1,31 @@
+import { readdirSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { defineConfig } from "vite";
 
 const built = fileURLToPath(new URL("../pkg/web", import.meta.url));
 
+const output = fileURLToPath(new URL("dist", import.meta.url));
+
+/** Names every file that was built, for the service worker. */
+const files = {
+    name: "narx-files",
+    apply: "build",
+    closeBundle() {
+        const names = readdirSync(output, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
+        const paths = names.map(({ parentPath, name }) => `${parentPath}/${name}`.slice(output.length + 1)).filter((path) => path !== "service-worker.js");
+        writeFileSync(`${output}/files.json`, JSON.stringify(paths.sort()));
+    },
+};
+
 export default defineConfig({
     // One static folder that works wherever it is put.
     base: "./",
-    plugins: [svelte()],
+    plugins: [svelte(), files],
     resolve: {
         alias: [
             { find: /^narx$/, replacement: `${built}/narx.js` },
-            { find: /^narx\/(core|drive|script)$/, replacement: `${built}/$1.js` },
+            { find: /^narx\/(core|lab|drive|script)$/, replacement: `${built}/$1.js` },
         ],
     },
     worker: { format: "es" },

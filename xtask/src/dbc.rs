@@ -156,7 +156,7 @@ fn fault(field: &Field, name: &str, flag: FaultWord) -> Signal {
 }
 
 fn parameter(field: &Field, row: &Parameter) -> Signal {
-    let mut name = format!("P{}_{}", row.number, identifier(row.name));
+    let mut name = format!("P{}_{}", row.number, identifier(row.name()));
     name.truncate(NAME_MAX);
     Signal {
         name: name.trim_end_matches('_').to_owned(),
@@ -165,10 +165,10 @@ fn parameter(field: &Field, row: &Parameter) -> Signal {
         bits: field.bits,
         signed: row.kind == Kind::I32,
         exponent: row.exponent,
-        range: (row.min, row.max),
-        unit: row.unit,
+        range: (row.min(), row.max()),
+        unit: row.unit(),
         values: Vec::new(),
-        comment: format!("{}: {}", row.name, row.description),
+        comment: format!("{}: {}", row.name(), row.description()),
     }
 }
 

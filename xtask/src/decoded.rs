@@ -31,7 +31,7 @@ pub fn random_frame(message: &Message, random: &mut impl FnMut() -> u64) -> Fram
             (Meaning::Named(names), _) => names.values[random() as usize % names.values.len()].0.into(),
             (Meaning::ParameterNumber, Some(row)) => row.number.into(),
             (Meaning::ParameterValue, Some(row)) => {
-                row.min.wrapping_add((random() % (row.max - row.min + 1) as u64) as i64) as u64
+                row.min().wrapping_add((random() % (row.max() - row.min() + 1) as u64) as i64) as u64
             }
             _ => random(),
         };

@@ -9,6 +9,10 @@ use std::{env, fs};
 /// What browsers run.
 const TARGET: &str = "wasm32-unknown-unknown";
 
+/// Packages and their profiles, in the order in which `narx-wasm-pack` takes their modules.
+const MODULES: [(&str, &str); 3] =
+    [("narx-wasm", "wasm"), ("narx-wasm-core", "wasm-small"), ("narx-wasm-lab", "wasm-small")];
+
 /// What rustc and wasm-bindgen use, and Node 20 and browsers of 2022 know; `--all-features` makes modules that only the
 /// newest engines load.
 const FEATURES: [&str; 8] = [
@@ -70,7 +74,7 @@ pub fn build(root: &Path) -> Vec<Step<'_>> {
 /// # Errors
 /// What is out of date, or what could not be read.
 pub fn declarations(root: &Path, check: bool) -> Outcome {
-    for name in ["narx.d.ts", "core.d.ts"] {
+    for name in ["narx.d.ts", "core.d.ts", "lab.d.ts"] {
         let (made, kept) = (root.join("wasm/pkg/web").join(name), root.join("wasm").join(name));
         let text = fs::read_to_string(&made).map_err(|error| format!("{}: {error}", made.display()))?;
         if !check {
@@ -107,10 +111,10 @@ fn modules(root: &Path) -> Outcome {
     if let Some(cargo) = cargo_home() {
         flags.push(format!("--remap-path-prefix={}=cargo", cargo.display()));
     }
-    for package in ["narx-wasm", "narx-wasm-core"] {
+    for (package, profile) in MODULES {
         steps::run(
             Command::new("cargo")
-                .args(["build", "-p", package, "--profile", "wasm", "--target", TARGET])
+                .args(["build", "-p", package, "--profile", profile, "--target", TARGET])
                 .env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"))
                 .current_dir(root),
         )?;
@@ -120,16 +124,18 @@ fn modules(root: &Path) -> Outcome {
 
 /// JavaScript around the modules, the modules made small, and the TypeScript over them.
 fn packages(root: &Path) -> Outcome {
-    let built = target_directory(root).join(TARGET).join("wasm");
+    let built = target_directory(root).join(TARGET);
     let directory = root.join("wasm/pkg");
     let mut pack = Command::new("cargo");
     pack.args(["run", "--quiet", "--profile", "tool", "-p", "narx-wasm-pack", "--"]).arg(&directory);
-    pack.args(["narx_wasm.wasm", "narx_wasm_core.wasm"].map(|name| built.join(name)));
+    for (package, profile) in MODULES {
+        pack.arg(built.join(profile).join(package.replace('-', "_") + ".wasm"));
+    }
     steps::run(pack.current_dir(root))?;
     let tools = root.join("wasm/web/node_modules/.bin");
     for package in ["web", "node"] {
         let package = directory.join(package);
-        for module in ["narx_bg.wasm", "core_bg.wasm"] {
+        for module in ["narx_bg.wasm", "core_bg.wasm", "lab_bg.wasm"] {
             let file = package.join(module);
             let mut optimise = Command::new(tools.join("wasm-opt"));
             optimise.args(["-Os", "--converge"]).args(FEATURES).arg(&file).arg("-o").arg(&file);

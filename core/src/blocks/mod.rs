@@ -41,13 +41,13 @@ use error::within;
 
 /// Raw factory value of a parameter: defaults are the drive's.
 fn factory(number: u16) -> u32 {
-    Dictionary::row(number).map_or(0, |row| row.default as u32)
+    Dictionary::row(number).map_or(0, |row| row.default() as u32)
 }
 
 /// The same of a quantity in its unit, raw I16F16.
 fn factory_quantity(number: u16) -> i32 {
     Dictionary::row(number).map_or(0, |row| {
-        Volts::from_ratio(row.default, 10_i64.pow(row.exponent.min(0).unsigned_abs().into())).to_bits()
+        Volts::from_ratio(row.default(), 10_i32.pow(row.exponent.min(0).unsigned_abs().into())).to_bits()
     })
 }
 

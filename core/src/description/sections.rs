@@ -118,13 +118,13 @@ fn parameter(row: &Parameter, out: &mut dyn Write) -> fmt::Result {
         "<parameter number=\"{}\" category=\"{category}\" name=\"{}\"{} type=\"{}\" scale=\"{}\" min=\"{}\" max=\"{}\" \
          factory=\"{}\"",
         row.number,
-        row.name,
-        Unit(row.unit),
+        row.name(),
+        Unit(row.unit()),
         row.kind.label(),
         value(1),
-        value(row.min),
-        value(row.max),
-        value(row.default),
+        value(row.min()),
+        value(row.max()),
+        value(row.default()),
     )?;
     write!(out, " access=\"{}\"", row.access.label())?;
     if row.command {
@@ -133,7 +133,7 @@ fn parameter(row: &Parameter, out: &mut dyn Write) -> fmt::Result {
     if row.effect != Effect::Immediately {
         write!(out, " acts=\"{}\"", row.effect.label())?;
     }
-    writeln!(out, ">{}</parameter>", row.description)
+    writeln!(out, ">{}</parameter>", row.description())
 }
 
 fn message(document: &Document, row: usize, out: &mut dyn Write) -> fmt::Result {

@@ -64,37 +64,37 @@ pub(super) const GENERAL: [Parameter; 78] = [
         .factory(1)
         .about("Zero-g level of the accelerometer: 1 measured 1.8 V reference, 0 parameter 297."),
     Parameter::new(number::ACCEL_X_OFFSET, "Accel X calib offset", Calibration, I32)
-        .unit("g", -3)
+        .in_unit("g", -3)
         .range(-2000, 2000)
         .factory(0)
         .about("Added to the measured acceleration along X."),
     Parameter::new(number::ACCEL_Y_OFFSET, "Accel Y calib offset", Calibration, I32)
-        .unit("g", -3)
+        .in_unit("g", -3)
         .range(-2000, 2000)
         .factory(0)
         .about("Added to the measured acceleration along Y."),
     Parameter::new(number::ACCEL_Z_OFFSET, "Accel Z calib offset", Calibration, I32)
-        .unit("g", -3)
+        .in_unit("g", -3)
         .range(-2000, 2000)
         .factory(0)
         .about("Added to the measured acceleration along Z."),
     Parameter::new(number::HV_CURRENT_OFFSET, "HV current calib offset", Calibration, I32)
-        .unit("A", -3)
+        .in_unit("A", -3)
         .range(-2000, 2000)
         .factory(0)
         .about("Added to the measured bus current."),
     Parameter::new(number::HV_VOLTAGE_OFFSET, "HV voltage calib offset", Calibration, I32)
-        .unit("V", -3)
+        .in_unit("V", -3)
         .range(-5000, 5000)
         .factory(0)
         .about("Added to the measured bus voltage."),
     Parameter::new(number::TEMPERATURE_OFFSET, "Temperature calib offset", Calibration, I32)
-        .unit("°C", -1)
+        .in_unit("°C", -1)
         .range(-500, 500)
         .factory(0)
         .about("Added to the measured temperature."),
     Parameter::new(number::POSITION_CALIBRATION, "Mechanical position calibration value", Calibration, I32)
-        .unit("deg", -2)
+        .in_unit("deg", -2)
         .range(-i32::MAX as i64, i32::MAX as i64)
         .factory(0)
         .about("Mechanical position that the present one becomes at the rising edge of parameter 17."),
@@ -104,22 +104,22 @@ pub(super) const GENERAL: [Parameter; 78] = [
         .command()
         .about("Writing 0 then 1 makes the mechanical position equal to parameter 16."),
     Parameter::new(number::PRESSURE_CALIB_OFFSET, "Pressure calib offset", Calibration, I32)
-        .unit("V", -3)
+        .in_unit("V", -3)
         .range(-10000, 10000)
         .factory(0)
         .about("Added to the pressure reading after its gain (volts at the amplified bridge)."),
     Parameter::new(number::PRESSURE_CALIB_GAIN, "Pressure calib gain", Calibration, I32)
-        .unit("-", -6)
+        .in_unit("-", -6)
         .range(-100_000_000, 100_000_000)
         .factory(1_000_000)
         .about("Factor of the pressure reading."),
     Parameter::new(number::PRESSURE_MEAS_OFFSET, "Pressure meas offset", Calibration, I32)
-        .unit("V", -3)
+        .in_unit("V", -3)
         .range(-10000, 10000)
         .factory(0)
         .about("Offset of the scaling from volts to the transmitted pressure."),
     Parameter::new(number::PRESSURE_MEAS_GAIN, "Pressure meas gain", Calibration, I32)
-        .unit("-", -6)
+        .in_unit("-", -6)
         .range(-100_000_000, 100_000_000)
         .factory(1_000_000)
         .about("Gain of the scaling from volts to the transmitted pressure."),
@@ -128,7 +128,7 @@ pub(super) const GENERAL: [Parameter; 78] = [
         .factory(7)
         .about("Signals that the scope records: one bit each. It reads 4 in a tick."),
     Parameter::new(number::SCOPE_SAMPLES, "Virtual Scop Samples Number", Instrumentation, U16)
-        .unit("samples", 0)
+        .in_unit("samples", 0)
         .range(1, 4096)
         .factory(256)
         .about("Samples that the scope records of each signal, as far as its memory has room."),
@@ -137,13 +137,13 @@ pub(super) const GENERAL: [Parameter; 78] = [
         .factory(1)
         .about("Control ticks from one scope sample to the next, at least one for every 4 signals."),
     Parameter::new(number::SCOPE_SAMPLING_TIME, "Virtual Scop Sampling Time", Instrumentation, U32)
-        .unit("s", -6)
+        .in_unit("s", -6)
         .range(0, u32::MAX as i64)
         .factory(100)
         .read_only()
         .about("Time from one scope sample to the next."),
     Parameter::new(number::SCOPE_TRIGGER_PHASE, "Virtual Scop Trig phase", Instrumentation, U16)
-        .unit("samples", 0)
+        .in_unit("samples", 0)
         .range(0, 4096)
         .factory(0)
         .about("Samples kept from before the trigger."),
@@ -208,7 +208,7 @@ pub(super) const GENERAL: [Parameter; 78] = [
         .factory(1)
         .about("Records that a log download sends."),
     Parameter::new(number::LOG_RECORD_BYTES, "Logging data size bytes", LoggingControl, U16)
-        .unit("bytes", 0)
+        .in_unit("bytes", 0)
         .range(0, 65535)
         .factory(0)
         .read_only()
@@ -224,7 +224,7 @@ pub(super) const GENERAL: [Parameter; 78] = [
         .read_only()
         .about("Index that the next log record gets."),
     Parameter::new(number::LOG_PERIOD, "Logging period", LoggingControl, U32)
-        .unit("ms", 0)
+        .in_unit("ms", 0)
         .range(1, 3_600_000)
         .factory(1000)
         .about("Time from one log record to the next."),

@@ -51,9 +51,9 @@ impl Dictionary {
         }
     }
 
-    /// The row with a printed name; case does not matter.
+    /// The row with a printed name; case does not matter. None without the feature `names`.
     pub fn find(name: &str) -> Option<&'static Parameter> {
-        Self::rows().find(|row| row.name.eq_ignore_ascii_case(name))
+        Self::rows().find(|row| cfg!(feature = "names") && row.name().eq_ignore_ascii_case(name))
     }
 
     /// Place of a number among the rows.

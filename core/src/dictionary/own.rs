@@ -60,12 +60,12 @@ pub(super) const OWN: [Parameter; 46] = [
              parameters 262, 263 and 80; writing 0 withdraws it.",
         ),
     Parameter::new(number::HALL_STALL_TIME, "Hall stall time", Limitation, U16)
-        .unit("ms", 0)
+        .in_unit("ms", 0)
         .range(10, 10000)
         .factory(500)
         .about("Time in state 5 with torque applied at speed 0 (no hall edge for parameter 113) that becomes fault bit 6."),
     Parameter::new(number::NOMINAL_SUPPLY, "Nominal supply voltage", Machine, U16)
-        .unit("V", -3)
+        .in_unit("V", -3)
         .range(12000, 60000)
         .factory(48000)
         .about(
@@ -73,7 +73,7 @@ pub(super) const OWN: [Parameter; 46] = [
              voltage.",
         ),
     Parameter::new(number::BACK_EMF_CONSTANT, "Back-EMF constant", Machine, I32)
-        .unit("V/rpm", -6)
+        .in_unit("V/rpm", -6)
         .range(0, 1_000_000)
         .factory(0)
         .about(
@@ -81,12 +81,12 @@ pub(super) const OWN: [Parameter; 46] = [
              unknown.",
         ),
     Parameter::new(number::WINDING_RESISTANCE, "Winding resistance", Machine, I32)
-        .unit("ohm", -3)
+        .in_unit("ohm", -3)
         .range(0, 100_000)
         .factory(0)
         .about("Between two lines; 0 unknown."),
     Parameter::new(number::PHASE_CURRENT_MAX, "Phase current limit", CommandSaturation, U16)
-        .unit("A", -3)
+        .in_unit("A", -3)
         .range(100, 12000)
         .factory(12000)
         .about("Bound of the estimated phase current, peak (Table 1)."),
@@ -95,17 +95,17 @@ pub(super) const OWN: [Parameter; 46] = [
         .factory(0)
         .about("Digital input that commands a shutdown (fault bit 28): 0 none, 1 DSI1, 2 DSI2."),
     Parameter::new(number::DUTY_SLEW, "Duty slew limit", Control, U16)
-        .unit("%/ms", -2)
+        .in_unit("%/ms", -2)
         .range(1, 10000)
         .factory(1000)
         .about("Fastest change of the duty."),
     Parameter::new(number::ON_TIME_MIN, "Minimum on-time", Control, U16)
-        .unit("ns", 0)
+        .in_unit("ns", 0)
         .range(0, 20000)
         .factory(2000)
         .about("Shortest pulse that still gives a valid sample."),
     Parameter::new(number::TIMING_ADVANCE, "Timing advance", Control, U16)
-        .unit("deg", -2)
+        .in_unit("deg", -2)
         .range(0, 3000)
         .factory(0)
         .about("Commutation ahead of its place, electrical degrees."),
@@ -151,7 +151,7 @@ pub(super) const OWN: [Parameter; 46] = [
              power, 6 temperature, 7 maximum duty, 8 slew, 9 no return into the bus, 10 zero crossings not seen.",
         ),
     Parameter::new(number::HALL_INTERPOLATION_SPEED, "Hall interpolation speed", Control, I32)
-        .unit("rpm", 0)
+        .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(100)
         .about("Mechanical speed above which the angle is interpolated between hall edges."),
@@ -161,7 +161,7 @@ pub(super) const OWN: [Parameter; 46] = [
         .read_only()
         .about("Code of the first critical fault: fault bit times 256 plus cause; 0 without one."),
     Parameter::new(number::WINDING_INDUCTANCE, "Winding inductance", Machine, I32)
-        .unit("H", -6)
+        .in_unit("H", -6)
         .range(0, 100_000)
         .factory(0)
         .about("Between two lines; 0 unknown."),
@@ -176,7 +176,7 @@ pub(super) const OWN: [Parameter; 46] = [
         .read_only()
         .about("Number of the parameter for which the set does not build; 65535 when it builds."),
     Parameter::new(number::ZC_DELAY_FALLING, "ZC falling delay difference", Control, I32)
-        .unit("ticks", -2)
+        .in_unit("ticks", -2)
         .range(-10000, 10000)
         .factory(0)
         .about("What a falling zero crossing is delayed by beyond parameter 100."),
@@ -189,7 +189,7 @@ pub(super) const OWN: [Parameter; 46] = [
              seen), 4 late (hidden by demagnetisation), 5 heard while coasting.",
         ),
     Parameter::new(number::CROSSING_MARGIN, "Zero crossing margin", Diagnostics, I32)
-        .unit("deg", -2)
+        .in_unit("deg", -2)
         .range(-18000, 18000)
         .factory(0)
         .read_only()
@@ -212,7 +212,7 @@ pub(super) const OWN: [Parameter; 46] = [
         .factory(3)
         .about("Signal that parameter 290 compares: its bit in parameter 22."),
     Parameter::new(number::SCOPE_TRIGGER_LEVEL, "Scope trigger level", Instrumentation, I32)
-        .unit("-", -3)
+        .in_unit("-", -3)
         .range(-8000, 7999)
         .factory(0)
         .about("Level that parameter 290 compares with, in bases of the signal."),
@@ -237,18 +237,18 @@ pub(super) const OWN: [Parameter; 46] = [
         .read_only()
         .about("Times that the CAN controller has gone bus-off since power-up."),
     Parameter::new(number::ACCEL_MEAS_OFFSET, "Accel meas offset", Calibration, I32)
-        .unit("V", -3)
+        .in_unit("V", -3)
         .range(0, 3300)
         .factory(1800)
         .about("Zero-g level of the accelerometer while parameter 9 is 0."),
     Parameter::new(number::TILT, "Tilt", Diagnostics, U16)
-        .unit("deg", -2)
+        .in_unit("deg", -2)
         .range(0, 18000)
         .factory(0)
         .read_only()
         .about("Angle between the Z axis and the mean acceleration of the last second; exact to 0.2 degrees."),
     Parameter::new(number::VIBRATION, "Vibration", Diagnostics, U16)
-        .unit("g", -3)
+        .in_unit("g", -3)
         .range(0, 65535)
         .factory(0)
         .read_only()

@@ -2,37 +2,36 @@
 
 use super::category::Category;
 use super::decimal::Decimal;
+use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// Everything there is to know of one parameter but its value.
+/// Everything there is to know of one parameter but its value. Ranges lie in the 32 bits that go over the wire, texts only in a build that has
+/// use for them: the table is in the flash of every board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
+    min: i32,
+    max: i32,
+    default: i32,
+    #[cfg(feature = "names")]
+    name: &'static str,
+    #[cfg(feature = "names")]
+    unit: &'static str,
+    #[cfg(feature = "description")]
+    description: &'static str,
     /// Number on the wire.
     pub number: u16,
-    /// Name as printed in Tables 10 and 11.
-    pub name: &'static str,
     /// Category as printed.
     pub category: Category,
-    /// Unit of the engineering value; "-" without one.
-    pub unit: &'static str,
     /// Type on the wire.
     pub kind: Kind,
     /// Engineering value = raw value * 10^exponent, exactly.
     pub exponent: i8,
-    /// Smallest raw value.
-    pub min: i64,
-    /// Largest raw value.
-    pub max: i64,
-    /// Raw factory value.
-    pub default: i64,
     /// Who may write it, when.
     pub access: Access,
     /// Writing 0 then 1 is a command; nothing is configured by it.
     pub command: bool,
     /// When a written value acts.
     pub effect: Effect,
-    /// What it means, in one or two sentences.
-    pub description: &'static str,
 }
 
 /// Type of a value on the wire, always carried in 32 bits.
@@ -75,6 +74,12 @@ impl Kind {
             Self::U16 | Self::I32 => raw as i64,
             Self::U32 => raw as u32 as i64,
         }
+    }
+
+    /// The 32 bits that mean a number of this kind; an error of the compiler for any other number in the table.
+    const fn narrow(self, number: i64) -> i32 {
+        assert!(number >= self.smallest() && number <= self.largest());
+        number as i32
     }
 
     /// Smallest number of this kind.
@@ -127,6 +132,50 @@ impl Effect {
 }
 
 impl Parameter {
+    /// Name as printed in Tables 10 and 11; empty without the feature `names`.
+    pub const fn name(&self) -> &'static str {
+        #[cfg(feature = "names")]
+        return self.name;
+        #[cfg(not(feature = "names"))]
+        ""
+    }
+
+    /// Unit of the engineering value; "-" without one, and without the feature `names`.
+    pub const fn unit(&self) -> &'static str {
+        #[cfg(feature = "names")]
+        return self.unit;
+        #[cfg(not(feature = "names"))]
+        "-"
+    }
+
+    /// What it means, in one or two sentences; empty without the feature `description`.
+    pub const fn description(&self) -> &'static str {
+        #[cfg(feature = "description")]
+        return self.description;
+        #[cfg(not(feature = "description"))]
+        ""
+    }
+
+    /// Smallest raw value.
+    pub const fn min(&self) -> i64 {
+        self.kind.widen(self.min)
+    }
+
+    /// Largest raw value.
+    pub const fn max(&self) -> i64 {
+        self.kind.widen(self.max)
+    }
+
+    /// Raw factory value.
+    pub const fn default(&self) -> i64 {
+        self.kind.widen(self.default)
+    }
+
+    /// The factory value as 32 bits.
+    pub const fn factory_raw(&self) -> i32 {
+        self.default
+    }
+
     /// Whether its value is kept over a restart: not that of a command, nor what the drive itself writes.
     pub(crate) const fn is_stored(&self) -> bool {
         !matches!(self.access, Access::ReadOnly) && !self.command
@@ -135,44 +184,65 @@ impl Parameter {
     /// Whether the 32 bits `raw` are a value within the range.
     pub const fn accepts(&self, raw: i32) -> bool {
         let value = self.kind.widen(raw);
-        value >= self.min && value <= self.max
-    }
-
-    /// The factory value as 32 bits.
-    pub const fn factory_raw(&self) -> i32 {
-        self.default as i32
+        value >= self.min() && value <= self.max()
     }
 
     /// A raw value in the parameter's unit.
     pub const fn engineering(&self, raw: i32) -> Decimal {
         Decimal { digits: self.kind.widen(raw), exponent: self.exponent }
     }
+}
 
+impl fmt::Display for Parameter {
+    /// Number and name, as errors tell them.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { number, .. } = self;
+        match self.name() {
+            "" => write!(f, "parameter {number}"),
+            name => write!(f, "parameter {number} \"{name}\""),
+        }
+    }
+}
+
+#[cfg_attr(not(feature = "names"), allow(unused_variables, reason = "texts that this build leaves out"))]
+#[cfg_attr(
+    not(feature = "description"),
+    allow(unused_variables, reason = "texts that this build leaves out")
+)]
+impl Parameter {
     pub(super) const fn new(number: u16, name: &'static str, category: Category, kind: Kind) -> Self {
         Self {
-            number,
-            name,
-            category,
-            unit: "-",
-            kind,
-            exponent: 0,
             min: 0,
             max: 0,
             default: 0,
+            #[cfg(feature = "names")]
+            name,
+            #[cfg(feature = "names")]
+            unit: "-",
+            #[cfg(feature = "description")]
+            description: "",
+            number,
+            category,
+            kind,
+            exponent: 0,
             access: category.access(),
             command: false,
             effect: Effect::Immediately,
-            description: "",
         }
     }
-    pub(super) const fn unit(self, unit: &'static str, exponent: i8) -> Self {
-        Self { unit, exponent, ..self }
+    pub(super) const fn in_unit(self, unit: &'static str, exponent: i8) -> Self {
+        Self {
+            exponent,
+            #[cfg(feature = "names")]
+            unit,
+            ..self
+        }
     }
     pub(super) const fn range(self, min: i64, max: i64) -> Self {
-        Self { min, max, ..self }
+        Self { min: self.kind.narrow(min), max: self.kind.narrow(max), ..self }
     }
     pub(super) const fn factory(self, default: i64) -> Self {
-        Self { default, ..self }
+        Self { default: self.kind.narrow(default), ..self }
     }
     pub(super) const fn read_only(self) -> Self {
         Self { access: Access::ReadOnly, ..self }
@@ -187,7 +257,10 @@ impl Parameter {
         Self { effect: Effect::Reboot, ..self }
     }
     pub(super) const fn about(self, description: &'static str) -> Self {
-        // Texts are half of the table's bytes.
-        if cfg!(feature = "description") { Self { description, ..self } } else { self }
+        Self {
+            #[cfg(feature = "description")]
+            description,
+            ..self
+        }
     }
 }

@@ -116,15 +116,11 @@ impl fmt::Display for ParameterError {
             Self::Unknown { number } => write!(f, "there is no parameter {number}"),
             Self::OutOfRange { parameter, raw } => {
                 let decimal = |digits| super::Decimal { digits, exponent: parameter.exponent };
-                let unit = if parameter.unit == "-" { "" } else { parameter.unit };
+                let unit = if parameter.unit() == "-" { "" } else { parameter.unit() };
                 let space = if unit.is_empty() { "" } else { " " };
                 let (value, min, max) =
-                    (parameter.engineering(*raw), decimal(parameter.min), decimal(parameter.max));
-                write!(
-                    f,
-                    "parameter {} \"{}\": {value}{space}{unit} is outside {min} to {max}{space}{unit}",
-                    parameter.number, parameter.name
-                )
+                    (parameter.engineering(*raw), decimal(parameter.min()), decimal(parameter.max()));
+                write!(f, "{parameter}: {value}{space}{unit} is outside {min} to {max}{space}{unit}")
             }
             Self::Layout => f.write_str("a parameter set of another dictionary"),
         }

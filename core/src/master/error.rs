@@ -76,7 +76,7 @@ impl fmt::Display for Refusal {
             (ParameterStatus::OutOfRange, Some(parameter), Some(raw)) if !parameter.accepts(raw) => {
                 ParameterError::OutOfRange { parameter, raw }.fmt(f)
             }
-            (_, Some(row), _) => write!(f, "parameter {number} \"{}\": {status}", row.name),
+            (_, Some(row), _) => write!(f, "parameter {number} \"{}\": {status}", row.name()),
             (_, None, _) => write!(f, "parameter {number}: {status}"),
         }
     }

@@ -19,7 +19,7 @@ use super::rails::RailCoefficients;
 use super::samples::Lines;
 use super::sensorless::SensorlessCoefficients;
 use crate::dictionary::{Decimal, Dictionary, Parameters, number};
-use crate::units::{ElectricalAngle, saturate};
+use crate::units::{ElectricalAngle, saturate64};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -75,13 +75,11 @@ impl fmt::Display for BuildError {
         let decimal = |digits| Decimal { digits, exponent: row.exponent };
         write!(
             f,
-            "parameter {} \"{}\": {} does not fit the other parameters, which allow {} to {} {}",
-            row.number,
-            row.name,
+            "{row}: {} does not fit the other parameters, which allow {} to {} {}",
             row.engineering(self.raw),
             decimal(self.min),
             decimal(self.max),
-            row.unit
+            row.unit()
         )
     }
 }
@@ -100,33 +98,40 @@ impl Coefficients {
     /// # Errors
     /// The first parameter that does not fit the others.
     pub fn build(parameters: &Parameters, board: &Board) -> Result<Self, BuildError> {
-        let b = Builder { parameters, board };
-        b.check()?;
+        let mut b = Builder { parameters, board, misfit: None };
+        b.check();
+        if let Some(misfit) = b.misfit {
+            return Err(misfit);
+        }
         let lock_voltage = b.nominal_share(number::LOCK_DUTY);
-        Ok(Self {
+        let coefficients = Self {
             measurement: b.measurement(),
-            hall: b.hall()?,
-            hall_calibration: HallCalibrationCoefficients::new(b.turns()?, lock_voltage),
-            open_loop: b.open_loop(lock_voltage)?,
-            sensorless: b.sensorless(lock_voltage)?,
+            hall: b.hall(),
+            hall_calibration: HallCalibrationCoefficients::new(b.turns(), lock_voltage),
+            open_loop: b.open_loop(lock_voltage),
+            sensorless: b.sensorless(lock_voltage),
             protection: b.protection(),
             open_phase: OpenPhaseCoefficients { at_rest: b.ticks(100).min(u16::MAX as u32) as u16 },
             machine: b.machine(lock_voltage),
-            control: b.control()?,
+            control: b.control(),
             commutator: CommutatorCoefficients {
                 earliest: board.earliest,
                 advance: b.angle32(number::TIMING_ADVANCE),
             },
-            hall_mode: b.hall_mode()?,
-            sensorless_mode: b.sensorless_mode()?,
-            speed_of_turns: b.gain(number::MOTOR_POLE_PAIRS, b.rate(), 65_536)?,
-            sample_settle: (b.rate() * 65_536 * 3 / 1_000_000).min(u16::MAX as i128) as u16,
-        })
+            hall_mode: b.hall_mode(),
+            sensorless_mode: b.sensorless_mode(),
+            speed_of_turns: b.gain(number::MOTOR_POLE_PAIRS, b.rate(), 65_536),
+            sample_settle: (b.rate() * 65_536 * 3 / 1_000_000).min(u16::MAX as i64) as u16,
+        };
+        match b.misfit {
+            Some(misfit) => Err(misfit),
+            None => Ok(coefficients),
+        }
     }
 }
 
 /// Speeds above this many electrical revolutions a second leave less than two ticks for a sector.
-const TICKS_A_REVOLUTION_MIN: i128 = 12;
+const TICKS_A_REVOLUTION_MIN: i64 = 12;
 /// 2 pi x 10^9.
 const TWO_PI_E9: i128 = 6_283_185_307;
 /// The bus may rise to this much below its over-voltage threshold before rectification turns to diodes.
@@ -135,50 +140,61 @@ const BUS_GUARD: i32 = (1 << 16) / 2;
 struct Builder<'a> {
     parameters: &'a Parameters,
     board: &'a Board,
+    /// The first parameter that does not fit. What is built with it is dropped.
+    misfit: Option<BuildError>,
 }
 
-/// What is asked for often stays out of line: 128 bits written out at every use took 35 KB of a Cortex-M's flash.
+/// What is asked for often stays out of line: 64 bits written out at every use would take half as much flash again. Raw values have 32 bits, which
+/// leaves room for every product.
 impl Builder<'_> {
     #[inline(never)]
-    fn raw(&self, number: u16) -> i128 {
+    fn raw(&self, number: u16) -> i64 {
         match Dictionary::row(number) {
-            Some(row) => row.kind.widen(self.parameters.raw(number)) as i128,
+            Some(row) => row.kind.widen(self.parameters.raw(number)),
             None => 0,
         }
     }
 
-    fn rate(&self) -> i128 {
-        (self.board.tick_rate as i128).max(1000)
+    fn is_set(&self, number: u16) -> bool {
+        self.raw(number) == 1
     }
 
-    fn pole_pairs(&self) -> i128 {
+    fn rate(&self) -> i64 {
+        (self.board.tick_rate as i64).max(1000)
+    }
+
+    #[inline(never)]
+    fn pole_pairs(&self) -> i64 {
         self.raw(number::MOTOR_POLE_PAIRS).max(1)
     }
 
-    /// `Err` unless the raw value of `number` lies within `min..=max`.
     #[inline(never)]
-    fn within(&self, number: u16, min: i128, max: i128) -> Result<(), BuildError> {
-        let value = self.raw(number);
-        if (min..=max).contains(&value) {
-            return Ok(());
-        }
-        Err(BuildError {
-            parameter: number,
-            raw: self.parameters.raw(number),
-            min: min as i64,
-            max: max as i64,
-        })
+    fn note(&mut self, parameter: u16, min: i64, max: i64) {
+        let raw = self.parameters.raw(parameter);
+        self.misfit.get_or_insert(BuildError { parameter, raw, min, max });
     }
 
-    /// The gain `numerator / denominator`, or the parameter that is too fine or too coarse for it.
+    /// The raw value of `number` has to lie within `min..=max`.
     #[inline(never)]
-    fn gain(&self, number: u16, numerator: i128, denominator: i128) -> Result<Gain, BuildError> {
-        let (min, max) = Dictionary::row(number).map_or((0, 0), |row| (row.min, row.max));
-        Gain::from_ratio(numerator, denominator).ok_or(BuildError {
-            parameter: number,
-            raw: self.parameters.raw(number),
-            min,
-            max,
+    fn within(&mut self, number: u16, min: i64, max: i64) {
+        let value = self.raw(number);
+        if value < min || value > max {
+            self.note(number, min, max);
+        }
+    }
+
+    /// The gain `numerator / denominator`, for which the parameter may be too fine or too coarse.
+    #[inline(never)]
+    fn gain(&mut self, number: u16, numerator: i64, denominator: i64) -> Gain {
+        self.wide_gain(number, numerator.into(), denominator.into())
+    }
+
+    #[inline(never)]
+    fn wide_gain(&mut self, number: u16, numerator: i128, denominator: i128) -> Gain {
+        Gain::from_ratio(numerator, denominator).unwrap_or_else(|| {
+            let (min, max) = Dictionary::row(number).map_or((0, 0), |row| (row.min(), row.max()));
+            self.note(number, min, max);
+            Gain::ZERO
         })
     }
 
@@ -186,9 +202,9 @@ impl Builder<'_> {
     #[inline(never)]
     fn quantity(&self, number: u16) -> i32 {
         let exponent = Dictionary::row(number).map_or(0, |row| row.exponent);
-        let denominator = 10_i128.pow(exponent.min(0).unsigned_abs() as u32);
+        let denominator = 10_i64.pow(exponent.min(0).unsigned_abs() as u32);
         let rounded = (self.raw(number) << 16) + denominator / 2;
-        saturate(rounded.checked_div_euclid(denominator).unwrap_or(0))
+        saturate64(rounded.checked_div_euclid(denominator).unwrap_or(0))
     }
 
     /// Raw U1F15 of a percentage in 0.01 %.
@@ -199,20 +215,26 @@ impl Builder<'_> {
 
     /// Ticks of a time in milliseconds, at least 1.
     #[inline(never)]
-    fn ticks(&self, milliseconds: i128) -> u32 {
-        (milliseconds * self.rate() / 1000).clamp(1, u32::MAX as i128) as u32
+    fn ticks(&self, milliseconds: i64) -> u32 {
+        (milliseconds * self.rate() / 1000).clamp(1, u32::MAX as i64) as u32
+    }
+
+    /// Ticks of a parameter in milliseconds, at least 1.
+    #[inline(never)]
+    fn duration(&self, number: u16) -> u32 {
+        self.ticks(self.raw(number))
     }
 
     /// Raw I16F16 electrical rev/s of a parameter in mechanical rpm.
     #[inline(never)]
     fn speed(&self, number: u16) -> i32 {
-        saturate((self.raw(number) << 16) * self.pole_pairs() / 60)
+        saturate64((self.raw(number) << 16) * self.pole_pairs() / 60)
     }
 
     /// Raw I16F16 volts of a duty parameter, of the nominal supply.
     #[inline(never)]
     fn nominal_share(&self, number: u16) -> i32 {
-        saturate(self.quantity(number::NOMINAL_SUPPLY) as i128 * self.raw(number) / 10_000)
+        saturate64(self.quantity(number::NOMINAL_SUPPLY) as i64 * self.raw(number) / 10_000)
     }
 
     /// u32 turn of an angle in 0.01 degree.
@@ -222,31 +244,37 @@ impl Builder<'_> {
     }
 
     /// 2^-32 turn a tick of raw rev/s.
-    fn turns(&self) -> Result<Gain, BuildError> {
+    fn turns(&mut self) -> Gain {
         self.gain(number::MOTOR_POLE_PAIRS, 65_536, self.rate())
     }
 
+    /// Volts per electrical rev/s.
+    fn back_emf_gain(&mut self) -> Gain {
+        let emf = number::BACK_EMF_CONSTANT;
+        self.gain(emf, self.raw(emf) * 60, 1_000_000 * self.pole_pairs())
+    }
+
     /// Rules between parameters.
-    fn check(&self) -> Result<(), BuildError> {
+    fn check(&mut self) {
         let fastest = self.rate() * 60 / (TICKS_A_REVOLUTION_MIN * self.pole_pairs());
         for (low, high) in
             [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
         {
-            self.within(high, 1, fastest)?;
-            self.within(low, 0, self.raw(high))?;
+            self.within(high, 1, fastest);
+            self.within(low, 0, self.raw(high));
         }
-        self.within(number::OPEN_LOOP_SPEED, 0, fastest)?;
-        self.within(number::HV_CURRENT_SOFT_START, 0, self.raw(number::HV_CURRENT_MAX))?;
-        self.within(number::UNDER_VOLTAGE, 0, self.raw(number::OVER_VOLTAGE) - 1_500)?;
-        self.within(number::TEMPERATURE_WARNING, i32::MIN as i128, self.raw(number::OVER_TEMPERATURE) - 1)?;
+        self.within(number::OPEN_LOOP_SPEED, 0, fastest);
+        self.within(number::HV_CURRENT_SOFT_START, 0, self.raw(number::HV_CURRENT_MAX));
+        self.within(number::UNDER_VOLTAGE, 0, self.raw(number::OVER_VOLTAGE) - 1_500);
+        self.within(number::TEMPERATURE_WARNING, i32::MIN as i64, self.raw(number::OVER_TEMPERATURE) - 1);
         // A rotor at the smallest set-point must pass a sector within the time-out, twice over.
         let slowest = self.raw(number::SPEED_MIN_HES).max(1) * self.pole_pairs();
-        self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest), 6_000)?;
-        if self.raw(number::SENSORLESS_ENABLE) == 1 {
-            self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION))?;
+        self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest), 6_000);
+        if self.is_set(number::SENSORLESS_ENABLE) {
+            self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION));
         }
-        self.within(number::LOCK_DUTY, 0, self.raw(number::DUTY_MAX))?;
-        self.within(number::OPEN_LOOP_DUTY, 0, self.raw(number::DUTY_MAX))
+        self.within(number::LOCK_DUTY, 0, self.raw(number::DUTY_MAX));
+        self.within(number::OPEN_LOOP_DUTY, 0, self.raw(number::DUTY_MAX));
     }
 
     fn measurement(&self) -> MeasurementScales {
@@ -258,115 +286,114 @@ impl Builder<'_> {
         }
     }
 
-    fn hall(&self) -> Result<HallCoefficients, BuildError> {
+    fn hall(&mut self) -> HallCoefficients {
         let wiring = HallWiring {
             order: self.raw(number::HALL_ORDER) as u8,
             polarity: self.raw(number::HALL_POLARITY) as u8,
             offset: 0,
         };
-        let standard = self.raw(number::STANDARD_HALL_SEQUENCE) == 1;
+        let standard = self.is_set(number::STANDARD_HALL_SEQUENCE);
         let offset = if standard { 0 } else { self.angle32(number::HALL_OFFSET_ANGLE) };
-        let floor = self.turns()?.apply32(self.speed(number::HALL_INTERPOLATION_SPEED));
-        Ok(HallCoefficients {
+        let floor = self.turns().apply32(self.speed(number::HALL_INTERPOLATION_SPEED));
+        HallCoefficients {
             sectors: sectors(wiring),
             offset: ElectricalAngle((offset >> 16) as u16),
-            timeout: self.ticks(self.raw(number::HALL_PERIOD_TIMEOUT)).min(u16::MAX as u32) << 16,
+            timeout: self.duration(number::HALL_PERIOD_TIMEOUT).min(u16::MAX as u32) << 16,
             interpolation_min: floor.unsigned_abs(),
             captured: self.board.hall_capture,
-        })
+        }
     }
 
-    fn open_loop(&self, voltage_start: i32) -> Result<OpenLoopCoefficients, BuildError> {
+    fn open_loop(&mut self, voltage_start: i32) -> OpenLoopCoefficients {
         let speed = self.speed(number::OPEN_LOOP_SPEED);
         let voltage = self.nominal_share(number::OPEN_LOOP_DUTY);
         // The lock level holds from standstill only where open loop has a higher one.
         let voltage_start = voltage_start.min(voltage);
-        let rise = voltage as i128 - voltage_start as i128;
+        let rise = voltage as i64 - voltage_start as i64;
         // At least 1 rev/s in the ramp's time: a set-point of 0 written live stops the field.
         let climb = speed.max(1 << 16);
-        Ok(OpenLoopCoefficients {
+        OpenLoopCoefficients {
             speed,
-            rate: ((climb as i64) << 16) / self.ticks(self.raw(number::OPEN_LOOP_RAMP)).max(1) as i64,
+            rate: rise_a_tick(climb, self.duration(number::OPEN_LOOP_RAMP)),
             voltage_start,
             voltage,
-            slope: self.gain(number::OPEN_LOOP_DUTY, rise, (speed as i128).max(1))?,
-            turns: self.turns()?,
-        })
+            slope: self.gain(number::OPEN_LOOP_DUTY, rise, (speed as i64).max(1)),
+            turns: self.turns(),
+        }
     }
 
-    fn back_emf(&self) -> Result<BackEmfCoefficients, BuildError> {
-        let delay = |raw: i128| saturate((raw << 16) / 100);
-        let (emf, delays) = (number::BACK_EMF_CONSTANT, self.raw(number::ZC_DELAY));
-        Ok(BackEmfCoefficients {
-            terminal: ChannelScale::new(self.board.front_end.phase_voltage, 0),
+    fn back_emf(&mut self) -> BackEmfCoefficients {
+        let delay = |raw: i64| saturate64((raw << 16) / 100);
+        let delays = self.raw(number::ZC_DELAY);
+        let phase = self.board.front_end.phase_voltage;
+        BackEmfCoefficients {
+            terminal: ChannelScale::new(phase, 0),
             // Four codes: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
-            noise: saturate(((self.board.front_end.phase_voltage.micro_per_code as i128) << 18) / 1_000_000),
+            noise: saturate64(((phase.micro_per_code as i64) << 18) / 1_000_000),
             discard: (self.raw(number::ZC_DISCARD) << 16) as u32,
             earliest: self.board.earliest,
             comparator: self.board.comparator_capture,
             delay_rising: delay(delays),
             delay_falling: delay(delays + self.raw(number::ZC_DELAY_FALLING)),
-            back_emf: self.gain(emf, self.raw(emf) * 60, 1_000_000 * self.pole_pairs())?,
-        })
+            back_emf: self.back_emf_gain(),
+        }
     }
 
-    fn rails(&self, back_emf: Gain) -> Result<RailCoefficients, BuildError> {
+    fn rails(&mut self, back_emf: Gain) -> RailCoefficients {
         let (resistance, inductance) = (number::WINDING_RESISTANCE, number::WINDING_INDUCTANCE);
-        Ok(RailCoefficients {
-            resistance: self.gain(resistance, self.raw(resistance), 1000)?,
-            commutation: self.gain(inductance, 3 * self.raw(inductance), 1_000_000)?,
+        RailCoefficients {
+            resistance: self.gain(resistance, self.raw(resistance), 1000),
+            commutation: self.gain(inductance, 3 * self.raw(inductance), 1_000_000),
             back_emf,
             leak: 10_000,
-        })
+        }
     }
 
-    fn sensorless(&self, lock_voltage: i32) -> Result<SensorlessCoefficients, BuildError> {
-        let back_emf = self.back_emf()?;
+    fn sensorless(&mut self, lock_voltage: i32) -> SensorlessCoefficients {
+        let back_emf = self.back_emf();
         let (emf, ohm) = (number::BACK_EMF_CONSTANT, number::WINDING_RESISTANCE);
         let kick_voltage = self.nominal_share(number::OPEN_LOOP_DUTY);
-        let lock = self.ticks(self.raw(number::LOCK_DURATION));
+        let lock = self.duration(number::LOCK_DURATION);
         let rest = self.ticks(5);
         let align = lock.saturating_sub(rest + self.ticks(2)).max(self.ticks(20));
-        let ramp = self.ticks(self.raw(number::OPEN_LOOP_RAMP));
         // E = k f <= R I: the current of shorted windings, raw rev/s. It has no ripple, for which the mean limit leaves room: a tenth more.
         let fall = self.raw(ohm) * self.raw(number::PHASE_CURRENT_MAX) * 11 / 10 * self.pole_pairs();
         let brake = (fall << 16).checked_div(self.raw(emf) * 60).unwrap_or(0);
-        Ok(SensorlessCoefficients {
+        SensorlessCoefficients {
             back_emf,
-            rails: self.rails(back_emf.back_emf)?,
+            rails: self.rails(back_emf.back_emf),
             emf_of_turns: self.gain(
                 emf,
                 self.raw(emf) * 60 * self.rate(),
                 1_000_000 * 65_536 * self.pole_pairs(),
-            )?,
-            timeout: (self.raw(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i128 / 2) as u32,
+            ),
+            timeout: (self.raw(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i64 / 2) as u32,
             rest,
             align,
-            align_rate: ((lock_voltage as i64) << 16) / (align as i64 / 4).max(1),
+            align_rate: rise_a_tick(lock_voltage, align / 4),
             align_voltage: lock_voltage,
-            kick_rate: ((kick_voltage as i64) << 16) / (ramp as i64).max(1),
+            kick_rate: rise_a_tick(kick_voltage, self.duration(number::OPEN_LOOP_RAMP)),
             kick_voltage,
             kick_patience: self.ticks(50),
-            kick_limit: self.ticks(self.raw(number::OPEN_LOOP_DURATION)).max(self.ticks(1000)),
-            brake_max: self.turns()?.apply32(saturate(brake)),
-        })
+            kick_limit: self.duration(number::OPEN_LOOP_DURATION).max(self.ticks(1000)),
+            brake_max: self.turns().apply32(saturate64(brake)),
+        }
     }
 
     fn machine(&self, lock_voltage: i32) -> MachineCoefficients {
-        let enabled = |number| self.raw(number) == 1;
-        let lock = self.ticks(self.raw(number::LOCK_DURATION));
+        let lock = self.duration(number::LOCK_DURATION);
         MachineCoefficients {
-            open_loop_enable: enabled(number::OPEN_LOOP_ENABLE),
-            sensorless_enable: enabled(number::SENSORLESS_ENABLE),
-            hall_enable: enabled(number::HALL_ENABLE),
+            open_loop_enable: self.is_set(number::OPEN_LOOP_ENABLE),
+            sensorless_enable: self.is_set(number::SENSORLESS_ENABLE),
+            hall_enable: self.is_set(number::HALL_ENABLE),
             boot: self.ticks(500),
             lock,
             lock_voltage,
-            lock_rate: ((lock_voltage as i64) << 16) / (lock as i64 / 4).max(1),
-            open_loop: self.ticks(self.raw(number::OPEN_LOOP_DURATION)),
+            lock_rate: rise_a_tick(lock_voltage, lock / 4),
+            open_loop: self.duration(number::OPEN_LOOP_DURATION),
             auto_restart: self.ticks(2_000),
-            fault_wait: self.ticks(self.raw(number::FAULT_WAIT)),
-            command_timeout: self.ticks(self.raw(number::CAN_TIMEOUT)),
+            fault_wait: self.duration(number::FAULT_WAIT),
+            command_timeout: self.duration(number::CAN_TIMEOUT),
         }
     }
 
@@ -386,23 +413,23 @@ impl Builder<'_> {
                 _ => Lines::empty(),
             },
             critical_mask: self.parameters.raw_u32(number::CRITICAL_FAULT_MASK),
-            hall_stall_ticks: self.ticks(self.raw(number::HALL_STALL_TIME)),
+            hall_stall_ticks: self.duration(number::HALL_STALL_TIME),
         };
         ProtectionCoefficients::new(self.rate() as u32, &thresholds)
     }
 
-    fn control(&self) -> Result<ControlCoefficients, BuildError> {
+    fn control(&mut self) -> ControlCoefficients {
+        let rate = self.rate();
         let ticks_per_ms = self.ticks(1).min(u16::MAX as u32) as u16;
-        let duty_of_ns = |ns: i128| (ns * self.rate() * 32_768 / 1_000_000_000).clamp(0, 1 << 14) as u16;
+        let duty_of_ns = |ns: i64| (ns * rate * 32_768 / 1_000_000_000).clamp(0, 1 << 14) as u16;
         let (kp, ki) = (number::HV_CURRENT_KP, number::HV_CURRENT_KI);
-        let emf = number::BACK_EMF_CONSTANT;
         let (hot, warm) = (number::OVER_TEMPERATURE, number::TEMPERATURE_WARNING);
-        let degrees = (self.quantity(hot) as i128 - self.quantity(warm) as i128).max(1);
-        Ok(ControlCoefficients {
+        let degrees = (self.quantity(hot) as i64 - self.quantity(warm) as i64).max(1);
+        ControlCoefficients {
             ticks_per_ms,
             current: PiGains {
-                proportional: self.gain(kp, self.raw(kp), 1_000_000)?,
-                integral: self.gain(ki, self.raw(ki), 1_000 * self.rate())?,
+                proportional: self.gain(kp, self.raw(kp), 1_000_000),
+                integral: self.gain(ki, self.raw(ki), 1_000 * self.rate()),
             },
             limits: LimitCoefficients {
                 soft_start: self.quantity(number::HV_CURRENT_SOFT_START),
@@ -410,48 +437,54 @@ impl Builder<'_> {
                 rate: ((self.quantity(number::HV_CURRENT_RATE) as i64) << 16) / 1000,
                 phase_current: self.quantity(number::PHASE_CURRENT_MAX),
                 derating_start: self.quantity(warm),
-                derating: self.gain(hot, 65_536, degrees)?,
+                derating: self.gain(hot, 65_536, degrees),
             },
-            speed_rate: (((self.raw(number::SPEED_RATE) * self.pole_pairs()) << 32) / 60_000)
-                .min(i64::MAX as i128 >> 2) as i64,
+            // No more than 10^7 rpm/s of 50 pole pairs: 2^29 and 32 bits.
+            speed_rate: ((self.raw(number::SPEED_RATE) * self.pole_pairs()) << 32) / 60_000,
             slew: (self.duty(number::DUTY_SLEW) / ticks_per_ms.max(1)).max(1),
             duty_min: duty_of_ns(self.raw(number::ON_TIME_MIN)),
-            dead_time: duty_of_ns(self.board.dead_time_ns as i128),
+            dead_time: duty_of_ns(self.board.dead_time_ns as i64),
             bus_guard: self.quantity(number::OVER_VOLTAGE) - BUS_GUARD,
             initial_voltage: self.nominal_share(number::INITIAL_DUTY),
-            back_emf: self.gain(emf, self.raw(emf) * 60, 1_000_000 * self.pole_pairs())?,
-        })
+            back_emf: self.back_emf_gain(),
+        }
     }
 
-    fn hall_mode(&self) -> Result<ModeCoefficients, BuildError> {
+    fn hall_mode(&mut self) -> ModeCoefficients {
         // V/rpm x 10^-9 -> V per electrical rev/s: x 60 / pole pairs.
         let (kp, ki) = (number::SPEED_KP_HES, number::SPEED_KI_HES);
         let denominator = 1_000_000_000 * self.pole_pairs();
-        Ok(ModeCoefficients {
+        ModeCoefficients {
             speed: PiGains {
-                proportional: self.gain(kp, self.raw(kp) * 60, denominator)?,
-                integral: self.gain(ki, self.raw(ki) * 60, denominator * 1000)?,
+                proportional: self.gain(kp, self.raw(kp) * 60, denominator),
+                integral: self.gain(ki, self.raw(ki) * 60, denominator * 1000),
             },
             speed_min: self.speed(number::SPEED_MIN_HES),
             speed_max: self.speed(number::SPEED_MAX_HES),
             duty_max: self.duty(number::DUTY_MAX),
             sparse: false,
-        })
+        }
     }
 
-    fn sensorless_mode(&self) -> Result<ModeCoefficients, BuildError> {
+    fn sensorless_mode(&mut self) -> ModeCoefficients {
         // V s/rad x 10^-6 -> V per electrical rev/s: x 2 pi / pole pairs.
         let (kp, ki) = (number::SPEED_KP_SL, number::SPEED_KI_SL);
-        let denominator = 1_000_000 * 1_000_000_000 * self.pole_pairs();
-        Ok(ModeCoefficients {
+        let denominator = 1_000_000 * 1_000_000_000 * i128::from(self.pole_pairs());
+        ModeCoefficients {
             speed: PiGains {
-                proportional: self.gain(kp, self.raw(kp) * TWO_PI_E9, denominator)?,
-                integral: self.gain(ki, self.raw(ki) * TWO_PI_E9, denominator * 1000)?,
+                proportional: self.wide_gain(kp, i128::from(self.raw(kp)) * TWO_PI_E9, denominator),
+                integral: self.wide_gain(ki, i128::from(self.raw(ki)) * TWO_PI_E9, denominator * 1000),
             },
             speed_min: self.speed(number::SPEED_MIN_SL),
             speed_max: self.speed(number::SPEED_MAX_SL),
             duty_max: self.duty(number::DUTY_MAX_SL),
             sparse: true,
-        })
+        }
     }
+}
+
+/// What a ramp adds in a tick that reaches a raw `level` in so many `ticks`, 16 extra bits.
+#[inline(never)]
+fn rise_a_tick(level: i32, ticks: u32) -> i64 {
+    ((level as i64) << 16) / (ticks as i64).max(1)
 }

@@ -40,28 +40,40 @@ impl Gain {
     }
 
     /// The gain `numerator / denominator`, its last bit rounded down. `None` if negative, too large (2^30 and more) or too small
-    /// to keep [`SIGNIFICANT_BITS`]; and for a numerator of 2^64 and more, which the arithmetic has no room for.
+    /// to keep [`SIGNIFICANT_BITS`]; and for what the arithmetic has no room for, a numerator of 2^64 or a denominator of 2^97 and more.
     pub const fn from_ratio(numerator: i128, denominator: i128) -> Option<Self> {
-        if numerator < 0 || denominator <= 0 || numerator >> 64 != 0 {
+        if numerator < 0 || denominator <= 0 || numerator >> 64 != 0 || denominator >> 97 != 0 {
             return None;
         }
         if numerator == 0 {
             return Some(Self::ZERO);
         }
-        // Widest mantissa first; the shift that gives it.
-        let mut shift = SHIFT_MAX;
-        let mut scaled = (numerator << SHIFT_MAX) / denominator;
-        while scaled >= 1 << MANTISSA_BITS {
-            if shift == 0 {
-                return None;
-            }
-            scaled >>= 1;
-            shift -= 1;
-        }
-        if scaled < 1 << (SIGNIFICANT_BITS - 1) {
+        // One bit after the other: dividing 128 bits at once takes more flash than the rest of building. The shift that gives the
+        // widest mantissa first.
+        let (mut rest, mut divisor) = (numerator as u128, denominator as u128);
+        if rest >> MANTISSA_BITS >= divisor {
             return None;
         }
-        Some(Self { mantissa: scaled as i32, shift: shift as u8 })
+        let mut shift = 0;
+        while shift < SHIFT_MAX && rest >> (MANTISSA_BITS - 1) < divisor {
+            rest <<= 1;
+            shift += 1;
+        }
+        divisor <<= MANTISSA_BITS;
+        let mut mantissa = 0;
+        let mut bit = 1 << MANTISSA_BITS;
+        while bit > 1 {
+            bit >>= 1;
+            divisor >>= 1;
+            if rest >= divisor {
+                rest -= divisor;
+                mantissa |= bit;
+            }
+        }
+        if mantissa < 1 << (SIGNIFICANT_BITS - 1) {
+            return None;
+        }
+        Some(Self { mantissa, shift: shift as u8 })
     }
 
     /// `self x value`, rounded down.

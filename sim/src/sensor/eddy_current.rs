@@ -1,5 +1,6 @@
 //! One channel: from a distance to the position that the driver's board samples.
 
+use crate::shown::Shown;
 use super::{Shaft, Target};
 use core::fmt;
 use narx_core::bus::eddycan::Position;
@@ -102,14 +103,13 @@ impl fmt::Display for SensorError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Range(range) => {
-                write!(
-                    f,
-                    "measuring range {range} mm: must be from {} to {} mm",
-                    RANGES.start(),
-                    RANGES.end()
-                )
+                let [range, min, max] = [*range, *RANGES.start(), *RANGES.end()].map(Shown::Plain);
+                write!(f, "measuring range {range} mm: must be from {min} to {max} mm")
             }
-            Self::Noise(noise) => write!(f, "noise {noise} mm rms: must be from 0 to {NOISE_MAX} mm rms"),
+            Self::Noise(noise) => {
+                let [noise, max] = [*noise, NOISE_MAX].map(Shown::Plain);
+                write!(f, "noise {noise} mm rms: must be from 0 to {max} mm rms")
+            }
             Self::Target => f.write_str("the target's place is not a number"),
         }
     }

@@ -6,7 +6,7 @@ use narx_core::bus::narmotion::SIGNALS;
 use narx_core::dictionary::{Decimal, Dictionary, Parameter};
 use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_core::storage::Record;
-use narx_wasm_values::error::{list, range_error, shown, type_error};
+use narx_wasm_values::error::{list, shown, type_error};
 use narx_wasm_values::options::set;
 use wasm_bindgen::prelude::*;
 
@@ -150,13 +150,4 @@ pub(crate) fn choice<T: Copy>(what: &str, given: &JsValue, choices: &[(&str, T)]
         let names = list(choices.iter().map(|(name, _)| *name));
         type_error(&format!("{what} {}: must be one of {names}", shown(given)))
     })
-}
-
-/// `value` as a whole number from `min` to `max`.
-pub(crate) fn whole(what: &str, value: f64, min: f64, max: f64) -> Result<f64, JsValue> {
-    if value.fract() == 0.0 && (min..=max).contains(&value) {
-        return Ok(value);
-    }
-    let [value, min, max] = [value, min, max].map(|number| shown(&number.into()));
-    Err(range_error(&format!("{what} {value}: must be a whole number from {min} to {max}")))
 }

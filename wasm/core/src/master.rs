@@ -1,13 +1,13 @@
 //! The master of a drive: frames and times in, frames out.
 
-use crate::dictionary::{choice, row, whole};
+use crate::dictionary::{choice, row};
 use crate::messages::{faults, float, status, unit};
 use crate::requests;
 use js_sys::{Array, Object, Uint8Array};
 use narx_core::bus::narmotion::{Addresses, StatusWord};
 use narx_core::master::{Config, Download, Heard, Master as Core};
 use narx_sim::engineering;
-use narx_wasm_values::error::{range_error, shown};
+use narx_wasm_values::error::{range_error, shown, whole};
 use narx_wasm_values::frame;
 use narx_wasm_values::options::{Options, set};
 use wasm_bindgen::prelude::*;

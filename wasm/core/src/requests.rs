@@ -1,13 +1,13 @@
 //! What a drive is asked for, and its answers.
 
-use crate::dictionary::{choice, row, whole};
+use crate::dictionary::{choice, row};
 use crate::master::Master;
 use js_sys::{Error, Object};
 use narx_core::bus::narmotion::{DigitalOutputs, ParameterStatus};
 use narx_core::dictionary::Dictionary;
 use narx_core::master::{Answer, DownloadError, Refusal, Request, RequestError, Service};
 use narx_sim::engineering;
-use narx_wasm_values::error::range_error;
+use narx_wasm_values::error::{range_error, whole};
 use narx_wasm_values::options::{Options, set};
 use std::fmt::Display;
 use wasm_bindgen::prelude::*;

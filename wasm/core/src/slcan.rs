@@ -1,9 +1,8 @@
 //! Lines of an slcan adapter, as on Web Serial.
 
-use crate::dictionary::whole;
 use js_sys::{Array, Object};
 use narx_sim::can::slcan::{BITRATES, Command, Lines, NO, decode_frame, encode_frame};
-use narx_wasm_values::error::range_error;
+use narx_wasm_values::error::{range_error, whole};
 use narx_wasm_values::frame;
 use wasm_bindgen::prelude::*;
 

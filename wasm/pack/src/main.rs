@@ -1,9 +1,10 @@
-//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
+//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
 //!
 //! | import | files | what |
 //! |---|---|---|
 //! | `narx` | `narx.js`, `narx_bg.wasm` | the bench |
-//! | `narx/core` | `core.js`, `core_bg.wasm` | the core: masters, messages, logs, recordings, blocks |
+//! | `narx/core` | `core.js`, `core_bg.wasm` | masters, messages, the dictionary, slcan |
+//! | `narx/lab` | `lab.js`, `lab_bg.wasm` | recordings that run again, logs |
 //! | `narx/drive`, `narx/script` | from `wasm/ts` | what is TypeScript over them |
 //!
 //! A package of its own and not a part of xtask: what it depends on takes longer to compile than all of narx, and
@@ -23,6 +24,7 @@ const MANIFEST: &str = r#"{
   "exports": {
     ".": { "types": "./narx.d.ts", "default": "./narx.js" },
     "./core": { "types": "./core.d.ts", "default": "./core.js" },
+    "./lab": { "types": "./lab.d.ts", "default": "./lab.js" },
     "./drive": { "types": "./drive.d.ts", "default": "./drive.js" },
     "./script": { "types": "./script.d.ts", "default": "./script.js" },
     "./*.wasm": "./*.wasm"
@@ -32,8 +34,8 @@ const MANIFEST: &str = r#"{
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();
-    let [directory, bench, core] = arguments.as_slice() else {
-        bail!("usage: narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM")
+    let [directory, bench, core, lab] = arguments.as_slice() else {
+        bail!("usage: narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM")
     };
     let (web, node) = (directory.join("web"), directory.join("node"));
     for package in [&web, &node] {
@@ -42,13 +44,14 @@ fn main() -> anyhow::Result<()> {
             fs::remove_dir_all(package).with_context(|| package.display().to_string())?;
         }
     }
-    for (name, wasm) in [("narx", bench), ("core", core)] {
+    for (name, wasm) in [("narx", bench), ("core", core), ("lab", lab)] {
         bindgen(wasm, name).web(true)?.generate(&web)?;
         bindgen(wasm, name).nodejs_module(true)?.generate(&node)?;
     }
     for package in [&web, &node] {
         append(&package.join("narx.d.ts"), &names::bench()?)?;
         append(&package.join("core.d.ts"), &names::core()?)?;
+        append(&package.join("lab.d.ts"), &names::lab()?)?;
         fs::write(package.join("package.json"), MANIFEST)?;
     }
     Ok(())

@@ -28,8 +28,6 @@ pub(crate) fn bench() -> Result<String, fmt::Error> {
 /// Those of the core.
 pub(crate) fn core() -> Result<String, fmt::Error> {
     let mut text = String::new();
-    let signals = replayed::SIGNALS.iter().map(|signal| signal.name);
-    union(&mut text, "SignalName", "Signals of the trace of a replay.", signals)?;
     union(&mut text, "FaultName", "Bits of the fault word.", faults())?;
     union(&mut text, "StateName", "States of the drive, 0 to 7.", State::ALL.map(State::name))?;
     union(&mut text, "ParameterName", "Parameters of the drive.", Dictionary::rows().map(|row| row.name))?;
@@ -39,6 +37,17 @@ pub(crate) fn core() -> Result<String, fmt::Error> {
     union(&mut text, "ScopeSignalName", "Signals of the virtual scope.", shown)?;
     drive_messages(&mut text)?;
     node_messages(&mut text)?;
+    Ok(text)
+}
+
+/// Those of the laboratory.
+pub(crate) fn lab() -> Result<String, fmt::Error> {
+    let mut text = String::new();
+    let signals = replayed::SIGNALS.iter().map(|signal| signal.name);
+    union(&mut text, "SignalName", "Signals of the trace of a replay.", signals)?;
+    let messages = MESSAGES.iter().map(message_name);
+    let messages = messages.chain(node::MESSAGES.iter().map(|message| message.name.to_owned()));
+    union(&mut text, "MessageName", "Messages of the drive and of TX-Drivers.", messages)?;
     Ok(text)
 }
 

@@ -41,3 +41,12 @@ pub fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     }
     text
 }
+
+/// `value` as a whole number from `min` to `max`.
+pub fn whole(what: &str, value: f64, min: f64, max: f64) -> Result<f64, JsValue> {
+    if value.fract() == 0.0 && (min..=max).contains(&value) {
+        return Ok(value);
+    }
+    let [value, min, max] = [value, min, max].map(|number| shown(&number.into()));
+    Err(range_error(&format!("{what} {value}: must be a whole number from {min} to {max}")))
+}

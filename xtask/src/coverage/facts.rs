@@ -131,11 +131,11 @@ fn parameters(
 }
 
 fn parameter_row(parameter: &Parameter, own: Row, sources: &Sources) -> Row {
-    let mut row = Row { key: parameter.number.to_string(), says: parameter.name.to_owned(), ..own };
+    let mut row = Row { key: parameter.number.to_string(), says: parameter.name().to_owned(), ..own };
     if let Some(constant) = sources.constant(parameter.number) {
         row.code.extend(sources.users(constant).into_iter().map(|path| format!("{path} number::{constant}")));
         row.tests.extend(sources.tests_of(constant));
-        row.vectors.extend(sources.vectors_of(parameter.name));
+        row.vectors.extend(sources.vectors_of(parameter.name()));
     }
     row
 }

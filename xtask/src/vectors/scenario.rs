@@ -121,7 +121,13 @@ pub(super) fn parameter(key: &str, name: &str, value: f64) -> Result<(u16, i32),
     })?;
     let scale = 10_f64.powi(i32::from(row.exponent));
     let raw = (value / scale).round();
-    within(&format!("{key} \"{name}\""), value, row.min as f64 * scale, row.max as f64 * scale, row.unit)?;
+    within(
+        &format!("{key} \"{name}\""),
+        value,
+        row.min() as f64 * scale,
+        row.max() as f64 * scale,
+        row.unit(),
+    )?;
     Ok((row.number, raw as i64 as i32))
 }
 

@@ -3,7 +3,7 @@
 use super::{Limit, ProtectionCoefficients};
 use crate::motor::fault::Cause;
 use crate::motor::samples::Lines;
-use crate::units::saturate;
+use crate::units::saturate64;
 
 /// What trips the fault logic, raw I16F16 of the quantity's unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl ProtectionCoefficients {
         };
         let limit =
             |cause: Cause, trip: i32, clear: i32| Limit { trip, clear, ticks: ticks(cause.qualification()) };
-        let overspeed = |most: i32| limit(Cause::Overspeed, saturate(i128::from(most) * 13 / 10), most);
+        let overspeed = |most: i32| limit(Cause::Overspeed, saturate64(i64::from(most) * 13 / 10), most);
         let Thresholds { over_voltage: over, under_voltage: under, over_current: current, .. } = *at;
         let (hot, warm, pressure) = (at.over_temperature, at.warning, at.over_pressure);
         Self {

@@ -1,7 +1,7 @@
 // What was chosen on the connection panel, and the connections that come of it.
 
 import type { BusFrame, MotorName, Mode } from "narx";
-import type { Setup } from "./bench/messages";
+import type { Action, Setup } from "./bench/messages";
 import type { Run } from "./bench/run";
 import { openAdapter } from "./link/adapter";
 import { play } from "./link/playback";
@@ -21,6 +21,8 @@ export const settings = $state({
     /** Degrees Celsius. */
     ambient: 25,
     seed: 1,
+    /** On the drive's bus, with node-ids from 2 on. */
+    txDrivers: 0,
     slave: 170,
     monitor: 85,
     /** ms. */
@@ -29,8 +31,9 @@ export const settings = $state({
     silent: false,
 });
 
-export function connectVirtual(setup: Setup): Promise<void> {
-    return session.connect((listener) => virtualDrive.open(setup, listener), master());
+export function connectVirtual(setup: Setup, txDrivers = 0): Promise<void> {
+    const actions = Array.from({ length: txDrivers }, (_, index): Action => ({ call: "addTxDriver", options: { nodeId: index + 2 } }));
+    return session.connect((listener) => virtualDrive.open(setup, actions, listener), master());
 }
 
 /** The virtual drive that everybody finds who comes without a wish. */

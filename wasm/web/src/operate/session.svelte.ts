@@ -10,6 +10,9 @@ import { nodes } from "./nodes.svelte";
 import { trace } from "./trace.svelte";
 import { NOTHING, look, setpointOf, type View } from "./view";
 
+/** Time that a drive has to be heard, s. */
+const BOOT = 1.5;
+
 class Session {
     link = $state.raw<Link>();
     drive = $state.raw<Drive>();
@@ -19,6 +22,8 @@ class Session {
     problem = $state<string>();
     connecting = $state(false);
     #changed = false;
+    /** The link's time when it was opened, s. */
+    #opened = 0;
     #wasConnected = false;
     /** Ends what waits for a drive that is gone. */
     #gone: ((reason: Error) => void) | undefined;
@@ -29,6 +34,11 @@ class Session {
         // Whoever closes the page leaves no motor turning without a master.
         addEventListener("pagehide", () => this.#halt());
         requestAnimationFrame(() => this.#draw());
+    }
+
+    /** Nothing has come from the drive for longer than it takes to boot. */
+    get unheard(): boolean {
+        return this.link !== undefined && !this.view.connected && this.view.time > this.#opened + BOOT;
     }
 
     /** Whether this master can command: it is on a link that sends, and the drive is heard. */
@@ -55,6 +65,7 @@ class Session {
                 handle: (time, frames) => this.#hear(drive, time, frames),
                 handleLoss: (reason) => this.#lose(drive, reason),
             });
+            this.#opened = this.link.now;
         } catch (error) {
             this.drive = undefined;
             this.problem = words(error);
@@ -164,7 +175,7 @@ class Session {
     #draw(): void {
         if (this.#changed && this.drive && this.link) {
             this.#changed = false;
-            this.view = look(this.drive.master);
+            this.view = look(this.drive.master, this.link.now);
         }
         requestAnimationFrame(() => this.#draw());
     }

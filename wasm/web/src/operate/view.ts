@@ -4,6 +4,8 @@ import type { Master, Measurement, ParameterName } from "narx/core";
 import { FAULT } from "./states";
 
 export interface View {
+    /** The link's time, s. */
+    time: number;
     /** The drive was heard lately. */
     connected: boolean;
     /** 0 to 7; absent while it is not known. */
@@ -28,6 +30,7 @@ export interface View {
 
 /** Before anything is connected. */
 export const NOTHING: View = {
+    time: 0,
     connected: false,
     stateName: "not heard",
     faults: [],
@@ -38,10 +41,11 @@ export const NOTHING: View = {
     parameter: () => undefined,
 };
 
-export function look(master: Master): View {
+export function look(master: Master, time: number): View {
     const { state, critical } = master;
     const status = master.status ?? {};
     return {
+        time,
         connected: master.connected,
         state,
         stateName: master.stateName ?? "not heard",

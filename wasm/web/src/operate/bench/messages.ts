@@ -16,8 +16,11 @@ type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
 
 /** From the page. */
 export type Request =
-    | { kind: "open"; setup: Setup }
+    /** Powers a drive up; the actions come before its first tick. */
+    | { kind: "open"; setup: Setup; actions: Action[] }
     | { kind: "act"; actions: Action[] }
+    /** A report was taken. */
+    | { kind: "heard" }
     /** Simulated seconds in a second; 0 stands still. */
     | { kind: "pace"; pace: number }
     | { kind: "step"; ticks: number }

@@ -10,13 +10,16 @@ const PERIOD = 8;
 /** Ticks of a piece in real time: inputs come at its ends, so that their ticks are round numbers, which a link keeps short. */
 const PIECE = 50;
 /** What is simulated at once, s. A computer that is too slow for more falls behind the clock. */
-const BEHIND_MAX = 0.1;
+const BEHIND_MAX = 0.05;
+/** Reports that the page has not heard yet. A page that is busy stops the time of the bench: its set-points must not come too late. */
+const UNHEARD_MAX = 2;
 /** Ticks between two reports of a run that is repeated. */
 const REPORT = 5000;
 
 let journal: JournalledBench | undefined;
 let pace = 1;
 let before = 0;
+let unheard = 0;
 /** Ticks that are due, with their fraction. */
 let due = 0;
 
@@ -26,6 +29,7 @@ function answer(message: Answer, transfer: Transferable[] = []): void {
 
 function report(journal: JournalledBench, ticks: number): void {
     const { rows, frames } = journal.advance(ticks);
+    unheard += 1;
     answer({ kind: "ran", now: journal.now(pace), rows, frames }, buffers(rows));
 }
 
@@ -34,8 +38,10 @@ function buffers(rows: Rows): Transferable[] {
 }
 
 function open(request: Request & { kind: "open" }): void {
-    begin(new JournalledBench(request.setup));
+    const powered = new JournalledBench(request.setup);
+    request.actions.forEach((action) => powered.act(action));
     pace = 1;
+    begin(powered);
 }
 
 function begin(opened: JournalledBench): void {
@@ -74,7 +80,7 @@ function turn(): void {
     const now = performance.now();
     const elapsed = Math.min((now - before) / 1000, BEHIND_MAX);
     before = now;
-    if (journal && pace > 0) {
+    if (journal && pace > 0 && unheard < UNHEARD_MAX) {
         due += elapsed * pace * journal.bench.tickRate;
         const piece = pace < 0.5 ? 1 : PIECE;
         const ticks = Math.floor(due / piece) * piece;
@@ -99,6 +105,9 @@ function handle(request: Request): void | Promise<void> {
             return open(request);
         case "act":
             return request.actions.forEach((action) => opened().act(action));
+        case "heard":
+            unheard -= 1;
+            return;
         case "pace":
             pace = request.pace;
             due = 0;

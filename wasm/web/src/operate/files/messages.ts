@@ -1,7 +1,7 @@
 // What the page and the worker that reads files say to each other.
 
 import type { BusFrame } from "narx";
-import type { Replay } from "narx/core";
+import type { Replay } from "narx/lab";
 import type { Table } from "narx/drive";
 
 /** A file that was read. */

@@ -1,6 +1,6 @@
 // Reads files: what takes longer than a picture does not belong on the page.
 
-import init, { readLog, replay, replayTrace, type CanLog } from "narx/core";
+import init, { readLog, replay, replayTrace, type CanLog } from "narx/lab";
 import type { BusFrame } from "narx";
 import type { Table } from "narx/drive";
 import { columns } from "./columns";

@@ -35,11 +35,11 @@ class VirtualDrive {
     #repeats = false;
     #waiting: ((answer: Answer) => boolean)[] = [];
 
-    /** Powers a virtual drive up. Refused with an Error for a setup that cannot be. */
-    async open(setup: Setup, listener: Listener): Promise<Link> {
+    /** Powers a virtual drive up, with what is done to it before its first tick. Refused with an Error for a setup that cannot be. */
+    async open(setup: Setup, actions: Action[], listener: Listener): Promise<Link> {
         this.reproduced = undefined;
         this.#repeats = false;
-        return this.#connect({ kind: "open", setup }, listener);
+        return this.#connect({ kind: "open", setup, actions }, listener);
     }
 
     /** Repeats a run; the virtual drive stands still at its end. */
@@ -151,7 +151,8 @@ class VirtualDrive {
                 this.now = answer.now;
                 this.rows.append(answer.rows);
                 this.#listener?.handle(answer.now.time, answer.frames);
-                return;
+                // Behind what was sent for it.
+                return queueMicrotask(() => this.#worker?.postMessage({ kind: "heard" } satisfies Request));
             case "reproduced":
                 this.reproduced = answer;
                 this.#repeats = false;

@@ -1,10 +1,9 @@
 //! Logs of a bus as columns.
 
-use crate::dictionary::whole;
 use js_sys::{Array, Float64Array, Object, Reflect, Uint8Array, Uint32Array};
 use narx_core::bus::narmotion::Addresses;
 use narx_host::can_log::{CanLog, Config, Ends, Frames, Kind, LineError, Table, Values, flag};
-use narx_wasm_values::error::type_error;
+use narx_wasm_values::error::{type_error, whole};
 use narx_wasm_values::options::{Options, set};
 use wasm_bindgen::prelude::*;
 
@@ -23,7 +22,7 @@ export interface LogOptions {
 /** Every message of one kind: columns of the same length. */
 export interface MessageTable {
     /** As the CAN database or Table 3 of the eddyCAN specification has it. */
-    readonly name: keyof DriveValues | keyof NodeValues;
+    readonly name: MessageName;
     /** A drive or node sends it, else its master. */
     readonly fromDevice: boolean;
     /** As stamped, s. */
