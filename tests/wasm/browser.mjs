@@ -6,7 +6,8 @@ import { delimiter, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { PAGE, serve } from "../../wasm/web/serve.mjs";
 
-const { chromium } = createRequire(new URL("../../wasm/web/package.json", import.meta.url))("playwright-core");
+const installed = createRequire(new URL("../../wasm/web/package.json", import.meta.url));
+const { chromium } = installed("playwright-core");
 
 /** Where the package for the web is served. */
 export const PACKAGE = "/package/";
@@ -32,7 +33,7 @@ function exists(path) {
     }
 }
 
-/** Server and browser; `open(options)` is a page that has loaded, `close()` ends both. */
+/** Server and browser; `open(options, route)` is a page that has loaded at that route, `close()` ends both. */
 export async function start() {
     const server = await serve({ "/": PAGE, [PACKAGE]: fileURLToPath(new URL("../../wasm/pkg/web", import.meta.url)) });
     // Containers have neither user namespaces for the sandbox nor a large /dev/shm.
@@ -42,13 +43,13 @@ export async function start() {
         throw error;
     });
     return {
-        async open(options) {
+        async open(options, route = "") {
             const page = await browser.newPage(options);
             const complaints = [];
             page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
             page.on("pageerror", (error) => complaints.push(error.message));
             page.on("requestfailed", (request) => complaints.push(`not loaded: ${request.url()}`));
-            await page.goto(`http://127.0.0.1:${server.address().port}/`);
+            await page.goto(`http://127.0.0.1:${server.address().port}/${route}`);
             return { page, complaints };
         },
         async close() {
@@ -56,4 +57,25 @@ export async function start() {
             server.close();
         },
     };
+}
+
+/** Every route: the areas, and what their navigation names. */
+export async function routes(page) {
+    const found = new Set();
+    for (const area of await page.locator("header nav a").evaluateAll((links) => links.map((link) => link.hash))) {
+        found.add(area);
+        await page.evaluate((route) => location.assign(route), area);
+        await page.locator("main h1").waitFor();
+        for (const link of await page.locator("main nav a").evaluateAll((links) => links.map((link) => link.hash))) {
+            found.add(link);
+        }
+    }
+    return [...found];
+}
+
+/** What the page does wrong by the rules of WCAG 2.2 AA that a program can judge, a line each. */
+export async function violations(page) {
+    await page.addScriptTag({ path: installed.resolve("axe-core/axe.min.js") });
+    const found = await page.evaluate(() => globalThis.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21aa", "wcag22aa", "best-practice"] }));
+    return found.violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary }) => `${id}: ${target.join(" ")}: ${failureSummary}`));
 }

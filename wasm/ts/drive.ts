@@ -224,7 +224,8 @@ export class Drive {
         this.#link.start(1);
         const turns = () => this.state === ROTOR_LOCK || this.state === OPEN_LOOP;
         if (await this.#link.wait(() => turns() || this.state === FAULT, CALIBRATION_BEGIN)) {
-            await this.#link.wait(() => !turns(), CALIBRATION_MAX);
+            // Between two words of the drive its state may be unknown.
+            await this.#link.wait(() => this.state !== undefined && !turns(), CALIBRATION_MAX);
         }
         const [state, name, fault] = [this.state, this.stateName, this.fault];
         const done = (await this.parameters.get(CALIBRATION_STATE as ParameterKey)) === CALIBRATION_DONE;

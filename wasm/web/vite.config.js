@@ -1,17 +1,34 @@
+import { readdirSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
+import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { defineConfig } from "vite";
 
-/** The package as `cargo xtask web` makes it; the longer names first, because each is a beginning of what is imported. */
-const names = [["narx/core", "core"], ["narx/lab", "lab"], ["narx/drive", "drive"], ["narx/script", "script"], ["narx", "narx"]];
-const alias = names.map(([find, file]) => ({
-    find,
-    replacement: fileURLToPath(new URL(`../pkg/web/${file}.js`, import.meta.url)),
-}));
+const built = fileURLToPath(new URL("../pkg/web", import.meta.url));
+
+const output = fileURLToPath(new URL("dist", import.meta.url));
+
+/** Names every file that was built, for the service worker. */
+const files = {
+    name: "narx-files",
+    apply: "build",
+    closeBundle() {
+        const names = readdirSync(output, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
+        const paths = names.map(({ parentPath, name }) => `${parentPath}/${name}`.slice(output.length + 1)).filter((path) => path !== "service-worker.js");
+        writeFileSync(`${output}/files.json`, JSON.stringify(paths.sort()));
+    },
+};
 
 export default defineConfig({
     // One static folder that works wherever it is put.
     base: "./",
-    resolve: { alias },
+    plugins: [svelte(), files],
+    resolve: {
+        alias: [
+            { find: /^narx$/, replacement: `${built}/narx.js` },
+            { find: /^narx\/(core|lab|drive|script)$/, replacement: `${built}/$1.js` },
+        ],
+    },
     worker: { format: "es" },
-    build: { target: "es2023" },
+    // The colours of style.css are light-dark(); these are the first browsers that know it.
+    build: { target: "es2023", cssTarget: ["chrome123", "firefox120", "safari17.5"] },
 });

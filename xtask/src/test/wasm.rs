@@ -19,7 +19,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         if std::env::var_os("CHROMIUM").is_none() {
             install::debian(&[CHROMIUM])?;
         }
-        node(root, &["page"])
+        node(root, &["page", "learn", "model", "operate", "passing", "instruments", "adapter"])
     }));
     steps
 }

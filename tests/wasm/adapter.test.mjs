@@ -1,0 +1,179 @@
+// The operating panel on an slcan adapter by Web Serial, with the virtual drive of `cargo xtask drive` on its bus.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { plugIn, serveDrive } from "./adapter.mjs";
+import { start as launch } from "./browser.mjs";
+import { go, inState, reaches, saved, start } from "./operating.mjs";
+
+let browser;
+let drive;
+before(async () => {
+    [browser, drive] = await Promise.all([launch(), serveDrive("--motor", "bly172s-24v", "--supply", "24", "--mode", "hall", "--tx-drivers", "2,5:dual")]);
+});
+after(async () => {
+    drive?.end();
+    await browser?.close();
+});
+
+/** A page that commands the drive over an adapter. */
+async function connected() {
+    const { page, complaints } = await browser.open({ viewport: { width: 1280, height: 900 } }, "#/operate/connection");
+    await page.locator("#power-up:enabled").waitFor();
+    const adapter = await plugIn(page, drive.port);
+    await page.locator("#adapter").click();
+    await page.locator(".bar .link").getByText("CAN adapter").waitFor();
+    await inState(page, "Standby");
+    return { page, complaints, adapter };
+}
+
+/** REQUEST_WORD with this motor mode, as the adapter is told it. */
+function request(mode) {
+    return `T0AAD520280000000${mode}00000000`;
+}
+
+test("a drive behind an adapter starts, turns and stops, and the adapter is opened and closed", async () => {
+    const { page, complaints, adapter } = await connected();
+    assert.match(adapter.written, /C\r.*S6\r.*O\r/s);
+    await go(page, "main");
+    await start(page, 1800);
+    await reaches(page, 1800, 40);
+    await go(page, "connection");
+    await page.locator("#disconnect").click();
+    await page.locator(".bar").getByText("Not connected").waitFor();
+    await page.waitForTimeout(200);
+    const [beforeStop, last] = [adapter.written.lastIndexOf(request(1)), adapter.written.lastIndexOf(request(0))];
+    assert.ok(beforeStop > 0 && last > beforeStop, "Standby is the last request");
+    assert.ok(adapter.written.endsWith("C\r"));
+    assert.deepEqual(complaints, []);
+    adapter.end();
+});
+
+test("an adapter that is unplugged while the motor turns is told, and connects again", async () => {
+    const { page, adapter } = await connected();
+    await go(page, "main");
+    await start(page, 1500);
+    await adapter.unplug();
+    await page.getByRole("alert").getByText(/The adapter is gone: was it unplugged\?/).waitFor();
+    await page.locator(".bar").getByText("Not connected").waitFor();
+    adapter.end();
+    // Nobody commands it any more: it has stopped by itself.
+    const again = await browser.open({}, "#/operate/connection");
+    await again.page.locator("#power-up:enabled").waitFor();
+    const other = await plugIn(again.page, drive.port);
+    await again.page.locator("#adapter").click();
+    await inState(again.page, "Fault");
+    await again.page.locator(".bar .faults").getByText(/master|set-point|time/i).waitFor();
+    await again.page.waitForTimeout(700);
+    await again.page.locator(".bar .stop").click();
+    await inState(again.page, "Standby");
+    other.end();
+});
+
+test("a page that is closed asks for Standby", async () => {
+    const { page, adapter } = await connected();
+    await go(page, "main");
+    await start(page, 1500);
+    await page.evaluate(() => dispatchEvent(new PageTransitionEvent("pagehide")));
+    await inState(page, "Standby");
+    assert.ok(adapter.written.lastIndexOf(request(0)) > adapter.written.lastIndexOf(request(1)));
+    adapter.end();
+});
+
+test("nobody is commanded by a silent master", async () => {
+    const { page } = await browser.open({}, "#/operate/connection");
+    await page.locator("#power-up:enabled").waitFor();
+    await page.locator("#silent").check();
+    const adapter = await plugIn(page, drive.port);
+    await page.locator("#adapter").click();
+    await page.locator(".bar .link").getByText("CAN adapter").waitFor();
+    await page.waitForTimeout(500);
+    assert.doesNotMatch(adapter.written, /[Tt][0-9A-F]/);
+    assert.ok(await page.locator(".bar .stop").isDisabled());
+    adapter.end();
+});
+
+test("no adapter, and a bus on which nobody answers, are told in words", async () => {
+    const { page } = await browser.open({}, "#/operate/connection");
+    await page.locator("#power-up:enabled").waitFor();
+    await page.evaluate(() => Object.defineProperty(navigator, "serial", { configurable: true, value: { requestPort: () => Promise.reject(new DOMException("", "NotFoundError")) } }));
+    await page.locator("#adapter").click();
+    await page.getByRole("alert").getByText("No adapter was chosen.").waitFor();
+    await page.locator("#slave").fill("99");
+    const adapter = await plugIn(page, drive.port);
+    await page.locator("#adapter").click();
+    await page.locator(".bar").getByText("The drive is not heard").waitFor();
+    await page.getByText(/Nothing is heard of a drive with address 99/).waitFor();
+    adapter.end();
+});
+
+test("the log is set up, filled, downloaded in part and erased", async () => {
+    const { page, complaints, adapter } = await connected();
+    await go(page, "logging");
+    await page.locator("#add-slot").click();
+    await page.getByLabel("Value of slot 1").fill("HV Voltage");
+    await page.getByLabel("What is kept of slot 1").selectOption("mean");
+    await page.locator("#log-period").fill("0.05");
+    await page.locator("#configure-log").click();
+    await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
+    await page.waitForTimeout(600);
+    await page.locator("#refresh-log").click();
+    await page.waitForFunction(() => Number(document.querySelector("#log-length").textContent) > 5);
+    assert.equal(await page.getByLabel("Value of slot 1").inputValue(), "HV Voltage");
+    await page.getByLabel("From record").fill("2");
+    await page.getByLabel("How many").fill("4");
+    await page.locator("#download-log").click();
+    await page.locator("#log-told").getByText("4 records.").waitFor();
+    const { bytes } = await saved(page, () => page.locator(".save-csv").click());
+    const [header, ...rows] = bytes.toString().trim().split("\n").map((line) => line.split(","));
+    assert.equal(header.at(-1), "HV Voltage mean [V]");
+    assert.equal(rows.length, 4);
+    assert.ok(rows.every((row) => Math.abs(row.at(-1) - 24) < 0.5));
+
+    await page.getByLabel("How many").fill("100000");
+    await page.locator("#download-log").click();
+    await page.locator("#log-told").getByText(/Records 2 to 100002: the log has \d+\./).waitFor();
+
+    await page.locator("#log-period").fill("3600");
+    await page.locator("#configure-log").click();
+    await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
+    await page.locator("#erase-log").click();
+    await page.getByRole("dialog").getByRole("button", { name: "Erase log" }).click();
+    await page.locator("#log-told").getByText("The log is empty.").waitFor();
+    assert.deepEqual(complaints, []);
+    adapter.end();
+});
+
+test("the drive's description of itself is downloaded", async () => {
+    const { page, adapter } = await connected();
+    await go(page, "parameters");
+    const { name, bytes } = await saved(page, () => page.locator("#xml").click());
+    assert.equal(name, "narx.xml");
+    assert.match(bytes.toString(), /^<\?xml[\s\S]*Over-voltage HV threshold[\s\S]*>\s*$/);
+    adapter.end();
+});
+
+test("TX-Drivers on the bus are found, started and written to", async () => {
+    const { page, complaints, adapter } = await connected();
+    await go(page, "nodes");
+    await page.locator("#scan").click();
+    await page.locator("#scan-told").getByText("2 of 127 node-ids answer.").waitFor({ timeout: 60_000 });
+    const node = page.locator('[data-node="2"]');
+    await page.locator('[data-node="5"]').waitFor();
+    await node.getByText("Object dictionary").click();
+    await node.locator(".read-objects").click();
+    const update = node.getByLabel("Update Time");
+    await page.waitForFunction(() => document.querySelector('[data-node="2"] [aria-label="Update Time"]').value !== "");
+    await update.fill("20");
+    await update.press("Enter");
+    await node.locator(".told").getByText(/^Written/).waitFor();
+    await update.fill("-1");
+    await update.press("Enter");
+    await node.locator(".told").getByText(/"Update Time" -1: must be 0 to/).waitFor();
+    await node.getByRole("button", { name: "Start" }).click();
+    await node.getByText(/Channel 1: -?\d+\.\d{5} mm/).waitFor();
+    await node.locator(".read-objects").click();
+    await node.locator(".told").getByText(/abort|refuse|state/i).waitFor();
+    assert.deepEqual(complaints, []);
+    adapter.end();
+});

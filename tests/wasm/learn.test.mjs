@@ -1,0 +1,260 @@
+// The chapters of the explainer in Chromium: each lets the reader do the thing, and the physics answers.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { start } from "./browser.mjs";
+
+let browser;
+before(async () => {
+    browser = await start();
+});
+after(() => browser?.close());
+
+/** Nothing moves before it is asked to, which leaves the computer to the physics. */
+const STILL = { reducedMotion: "reduce" };
+
+/** A chapter whose simulation has opened. */
+async function open(chapter, options = {}) {
+    const { page, complaints } = await browser.open(options, `#/learn/${chapter}`);
+    await page.getByRole("group", { name: "Time" }).first().getByRole("button", { name: /Run|Pause/ }).and(page.locator(":enabled")).waitFor();
+    return { page, complaints };
+}
+
+/** What stands beside a reading's name, as a number where it begins with one. */
+function reading(page, name) {
+    return page.locator(`[data-reading="${name}"]`).first().textContent().then((text) => (/^-?[\d.]/.test(text) ? Number.parseFloat(text) : text));
+}
+
+/** Waits until a reading, as a number, is between two. */
+function reaches(page, name, min, max) {
+    const within = ([name, min, max]) => {
+        const value = Number.parseFloat(document.querySelector(`[data-reading="${name}"]`).textContent);
+        return value >= min && value <= max;
+    };
+    return page.waitForFunction(within, [name, min, max], { timeout: 30_000 });
+}
+
+test("six steps: the rotor is turned by keys, swings to the step's place, and runs when the step follows it", async () => {
+    const { page, complaints } = await open("six-steps");
+    const rotor = page.getByRole("slider", { name: "Rotor" });
+    assert.equal(await rotor.getAttribute("aria-valuetext"), "60 degrees, sector 0");
+    assert.equal(await reading(page, "torque"), 100);
+    await rotor.press("PageUp");
+    await rotor.press("PageUp");
+    assert.equal(await reading(page, "angle"), 120);
+    assert.equal(await reading(page, "torque"), 50, "half way from the flat top to the place of rest");
+    // By hand: a quarter turn from the right to the top.
+    const { x, y, width, height } = await rotor.boundingBox();
+    const [middle, centre, radius] = [x + width / 2, y + height / 2, 0.35 * width];
+    await page.mouse.move(middle + radius, centre);
+    await page.mouse.down();
+    await page.mouse.move(middle + 0.7 * radius, centre - 0.7 * radius);
+    await page.mouse.move(middle, centre - radius);
+    assert.equal(await reading(page, "angle"), 210);
+    await page.mouse.up();
+    for (const [step, rest] of [["AB", 150], ["AC", 210], ["BC", 270], ["BA", 330]]) {
+        await page.getByRole("button", { name: step, exact: true }).click();
+        await reaches(page, "angle", rest - 1, rest + 1);
+        await reaches(page, "torque", -4, 4);
+    }
+    await page.getByLabel("The step follows the rotor").check();
+    await reaches(page, "sector", 0, 0);
+    await reaches(page, "sector", 3, 3);
+    assert.deepEqual(complaints, []);
+});
+
+/** Moves a slider to a value, as a hand does. */
+function slide(page, name, value) {
+    return page.getByRole("slider", { name }).evaluate((input, value) => {
+        input.value = String(value);
+        input.dispatchEvent(new Event("input", { bubbles: true }));
+        input.dispatchEvent(new Event("change", { bubbles: true }));
+    }, value);
+}
+
+test("back-EMF: it grows with the speed of the hand, and the drive accepts a crossing in every sector", async () => {
+    const { page, complaints } = await open("back-emf");
+    const largest = () =>
+        page.evaluate(() => Math.max(...["A", "B", "C"].map((name) => Math.abs(Number.parseFloat(document.querySelector(`[data-reading="emf-${name}"]`).textContent)))));
+    await slide(page, /Spin/, 1);
+    await page.waitForFunction(() => Number.parseFloat(document.querySelector('[data-reading="emf-A"]').textContent) > 25);
+    assert.ok(Math.abs((await largest()) - 28) <= 1, "1/4 turn a second of the shaft at 18 mV s/rad");
+    await slide(page, /Spin/, 0);
+    await page.waitForFunction(() => ["A", "B", "C"].every((name) => document.querySelector(`[data-reading="emf-${name}"]`).textContent.startsWith("0 ")));
+    await page.getByRole("slider", { name: "Rotor" }).press("ArrowLeft");
+    await page.waitForFunction(() => ["A", "B", "C"].some((name) => !/^-?0 /.test(document.querySelector(`[data-reading="emf-${name}"]`).textContent)));
+    assert.match(await page.locator('[data-reading="state"]').textContent(), /4 Sensorless/);
+    await slide(page, /Set-point/, 2000);
+    await reaches(page, "speed", 1960, 2040);
+    assert.deepEqual(complaints, []);
+});
+
+test("open loop: too fast a ramp loses the step without a fault, a slower one or a lighter rotor does not", async () => {
+    const { page, complaints } = await open("open-loop", STILL);
+    const verdict = (text) => page.locator('[data-reading="verdict"]').getByText(text).waitFor();
+    await verdict("follows");
+    await reaches(page, "field", 990, 1010);
+    await reaches(page, "mean", 980, 1020);
+    await slide(page, /Ramp/, 0.1);
+    await verdict("has lost its step");
+    await reaches(page, "field", 990, 1010);
+    await reaches(page, "mean", -150, 150);
+    assert.match(await page.locator('[data-reading="state"]').textContent(), /3 Open-loop/);
+    await slide(page, /Flywheel/, 0);
+    await verdict("follows");
+    await reaches(page, "mean", 980, 1020);
+    assert.deepEqual(complaints, []);
+});
+
+test("sensorless start: from state to state, a tick on, a tick back", async () => {
+    const { page, complaints } = await open("sensorless-start", STILL);
+    const next = page.getByRole("button", { name: "To the next state" });
+    for (const state of ["2 Rotor lock", "3 Open-loop", "4 Sensorless"]) {
+        await next.click();
+        await page.locator('[data-reading="state"]').getByText(state).waitFor();
+    }
+    const time = async () => Number.parseFloat(await page.locator(".time").first().textContent());
+    const handedOver = await time();
+    await page.getByRole("button", { name: "One tick on" }).click();
+    await page.waitForFunction((before) => Number.parseFloat(document.querySelector(".time").textContent) > before, handedOver);
+    assert.equal((await time()).toFixed(1), (handedOver + 0.1).toFixed(1));
+    for (let tick = 0; tick < 3; tick++) {
+        await page.getByRole("button", { name: "One tick back" }).click();
+    }
+    await page.locator('[data-reading="state"]').getByText("3 Open-loop").waitFor();
+    assert.equal((await time()).toFixed(1), (handedOver - 0.2).toFixed(1));
+    assert.equal(await page.locator('[data-reading="crossing"]').textContent(), "accepted");
+    // 0.4 s before, in the lock.
+    await slide(page, "Look back", -4000);
+    await page.locator('[data-reading="state"]').getByText("2 Rotor lock").waitFor();
+    assert.match(await page.locator('[data-reading="step"]').textContent(), /^lock /);
+    assert.deepEqual(complaints, []);
+});
+
+test("demagnetisation: current and inductance hold the terminal at the rail until crossings come late", async () => {
+    const { page, complaints } = await open("demagnetisation", STILL);
+    await reaches(page, "clamped", 0, 1);
+    await reaches(page, "late", 0, 0);
+    await slide(page, /Load/, 180);
+    await slide(page, /Inductance/, 4);
+    await reaches(page, "clamped", 30, 60);
+    await reaches(page, "late", 30, 70);
+    await reaches(page, "speed", 1400, 1600);
+    assert.deepEqual(complaints, []);
+});
+
+test("hall sensors: misaligned ones cost current, and the calibration finds by how much", async () => {
+    const { page, complaints } = await open("hall-sensors", STILL);
+    await reaches(page, "peak", 2.5, 3.5);
+    const aligned = await reading(page, "rms");
+    await slide(page, /Sensors/, 40);
+    await reaches(page, "peak", 7, 12);
+    assert.ok((await reading(page, "rms")) > 2 * aligned);
+    assert.ok(Math.abs((await reading(page, "speed")) - 2000) < 40);
+    await page.getByRole("button", { name: "Calibrate" }).click();
+    // By 60 degrees less, and with the lines renamed by a sector: 41.5 degrees under load.
+    await page.locator('[data-reading="found"]').getByText(/^-(1[89]|2[01])\.\d°, lines BCA, inverted$/).waitFor();
+    await reaches(page, "peak", 2.5, 4);
+    assert.deepEqual(complaints, []);
+});
+
+test("speed loop: less integral gain is slower, too much swings, and a limit of the current takes over", async () => {
+    const { page, complaints } = await open("speed-loop", STILL);
+    await reaches(page, "back", 50, 150);
+    assert.ok((await reading(page, "overshoot")) < 40);
+    assert.equal(await reading(page, "limiter"), "speed loop");
+    await slide(page, /Ki/, 1);
+    await reaches(page, "overshoot", 120, 400);
+    await slide(page, /Ki/, -1);
+    await reaches(page, "back", 400, 900);
+    await slide(page, /Ki/, 0);
+    await slide(page, /Limit/, 0.5);
+    await page.locator('[data-reading="limiter"]').getByText("bus current").waitFor();
+    await reaches(page, "speed", 800, 1400);
+    assert.deepEqual(complaints, []);
+});
+
+/** The transitions of Table 7, as tests/coverage.md has them from the code: name and states. */
+const TABLE = [...readFileSync(new URL("../coverage.md", import.meta.url), "utf8").matchAll(/^\| (T\d\d) \| (\d) to (\d):/gm)].map(
+    ([, name, from, to]) => `${name} ${from} ${to}`,
+);
+
+test("faults: the diagram is Table 7, lights the way to the fault, and lets nobody out unacknowledged", async () => {
+    const { page, complaints } = await open("faults");
+    const drawn = await page.locator("path[data-name]").evaluateAll((paths) => paths.map(({ dataset: { name, from, to } }) => `${name} ${from} ${to}`));
+    assert.ok(TABLE.length > 20);
+    assert.deepEqual(drawn.sort(), TABLE.toSorted());
+    const state = (text) => page.locator('[data-reading="state"]').getByText(text).waitFor();
+    const button = (name) => page.getByRole("button", { name });
+    await state("5 Hall sensors");
+    const events = page.getByRole("list", { name: "What happened" }).getByRole("listitem");
+        // The times are those of PROTOCOL.md, section 4: 300 us; 100 ms without an edge and 500 ms of torque at speed 0.
+    for (const [trouble, words, within] of [
+        ["Short across the bus", /DC-link current/, [0.3, 0.5]],
+        ["Rotor is blocked", /torque applied at speed 0/, [550, 650]],
+    ]) {
+        await button(trouble).click();
+        await state("6 Fault");
+        await page.getByRole("status").getByText(words).waitFor();
+        assert.equal(await page.locator("path.last").getAttribute("data-name"), "T56");
+        const [deed, consequence] = await events.filter({ hasText: /You: (Short|Rotor)|6 Fault/ }).evaluateAll((items) => items.slice(-2).map(({ textContent }) => textContent));
+        assert.ok(deed.includes(`You: ${trouble}`));
+        const later = Number.parseFloat(/\+([\d.]+)/.exec(consequence)[1]);
+        assert.ok(within[0] <= later && later <= within[1], `${trouble}: ${later} ms`);
+        await button("Mend all").click();
+        await button("Request Drive").click();
+        await state("6 Fault");
+        await button("Request Standby").click();
+        await state("1 Standby");
+        assert.equal(await page.locator("path.last").getAttribute("data-name"), "T61");
+        await button("Request Drive").click();
+        await state("5 Hall sensors");
+    }
+    await page.getByLabel("Control mode").selectOption("sensorless");
+    await state("4 Sensorless");
+    await button("Rotor is blocked").click();
+    await state("7 Auto-restart");
+    assert.equal(await page.locator("path.last").getAttribute("data-name"), "T47");
+    assert.deepEqual(complaints, []);
+});
+
+test("frames: a click shows what it sends and what the drive says to it", async () => {
+    const { page, complaints } = await open("frames", STILL);
+    const row = (name) => page.getByRole("row").filter({ has: page.getByRole("button", { name, exact: true }) }).first();
+    const field = (name) => page.locator(`[data-field="${name}"]`).textContent();
+    await page.getByRole("button", { name: "Drive, 9000 rpm" }).click();
+    await row("MOTOR_CMD_SET").getByText("23 28 00 00 00 00 00 00").waitFor();
+    await row("MOTOR_CMD").getByRole("button").click();
+    const accepted = Number.parseFloat(await field("Speed"));
+    assert.ok(accepted > 1000 && accepted < 9000, `${accepted} rpm`);
+    assert.match(await page.getByRole("list", { name: "Identifier" }).textContent(), /Priority.*a drive's.*170 = AAh.*85 = 55h.*drive to master.*102/);
+    await page.getByRole("button", { name: "Write pole pairs = 0" }).click();
+    await page.getByRole("row").filter({ hasText: "00 4E 00 00 00 04 00 03" }).getByRole("button").click();
+    assert.deepEqual(await Promise.all(["Number", "Value", "Status"].map(field)), ["78 ", "4 ", "Out of range "]);
+    assert.match(await page.getByRole("list", { name: "Data" }).textContent(), /004Eh = 78.*0004h = 4.*0003h = 3/);
+    assert.deepEqual(complaints, []);
+});
+
+test("all chapters say what they are about, lead from one to the next, and end", async () => {
+    const { page } = await browser.open(STILL, "#/learn");
+    const links = await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").evaluateAll((links) => links.map(({ hash }) => hash));
+    await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").first().click();
+    const visited = [];
+    for (;;) {
+        await page.getByRole("heading", { name: "Try this" }).waitFor();
+        visited.push(new URL(page.url()).hash);
+        await page.locator("details summary").click();
+        assert.ok((await page.locator("details p").first().textContent()).length > 100);
+        const next = page.locator('a[rel="next"]');
+        if ((await next.count()) === 0) {
+            break;
+        }
+        const title = (await next.textContent()).replace(" →", "");
+        await next.click();
+        await page.getByRole("heading", { level: 1, name: title }).waitFor();
+    }
+    assert.deepEqual(visited, links);
+    await page.evaluate(() => location.assign("#/learn/magic"));
+    await page.getByRole("heading", { name: 'There is no chapter "magic"' }).waitFor();
+});

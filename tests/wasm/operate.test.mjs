@@ -1,0 +1,158 @@
+// The operating panel in Chromium, on the virtual drive: command, parameters, faults, trace.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { start as launch } from "./browser.mjs";
+import { go, inState, isDrawn, operate, reaches, saved, start } from "./operating.mjs";
+
+let browser;
+before(async () => {
+    browser = await launch();
+});
+after(() => browser?.close());
+
+test("motors spin up to their set-point and stop", async () => {
+    const { page, complaints } = await operate(browser, "connection");
+    const names = await page.locator("#motor option").evaluateAll((options) => options.map((option) => option.value));
+    assert.ok(names.length >= 4);
+    // In real time: some of them. bench.test.mjs turns them all.
+    for (const name of [names[0], names.at(-1)]) {
+        await go(page, "connection");
+        await page.locator("#motor").selectOption(name);
+        await page.locator("#power-up").click();
+        await page.locator(".bar .link").getByText(`Virtual drive, ${name}`).waitFor();
+        await go(page, "main");
+        await inState(page, "Standby");
+        await page.locator("#control-mode").and(page.locator(":enabled")).waitFor();
+        const rpm = Number(await page.locator("#setpoint").inputValue());
+        await page.locator("#start").click();
+        await reaches(page, rpm, rpm * 0.02);
+        assert.equal(await page.locator("li.on").first().textContent().then((text) => text.trim()), "5 Closed-loop Hall Effect Sensors");
+        await page.locator("#stop").click();
+        await inState(page, "Standby");
+    }
+    assert.ok(await isDrawn(page.locator("#plot canvas")));
+    assert.deepEqual(complaints, []);
+});
+
+test("the set-point changes while the motor turns, by keyboard, and the direction is the operator's", async () => {
+    const { page, complaints } = await operate(browser, "main");
+    await page.locator("#control-mode:enabled").waitFor();
+    await page.locator("#reverse").check();
+    await page.locator("#setpoint").fill("2000");
+    await page.locator("#setpoint").press("Enter");
+    await reaches(page, -2000, 40);
+    await page.locator("#slider").focus();
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.locator("#setpoint").inputValue(), "2010");
+    await page.locator("#setpoint").fill("1500");
+    await reaches(page, -1500, 30);
+    assert.ok(Math.abs(Number((await page.locator('[data-measurement="Mechanical estimated speed HES"]').textContent()).replace("rpm", "")) + 1500) < 40);
+    assert.deepEqual(complaints, []);
+});
+
+test("the control mode is the operator's, and a start without one is refused in words", async () => {
+    const { page } = await operate(browser, "main");
+    await page.locator("#control-mode").selectOption("none");
+    await page.waitForFunction(() => document.querySelector("#control-mode").value === "none");
+    await page.locator("#start").click();
+    await page.getByRole("alert").getByText("The drive refused the start: no mode is enabled.").waitFor();
+    await page.locator("#control-mode").selectOption("sensorless");
+    await page.locator("#start").click();
+    await inState(page, "Sensorless Closed-loop");
+});
+
+test("what is broken is named, and works again once it is mended and acknowledged", async () => {
+    const { page } = await operate(browser, "main");
+    await start(page, 1500);
+    await go(page, "virtual");
+    await page.locator("#fault").selectOption("supply");
+    await page.locator("#fault-value").fill("70");
+    await page.locator("#inject").click();
+    await inState(page, "Fault");
+    assert.match(await page.locator(".bar .faults").textContent(), /bus voltage above/);
+    await page.locator("#mend").click();
+    await go(page, "main");
+    assert.ok((await page.locator("li.alarm.on").allTextContents()).some((text) => text.includes("over voltage")));
+    // The drive takes an acknowledgement half a second after the fault, once the cause is gone.
+    await page.waitForTimeout(700);
+    await page.locator("#stop").click();
+    await inState(page, "Standby");
+    await start(page, 1500);
+});
+
+test("a parameter is found, written, marked, refused with its range, saved, compared and loaded", async () => {
+    const { page, complaints } = await operate(browser, "parameters");
+    await page.locator("#search").fill("over-voltage");
+    const row = page.locator('[data-parameter="119"]');
+    const input = row.locator("input");
+    await input.and(page.locator(":enabled")).waitFor();
+    await page.waitForFunction(() => document.querySelector('[data-parameter="119"] input').value !== "");
+    assert.match(await row.textContent(), /Over-voltage HV threshold/);
+    const factory = await input.inputValue();
+    await input.fill("55.5");
+    await input.press("Enter");
+    await row.getByText("not stored").waitFor();
+    await row.getByText("changed", { exact: true }).waitFor();
+    assert.equal(Number(await input.inputValue()), 55.5);
+
+    await input.fill("1000");
+    await input.press("Enter");
+    assert.match(await row.getByRole("alert").textContent(), /Over-voltage HV threshold 1000: must be .* to .* V/);
+    assert.equal(Number(await input.inputValue()), 55.5);
+
+    await page.locator("#store").click();
+    await page.locator("#service").getByText("Stored").waitFor();
+    assert.equal(await row.getByText("not stored").count(), 0);
+
+    const { name, bytes } = await saved(page, () => page.locator("#save-file").click());
+    assert.equal(name, "parameters.json");
+    const values = JSON.parse(bytes.toString());
+    assert.equal(values["Over-voltage HV threshold"], 55.5);
+    values["Over-voltage HV threshold"] = Number(factory);
+    await load(page, "mine.json", JSON.stringify(values));
+    await page.getByRole("region", { name: "Differences" }).getByText("119 Over-voltage HV threshold").waitFor();
+    await page.locator("#write-file").click();
+    await page.locator("#told").getByText("Written: Over-voltage HV threshold.").waitFor();
+
+    await load(page, "notes.json", "speed");
+    await page.locator("#told").getByText('"notes.json" is no file of parameters: it is not JSON.').waitFor();
+    assert.deepEqual(complaints, []);
+});
+
+/** Loads a text as a file of parameters. */
+async function load(page, name, text) {
+    const [chooser] = await Promise.all([page.waitForEvent("filechooser"), page.locator("#load-file").click()]);
+    await chooser.setFiles({ name, mimeType: "application/json", buffer: Buffer.from(text) });
+}
+
+test("what the drive refuses while it turns is told", async () => {
+    const { page } = await operate(browser, "main");
+    await start(page, 1500);
+    await go(page, "parameters");
+    await page.locator("#search").fill("pair poles");
+    const input = page.locator('[data-parameter="78"] input');
+    await input.fill("5");
+    await input.press("Enter");
+    assert.match(await page.locator('[data-parameter="78"]').getByRole("alert").textContent(), /78 .*state/i);
+});
+
+test("frames are decoded, filtered, held and saved as a log", async () => {
+    const { page, complaints } = await operate(browser, "trace");
+    await page.locator("#trace-filter").fill("measurement_2");
+    const row = page.locator("#frames tbody tr").first();
+    await row.getByText(/HV Voltage 2[34]/).waitFor();
+    assert.match(await row.textContent(), /1552A8CA/);
+    await page.locator("#trace-pause").click();
+    const held = await page.locator("#trace-count").textContent();
+    await page.waitForTimeout(400);
+    assert.equal(await page.locator("#trace-count").textContent(), held);
+    const { name, bytes } = await saved(page, () => page.locator("#save-log").click());
+    assert.equal(name, "bus.log");
+    const lines = bytes.toString().trim().split("\n");
+    assert.ok(lines.length > 100);
+    for (const line of lines) {
+        assert.match(line, /^\(\d{10}\.\d{6}\) can0 [0-9A-F]{8}#[0-9A-F]{0,16}$/);
+    }
+    assert.deepEqual(complaints, []);
+});

@@ -1,0 +1,61 @@
+// What the tests of the operating panel have in common.
+
+import { readFile } from "node:fs/promises";
+
+/** Opens a panel, with the virtual drive that everybody finds there. */
+export async function operate(browser, panel, options = {}) {
+    const opened = await browser.open({ viewport: { width: 1280, height: 900 }, ...options }, `#/operate/${panel}`);
+    await opened.page.getByRole("status").getByText("Standby", { exact: true }).waitFor();
+    return opened;
+}
+
+/** Goes to another panel. */
+export async function go(page, panel) {
+    await page.locator(`main nav a[href="#/operate/${panel}"]`).click();
+}
+
+/** Waits until the drive's state is that. */
+export function inState(page, name) {
+    return page.locator(".bar .state").getByText(name, { exact: true }).waitFor();
+}
+
+/** Waits until the speed of the status bar is within `tolerance` of `rpm`. */
+export function reaches(page, rpm, tolerance) {
+    const near = ([rpm, tolerance]) => Math.abs(Number(document.querySelector(".bar .speed b").textContent) - rpm) <= tolerance;
+    return page.waitForFunction(near, [rpm, tolerance]);
+}
+
+/** Starts from the main panel, and waits for closed loop with hall sensors. */
+export async function start(page, rpm) {
+    await page.locator("#start:enabled").waitFor();
+    await page.locator("#setpoint").fill(String(rpm));
+    await page.locator("#start").click();
+    await inState(page, "Closed-loop Hall Effect Sensors");
+}
+
+/** The content of the file that a click saves. */
+export async function saved(page, click) {
+    const [download] = await Promise.all([page.waitForEvent("download"), click()]);
+    return { name: download.suggestedFilename(), bytes: await readFile(await download.path()) };
+}
+
+/** Drops files on the page as a reader does. */
+export async function drop(page, ...files) {
+    const content = files.map(({ name, buffer }) => [name, buffer.toString("base64")]);
+    const transfer = await page.evaluateHandle((files) => {
+        const transfer = new DataTransfer();
+        for (const [name, base64] of files) {
+            transfer.items.add(new File([Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0))], name));
+        }
+        return transfer;
+    }, content);
+    await page.locator("main").dispatchEvent("drop", { dataTransfer: transfer });
+}
+
+/** Whether a plot has pixels of more than background and axes. */
+export function isDrawn(canvas) {
+    return canvas.evaluate((canvas) => {
+        const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        return new Set(new Uint32Array(data.buffer)).size > 2;
+    });
+}

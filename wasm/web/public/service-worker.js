@@ -1,0 +1,35 @@
+// Keeps the page for when there is no network: every file of this version once, and the newest page while there is one.
+
+const CACHE = "narx";
+
+addEventListener("install", (event) => event.waitUntil(fill().then(() => skipWaiting())));
+addEventListener("activate", (event) => event.waitUntil(clients.claim()));
+addEventListener("fetch", (event) => {
+    const { method, url } = event.request;
+    if (method === "GET" && url.startsWith(registration.scope)) {
+        event.respondWith(answer(event.request));
+    }
+});
+
+/** Keeps what files.json names, and forgets what it no longer does. */
+async function fill() {
+    const names = await (await fetch("./files.json", { cache: "no-store" })).json();
+    const cache = await caches.open(CACHE);
+    const wanted = ["./", ...names].map((name) => new URL(name, registration.scope).href);
+    for (const kept of await cache.keys()) {
+        if (!wanted.includes(kept.url)) {
+            await cache.delete(kept);
+        }
+    }
+    await cache.addAll(wanted);
+}
+
+/** From the network; without one, what is kept. Files in `assets` have the digest of their content in their names. */
+async function answer(request) {
+    const cache = await caches.open(CACHE);
+    const kept = await cache.match(request, { ignoreSearch: true });
+    if (kept && request.url.includes("/assets/")) {
+        return kept;
+    }
+    return fetch(request).catch((error) => kept ?? Promise.reject(error));
+}

@@ -1,0 +1,83 @@
+// Lanes that several chapters draw.
+
+import { floating, trapezoid } from "./model";
+import type { Read } from "./history";
+import type { Lane } from "./pictures/Waveforms.svelte";
+
+const NAMES = ["a", "b", "c"] as const;
+
+export const CURRENTS: Lane = {
+    title: "Phase currents",
+    unit: "A",
+    series: NAMES.map((name) => ({ label: name.toUpperCase(), value: `current_${name}`, colour: `--phase-${name}` })),
+};
+
+export const BUS_CURRENT: Lane = {
+    title: "Bus current",
+    unit: "A",
+    series: [{ label: "bus current", value: "bus_current", colour: "--accent" }],
+};
+
+export const BUS_VOLTAGE: Lane = {
+    title: "Bus",
+    unit: "V",
+    series: [{ label: "bus voltage", value: "bus_voltage", colour: "--accent" }],
+};
+
+/** Back-EMF of each phase; `peak` is in V at 1 rpm. */
+export function emfs(peak: number): Lane {
+    return {
+        title: "Back-EMF",
+        unit: "V",
+        series: NAMES.map((name, phase) => ({
+            label: name.toUpperCase(),
+            value: (read: Read) => peak * read("speed") * trapezoid(read("angle"))[phase],
+            colour: `--phase-${name}`,
+        })),
+    };
+}
+
+export const TORQUE: Lane = {
+    title: "Torque",
+    unit: "mN m",
+    series: [{ label: "torque", value: (read) => 1000 * read("torque"), colour: "--accent" }],
+};
+
+export const SPEED: Lane = {
+    title: "Speed",
+    unit: "rpm",
+    least: 100,
+    series: [
+        { label: "shaft", value: "speed", colour: "--speed" },
+        { label: "set-point", value: "setpoint", colour: "--setpoint", dash: [6, 4] },
+    ],
+};
+
+/** A zero crossing has just been accepted. */
+const accepted = (read: Read) => read("crossing") === 1 && read("crossing_margin") !== read("crossing_margin", 1);
+
+/** The floating phase's terminal alone, from half of the bus, with the crossings that the drive has accepted. */
+export const FLOATING: Lane = {
+    title: "Floating",
+    unit: "V",
+    height: 150,
+    least: 1,
+    series: [
+        ...NAMES.map((name, phase) => ({
+            label: name.toUpperCase(),
+            value: (read: Read) => (floating(read("step")) === phase ? read(`voltage_${name}`) - read("bus_voltage") / 2 : Number.NaN),
+            colour: `--phase-${name}`,
+        })),
+        { label: "half of the bus", value: () => 0, colour: "--quiet", dash: [6, 4] },
+        { label: "crossing accepted", value: (read: Read) => (accepted(read) ? 0 : Number.NaN), colour: "--field", points: true },
+    ],
+};
+
+/** What bounds the duty, by the number of the signal `limiter` (parameter 280). */
+export const LIMITERS = [
+    "bridge off", "fixed level", "speed loop", "bus current", "phase current", "power", "temperature", "maximum duty", "slew",
+    "no return into the bus", "crossings not seen",
+];
+
+/** What became of the last step's zero crossing, by the number of the signal `crossing` (parameter 287). */
+export const CROSSINGS = ["none yet", "accepted", "filtered: too early", "blind: not seen", "late: hidden", "heard while coasting"];

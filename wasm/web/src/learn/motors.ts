@@ -1,0 +1,33 @@
+// The motor that most chapters turn.
+
+import type { MotorOptions } from "narx";
+import type { Action, Setup } from "./messages";
+
+/** A 24 V motor of four pole pairs with a trapezoidal back-EMF, about what a 50 W fan or pump has. */
+export const MOTOR: MotorOptions = {
+    polePairs: 4,
+    resistance: 0.36,
+    inductance: 2e-4,
+    torqueConstant: 0.036,
+    inertia: 4.8e-6,
+};
+
+export const SUPPLY = 24;
+
+/** Until the drive has booted, s. */
+export const BOOT = 0.6;
+
+/** Flat top of one phase's back-EMF, V a rpm of the shaft: half of what lies between two lines. */
+export function perRpm({ torqueConstant }: MotorOptions): number {
+    return ((torqueConstant / 2) * 2 * Math.PI) / 60;
+}
+
+/** Boots, starts in hall mode with `load` N m on the shaft, and runs until the speed is steady. */
+export function turning(rpm: number, load: number, more: Partial<Setup> = {}): Setup {
+    const before: Action[] = [
+        { kind: "run", seconds: BOOT },
+        { kind: "start", rpm },
+        { kind: "run", seconds: 1.2 },
+    ];
+    return { motor: MOTOR, options: { supplyVoltage: SUPPLY, mode: "hall", load: { constant: load } }, before, ...more };
+}

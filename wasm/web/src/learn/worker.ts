@@ -1,0 +1,154 @@
+// The bench of a chapter, in a worker: time passes at the reader's pace, and every control tick is told.
+
+import init, { Bench, Motor, type BusFrame, type Trace } from "narx";
+import initCore, { decode } from "narx/core";
+import { KEPT, type Action, type Answer, type Heard, type Request, type Rows, type Setup } from "./messages";
+
+/** Between two runs, ms: a picture of a usual screen. */
+const PERIOD = 16;
+/** What is simulated at once, s. A computer that is too slow for more falls behind the clock. */
+const RUN_MAX = 0.05;
+/** A control tick, s. */
+const TICK = 1e-4;
+/** What is told at once of a long run, ticks: what a page keeps. */
+const TOLD_MAX = 30_000;
+
+let bench: Bench | undefined;
+let pace = 0;
+let before = 0;
+/** Time that has been asked for and has not passed yet: less than a tick, s. */
+let owed = 0;
+
+function answer(message: Answer, transfer: Transferable[] = []): void {
+    postMessage(message, { transfer });
+}
+
+function tell(rows: Rows, acted?: number): void {
+    const fault = bench?.state === 6 ? bench.fault?.meaning : undefined;
+    const frames = (bench?.takeFrames() ?? []).map(read);
+    answer({ kind: "ran", rows, frames, acted, fault }, rows.map((column) => column.buffer));
+}
+
+function read(frame: BusFrame): Heard {
+    return { ...frame, message: decode(frame) };
+}
+
+function rowsOf(trace: Trace): Rows {
+    const rows = KEPT.map((name) => Float64Array.from(trace.column(name)));
+    trace.free();
+    return rows;
+}
+
+/** One behind the other, the last `TOLD_MAX` ticks of them. */
+function joined(parts: Rows[]): Rows {
+    return KEPT.map((_, column) => {
+        const length = parts.reduce((sum, part) => sum + part[column].length, 0);
+        const all = new Float64Array(length);
+        let at = 0;
+        for (const part of parts) {
+            all.set(part[column], at);
+            at += part[column].length;
+        }
+        return all.slice(-TOLD_MAX);
+    });
+}
+
+function act(bench: Bench, actions: Action[]): void {
+    // What was on the bus before is not of these actions.
+    tell(joined([]));
+    const began = bench.time;
+    const parts: Rows[] = [];
+    for (const action of actions) {
+        switch (action.kind) {
+            case "run":
+                parts.push(rowsOf(bench.run(action.seconds)));
+                break;
+            case "nextState": {
+                const state = bench.value("state");
+                for (let left = action.seconds / TICK; left > 0 && bench.value("state") === state; left--) {
+                    bench.step();
+                }
+                parts.push(rowsOf(bench.takeTrace()));
+                break;
+            }
+            case "start":
+                bench.start(action.rpm);
+                break;
+            case "setSpeed":
+                bench.setSpeed(action.rpm);
+                break;
+            case "stop":
+                bench.stop();
+                break;
+            case "load":
+                bench.setLoad(action.load);
+                break;
+            case "inject":
+                bench.inject(action.fault, action.options);
+                break;
+            case "clear":
+                bench.clear();
+                break;
+            case "send":
+                bench.send(action.frame);
+                break;
+        }
+    }
+    tell(joined(parts), began);
+}
+
+function open({ motor, options, before }: Setup): void {
+    const made = typeof motor === "string" ? Motor.preset(motor) : new Motor(motor);
+    try {
+        // Nobody asks for its recording, which would grow.
+        const fresh = new Bench(made, { ...options, recording: false });
+        bench?.free();
+        bench = fresh;
+    } finally {
+        made.free();
+    }
+    owed = 0;
+    answer({ kind: "opened" });
+    act(bench, before);
+}
+
+function pass(): void {
+    const now = performance.now();
+    owed += Math.min(((now - before) / 1000) * pace, RUN_MAX);
+    before = now;
+    const ticks = Math.floor(owed / TICK);
+    if (bench && ticks > 0) {
+        owed -= ticks * TICK;
+        tell(rowsOf(bench.run(ticks * TICK)));
+    }
+    setTimeout(pass, PERIOD);
+}
+
+function handle(request: Request): void {
+    switch (request.kind) {
+        case "open":
+            return open(request.setup);
+        case "pace":
+            pace = request.pace;
+            owed = 0;
+            return;
+        case "act":
+            if (bench) {
+                act(bench, request.actions);
+            }
+            return;
+    }
+}
+
+addEventListener("message", ({ data }: MessageEvent<Request>) => {
+    try {
+        handle(data);
+    } catch (error) {
+        answer({ kind: "refused", reason: error instanceof Error ? error.message : String(error) });
+    }
+});
+
+await Promise.all([init(), initCore()]);
+answer({ kind: "ready" });
+before = performance.now();
+pass();

@@ -1,0 +1,111 @@
+// A run as something that can be passed on: what was on the bench, and every input with its control tick. It has all that decides
+// the run, so that it comes out bit for bit the same wherever it is repeated.
+
+import type { Input } from "narx/script";
+import type { Setup } from "./messages";
+
+/** Raised where the meaning of a run's fields changes. */
+const FORMAT = 1;
+/** Longest run that can be repeated: an hour at 10 kHz. */
+const TICKS_MAX = 36_000_000;
+
+export interface Run {
+    setup: Setup;
+    /** In the order in which they came. */
+    inputs: Input[];
+    /** Length, control ticks. */
+    ticks: number;
+    /** What the drive's outputs came to, 16 hexadecimal digits. */
+    digest: string;
+}
+
+type Sent = Extract<Input, { call: "send" }>;
+type Call = Omit<Exclude<Input, Sent>, "tick">;
+
+/** As it is compressed: each frame once, then a row for each input. */
+interface Packed {
+    format: number;
+    setup: Setup;
+    frames: string[];
+    /** Ticks since the input before. */
+    after: number[];
+    /** A number of `frames`, or an action. */
+    what: (number | Call)[];
+    ticks: number;
+    digest: string;
+}
+
+/** As text that an address can hold. */
+export async function encode({ setup, inputs, ticks, digest }: Run): Promise<string> {
+    const places = new Map<string, number>();
+    const place = (frame: Sent) => {
+        const text = frameText(frame);
+        const known = places.get(text) ?? places.size;
+        places.set(text, known);
+        return known;
+    };
+    const what = inputs.map((input) => (input.call === "send" ? place(input) : withoutTick(input)));
+    const after = inputs.map(({ tick }, index) => tick - (inputs[index - 1]?.tick ?? 0));
+    const packed: Packed = { format: FORMAT, setup, frames: [...places.keys()], after, what, ticks, digest };
+    const bytes = await through(new TextEncoder().encode(JSON.stringify(packed)), new CompressionStream("deflate-raw"));
+    return base64(bytes);
+}
+
+/** The run of `encode`. Throws an Error that says what is wrong with the text. */
+export async function decode(text: string): Promise<Run> {
+    let packed: Partial<Packed>;
+    try {
+        const bytes = await through(fromBase64(text), new DecompressionStream("deflate-raw"));
+        packed = JSON.parse(new TextDecoder().decode(bytes)) as Partial<Packed>;
+    } catch {
+        throw new Error("This link is damaged: a part of it is missing or was changed. Copy it whole.");
+    }
+    const { format, setup, frames, after, what, ticks, digest } = packed;
+    if (format !== FORMAT) {
+        throw new Error(`This link has format ${format}, and this page knows format ${FORMAT}: one of them is older than the other.`);
+    }
+    if (!setup || !frames || !after || !what || after.length !== what.length || ticks === undefined || digest === undefined) {
+        throw new Error("This link is damaged: it does not hold a whole run.");
+    }
+    if (!Number.isInteger(ticks) || ticks < 0 || ticks > TICKS_MAX || after.some((ticks) => !Number.isInteger(ticks) || ticks < 0)) {
+        throw new Error(`This link is damaged: its run has ${ticks} control ticks; 0 to ${TICKS_MAX} can be repeated.`);
+    }
+    let tick = 0;
+    const inputs = what.map((entry, index) => {
+        tick += after[index];
+        return (typeof entry === "number" ? { tick, ...frameOf(frames[entry]) } : { ...entry, tick }) as Input;
+    });
+    return { setup, inputs, ticks, digest };
+}
+
+function withoutTick({ tick: _, ...call }: Input): Call {
+    return call as Call;
+}
+
+function frameText({ id, extended, remote, data }: Sent): string {
+    const hex = [...data].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+    return `${id.toString(16)}${extended === false ? "s" : "x"}${remote ? "r" : "d"}${hex}`;
+}
+
+function frameOf(text: string | undefined): Omit<Sent, "tick"> {
+    const [, id, extended, remote, hex] = text?.match(/^([0-9a-f]+)([xs])([rd])((?:[0-9a-f]{2}){0,8})$/) ?? [];
+    if (id === undefined) {
+        throw new Error(`This link is damaged: "${text}" is no frame.`);
+    }
+    const data = (hex.match(/../g) ?? []).map((byte) => parseInt(byte, 16));
+    return { call: "send", id: parseInt(id, 16), extended: extended === "x", remote: remote === "r", data };
+}
+
+async function through(bytes: Uint8Array<ArrayBuffer>, stream: CompressionStream | DecompressionStream): Promise<Uint8Array<ArrayBuffer>> {
+    return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+}
+
+function base64(bytes: Uint8Array): string {
+    const letters = Array.from(bytes, (byte) => String.fromCharCode(byte)).join("");
+    return btoa(letters).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+}
+
+function fromBase64(text: string): Uint8Array<ArrayBuffer> {
+    const letters = atob(text.replaceAll("-", "+").replaceAll("_", "/"));
+    return Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
+}

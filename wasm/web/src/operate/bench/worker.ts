@@ -1,0 +1,148 @@
+// The bench in a worker: it runs in step with the wall clock, and the page only draws.
+
+import init, { Bench, Motor } from "narx";
+import { JournalledBench } from "./journal";
+import type { Answer, MotorEntry, Request, Rows } from "./messages";
+import type { Run } from "./run";
+
+/** Between two pieces of a run, ms. */
+const PERIOD = 8;
+/** Ticks of a piece in real time: inputs come at its ends, so that their ticks are round numbers, which a link keeps short. */
+const PIECE = 50;
+/** What is simulated at once, s. A computer that is too slow for more falls behind the clock. */
+const BEHIND_MAX = 0.05;
+/** Reports that the page has not heard yet. A page that is busy stops the time of the bench: its set-points must not come too late. */
+const UNHEARD_MAX = 2;
+/** Ticks between two reports of a run that is repeated. */
+const REPORT = 5000;
+
+let journal: JournalledBench | undefined;
+let pace = 1;
+let before = 0;
+let unheard = 0;
+/** Ticks that are due, with their fraction. */
+let due = 0;
+
+function answer(message: Answer, transfer: Transferable[] = []): void {
+    postMessage(message, { transfer });
+}
+
+function report(journal: JournalledBench, ticks: number): void {
+    const { rows, frames } = journal.advance(ticks);
+    unheard += 1;
+    answer({ kind: "ran", now: journal.now(pace), rows, frames }, buffers(rows));
+}
+
+function buffers(rows: Rows): Transferable[] {
+    return Object.values(rows).map((column) => column.buffer);
+}
+
+function open(request: Request & { kind: "open" }): void {
+    const powered = new JournalledBench(request.setup);
+    request.actions.forEach((action) => powered.act(action));
+    pace = 1;
+    begin(powered);
+}
+
+function begin(opened: JournalledBench): void {
+    journal?.free();
+    journal = opened;
+    due = 0;
+    const { speedMin, speedMax, notes, tickRate } = opened.bench;
+    answer({ kind: "opened", setup: opened.setup, speedMin, speedMax, notes, tickRate });
+}
+
+/** Repeats a run as fast as it goes, and stands still at its end; unless another drive is opened meanwhile. */
+async function reproduce(run: Run): Promise<void> {
+    const repeated = new JournalledBench(run.setup);
+    pace = 0;
+    begin(repeated);
+    const until = async (tick: number) => {
+        while (journal === repeated && repeated.bench.ticks < tick) {
+            report(repeated, Math.min(tick - repeated.bench.ticks, REPORT));
+            // Requests are heard in between.
+            await new Promise((resolve) => setTimeout(resolve));
+        }
+        return journal === repeated;
+    };
+    for (const input of run.inputs) {
+        if (!(await until(input.tick))) {
+            return;
+        }
+        repeated.act(input);
+    }
+    if (await until(run.ticks)) {
+        answer({ kind: "reproduced", digest: repeated.bench.digest, expected: run.digest });
+    }
+}
+
+function turn(): void {
+    const now = performance.now();
+    const elapsed = Math.min((now - before) / 1000, BEHIND_MAX);
+    before = now;
+    if (journal && pace > 0 && unheard < UNHEARD_MAX) {
+        due += elapsed * pace * journal.bench.tickRate;
+        const piece = pace < 0.5 ? 1 : PIECE;
+        const ticks = Math.floor(due / piece) * piece;
+        if (ticks > 0) {
+            due -= ticks;
+            report(journal, ticks);
+        }
+    }
+    setTimeout(turn, PERIOD);
+}
+
+function opened(): JournalledBench {
+    if (!journal) {
+        throw new Error("there is no virtual drive yet");
+    }
+    return journal;
+}
+
+function handle(request: Request): void | Promise<void> {
+    switch (request.kind) {
+        case "open":
+            return open(request);
+        case "act":
+            return request.actions.forEach((action) => opened().act(action));
+        case "heard":
+            unheard -= 1;
+            return;
+        case "pace":
+            pace = request.pace;
+            due = 0;
+            return report(opened(), 0);
+        case "step":
+            return report(opened(), request.ticks);
+        case "reproduce":
+            return reproduce(request.run);
+        case "run":
+            return answer({ kind: "run", run: opened().run() });
+        case "recording":
+            return answer({ kind: "recording", bytes: opened().bench.recording() });
+    }
+}
+
+const ready = init();
+
+addEventListener("message", async ({ data }: MessageEvent<Request>) => {
+    await ready;
+    try {
+        await handle(data);
+    } catch (error) {
+        const reason = error instanceof Error ? error.message : String(error);
+        answer({ kind: "refused", request: data.kind, reason });
+    }
+});
+
+function entry(name: MotorEntry["name"]): MotorEntry {
+    const motor = Motor.preset(name);
+    const found = { name, title: `${motor.maker} ${motor.part}`, nominalVoltage: motor.nominalVoltage ?? 24 };
+    motor.free();
+    return found;
+}
+
+await ready;
+answer({ kind: "ready", motors: Motor.presets().map(entry), inputs: Bench.inputs(), injections: Bench.injections() });
+before = performance.now();
+turn();

@@ -1,0 +1,25 @@
+// Frames as can-utils writes them (`candump -L`).
+
+import type { BusFrame } from "narx";
+
+/** Name of the interface in the lines; a page has none. */
+const INTERFACE = "can0";
+
+/** A line a frame. */
+export function candump(frames: readonly BusFrame[]): string {
+    return frames.map((frame) => `${line(frame)}\n`).join("");
+}
+
+/** ID#DATA of a frame. */
+export function compact({ id, extended, remote, data }: BusFrame): string {
+    const number = id.toString(16).toUpperCase().padStart(extended ? 8 : 3, "0");
+    return `${number}#${remote ? `R${data.length}` : hex(data)}`;
+}
+
+export function hex(data: Uint8Array, between = ""): string {
+    return Array.from(data, (byte) => byte.toString(16).toUpperCase().padStart(2, "0")).join(between);
+}
+
+function line(frame: BusFrame): string {
+    return `(${frame.time.toFixed(6).padStart(17, "0")}) ${INTERFACE} ${compact(frame)}`;
+}

@@ -1,0 +1,167 @@
+// The bench in its worker, as a link and as what can be done to it.
+
+import type { Frame, InjectionName, Input } from "narx";
+import type { Action, Answer, MotorEntry, Now, Request, Setup } from "../bench/messages";
+import type { Run } from "../bench/run";
+import { Rolling } from "../rolling.svelte";
+import type { Link, Listener } from "./link";
+
+/** What the worker can do. */
+export interface Known {
+    motors: MotorEntry[];
+    inputs: Input[];
+    injections: InjectionName[];
+}
+
+/** A run that was repeated. */
+export interface Reproduced {
+    digest: string;
+    expected: string;
+}
+
+class VirtualDrive {
+    known = $state.raw<Known>();
+    opened = $state.raw<Answer & { kind: "opened" }>();
+    now = $state.raw<Now>({ time: 0, ticks: 0, pace: 1 });
+    reproduced = $state.raw<Reproduced>();
+    /** Why the last wish was refused. */
+    problem = $state<string>();
+    /** The true signals of the last seconds. */
+    readonly rows = new Rolling();
+    #worker: Worker | undefined;
+    #listener: Listener | undefined;
+    #queue: Action[] = [];
+    /** A run is being repeated: what was sent is among its inputs, and nothing else may be. */
+    #repeats = false;
+    #waiting: ((answer: Answer) => boolean)[] = [];
+
+    /** Powers a virtual drive up, with what is done to it before its first tick. Refused with an Error for a setup that cannot be. */
+    async open(setup: Setup, actions: Action[], listener: Listener): Promise<Link> {
+        this.reproduced = undefined;
+        this.#repeats = false;
+        return this.#connect({ kind: "open", setup, actions }, listener);
+    }
+
+    /** Repeats a run; the virtual drive stands still at its end. */
+    async reproduce(run: Run, listener: Listener): Promise<Link> {
+        this.reproduced = undefined;
+        this.#repeats = true;
+        return this.#connect({ kind: "reproduce", run }, listener);
+    }
+
+    act(action: Action): void {
+        this.#ask({ kind: "act", actions: [action] });
+    }
+
+    /** Simulated seconds in a second; 0 stands still. */
+    setPace(pace: number): void {
+        this.#ask({ kind: "pace", pace });
+    }
+
+    step(ticks: number): void {
+        this.#ask({ kind: "step", ticks });
+    }
+
+    /** Everything that decides the run so far. */
+    async run(): Promise<Run> {
+        return (await this.#answer({ kind: "run" }, "run")).run;
+    }
+
+    /** The recording of the drive since it last booted. */
+    async recording(): Promise<Uint8Array> {
+        return (await this.#answer({ kind: "recording" }, "recording")).bytes;
+    }
+
+    /** Starts the worker, so that the motors are known. */
+    start(): void {
+        if (this.#worker) {
+            return;
+        }
+        this.#worker = new Worker(new URL("../bench/worker.ts", import.meta.url), { type: "module" });
+        this.#worker.addEventListener("message", ({ data }: MessageEvent<Answer>) => this.#handle(data));
+        this.#worker.addEventListener("error", ({ message }) => {
+            this.problem = `The simulation cannot run here: ${message}`;
+        });
+    }
+
+    async #connect(request: Request & { kind: "open" | "reproduce" }, listener: Listener): Promise<Link> {
+        // Frames of the bench before are nobody's.
+        this.#listener = undefined;
+        const { setup } = await this.#answer(request, "opened");
+        this.#listener = listener;
+        const link = this;
+        return {
+            name: `Virtual drive, ${setup.motor}`,
+            readOnly: false,
+            get now() {
+                return link.now.time;
+            },
+            send: (frame) => this.#send(frame),
+            close: () => {
+                this.#listener = undefined;
+                this.#ask({ kind: "pace", pace: 0 });
+            },
+        };
+    }
+
+    #send(frame: Frame): void {
+        if (this.#repeats) {
+            return;
+        }
+        if (this.#queue.length === 0) {
+            queueMicrotask(() => this.#worker?.postMessage({ kind: "act", actions: this.#queue.splice(0) } satisfies Request));
+        }
+        const { id, extended, remote, data } = frame;
+        this.#queue.push({ call: "send", id, extended, remote, data: [...data] });
+    }
+
+    #ask(request: Request): void {
+        this.start();
+        this.problem = undefined;
+        this.#worker?.postMessage(request);
+    }
+
+    #answer<K extends Answer["kind"]>(request: Request, kind: K): Promise<Answer & { kind: K }> {
+        return new Promise((resolve, reject) => {
+            this.#waiting.push((answer) => {
+                if (answer.kind === kind) {
+                    resolve(answer as Answer & { kind: K });
+                    return true;
+                }
+                if (answer.kind === "refused" && answer.request === request.kind) {
+                    reject(new Error(answer.reason));
+                    return true;
+                }
+                return false;
+            });
+            this.#ask(request);
+        });
+    }
+
+    #handle(answer: Answer): void {
+        switch (answer.kind) {
+            case "ready":
+                this.known = answer;
+                break;
+            case "opened":
+                this.opened = answer;
+                this.rows.clear();
+                break;
+            case "ran":
+                this.now = answer.now;
+                this.rows.append(answer.rows);
+                this.#listener?.handle(answer.now.time, answer.frames);
+                // Behind what was sent for it.
+                return queueMicrotask(() => this.#worker?.postMessage({ kind: "heard" } satisfies Request));
+            case "reproduced":
+                this.reproduced = answer;
+                this.#repeats = false;
+                break;
+            case "refused":
+                this.problem = answer.reason;
+        }
+        this.#waiting = this.#waiting.filter((done) => !done(answer));
+    }
+}
+
+export const virtualDrive = new VirtualDrive();

@@ -1,0 +1,111 @@
+// TX-Drivers on the drive's bus: a master for each.
+
+import type { Frame } from "narx";
+import { TxMaster, type TxObject } from "narx/core";
+
+interface Question {
+    begin: () => void;
+    resolve: (value: number) => void;
+    reject: (error: Error) => void;
+}
+
+/** One node and its master. */
+export class Node {
+    readonly id: number;
+    readonly master: TxMaster;
+    #waiting: Question[] = [];
+    #asked: Question | undefined;
+
+    constructor(id: number, channels: 1 | 2 = 1, timeout = 0.1) {
+        this.id = id;
+        this.master = new TxMaster({ nodeId: id, channels, timeout });
+    }
+
+    /** Reads an entry of the object dictionary, in its unit. */
+    async read({ index, subindex, scale }: TxObject): Promise<number> {
+        return scale * (await this.#ask(() => this.master.request(index, subindex)));
+    }
+
+    /** Writes an entry, in its unit. */
+    async write({ index, subindex, scale }: TxObject, value: number): Promise<void> {
+        await this.#ask(() => this.master.request(index, subindex, Math.round(value / scale)));
+    }
+
+    handleFrame(frame: Frame, now: number): void {
+        this.master.handleFrame(frame, now);
+        this.#settle();
+    }
+
+    poll(now: number): Frame[] {
+        if (!this.#asked) {
+            this.#asked = this.#waiting.shift();
+            try {
+                this.#asked?.begin();
+            } catch (error) {
+                this.#asked?.reject(error as Error);
+                this.#asked = undefined;
+            }
+        }
+        const due = this.master.poll(now);
+        this.#settle();
+        return due;
+    }
+
+    #ask(begin: () => void): Promise<number> {
+        return new Promise((resolve, reject) => this.#waiting.push({ begin, resolve, reject }));
+    }
+
+    #settle(): void {
+        const answer = this.#asked && this.master.pollAnswer();
+        if (!answer) {
+            return;
+        }
+        if (answer.error) {
+            this.#asked?.reject(answer.error);
+        } else {
+            this.#asked?.resolve(answer.value);
+        }
+        this.#asked = undefined;
+    }
+}
+
+class Nodes {
+    found = $state.raw<readonly Node[]>([]);
+    /** Asked whether they are there. */
+    #candidates: readonly Node[] = [];
+
+    handleFrame(frame: Frame, now: number): void {
+        if (frame.extended === false) {
+            this.#all().forEach((node) => node.handleFrame(frame, now));
+        }
+    }
+
+    poll(now: number): Frame[] {
+        return this.#all().flatMap((node) => node.poll(now));
+    }
+
+    clear(): void {
+        this.found = [];
+        this.#candidates = [];
+    }
+
+    /** Adds a node whether it answers or not. */
+    add(id: number, channels: 1 | 2): void {
+        this.found = [...this.found.filter((node) => node.id !== id), new Node(id, channels)].toSorted((one, two) => one.id - two.id);
+    }
+
+    /** Asks nodes for an entry; those that answer at all, if only that they do not want to, are there. */
+    async ask(ids: readonly number[], entry: TxObject): Promise<void> {
+        const candidates = ids.map((id) => new Node(id, 1, 0.02));
+        this.#candidates = candidates;
+        const answers = await Promise.all(candidates.map((node) => node.read(entry).then(() => true, (error: Error) => error.name !== "NoAnswerError")));
+        this.#candidates = [];
+        candidates.filter((_, index) => answers[index]).forEach(({ id }) => this.add(id, 1));
+    }
+
+    #all(): readonly Node[] {
+        return [...this.found, ...this.#candidates];
+    }
+}
+
+export const nodes = new Nodes();

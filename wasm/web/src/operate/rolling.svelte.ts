@@ -1,0 +1,78 @@
+// Columns of the last seconds, for plots that roll.
+
+import type uPlot from "uplot";
+
+/** Seconds in view. */
+const VIEW = 8;
+
+export class Rolling {
+    readonly #columns = new Map<string, number[]>();
+    readonly #seconds: number;
+    #version = $state(0);
+    #drawn = true;
+
+    /** `seconds` are kept. */
+    constructor(seconds = VIEW) {
+        this.#seconds = seconds;
+    }
+
+    /** Appends rows; one of the columns is "time". What is older than the last row by more than is kept, goes; time that runs back begins anew. */
+    append(rows: Readonly<Record<string, ArrayLike<number>>>): void {
+        const time = this.#column("time");
+        const first = rows.time[0];
+        if (first !== undefined && first < (time.at(-1) ?? -Infinity)) {
+            this.clear();
+        }
+        for (const [name, values] of Object.entries(rows)) {
+            const column = this.#column(name);
+            for (let row = 0; row < values.length; row += 1) {
+                column.push(values[row]);
+            }
+        }
+        const oldest = (time.at(-1) ?? 0) - this.#seconds;
+        // Not with every row: to move the rest costs more than to keep it.
+        if (time.length > 0 && time[0] < oldest - this.#seconds / 4) {
+            const kept = time.findIndex((t) => t >= oldest);
+            for (const column of this.#columns.values()) {
+                column.splice(0, kept);
+            }
+        }
+        this.#draw();
+    }
+
+    clear(): void {
+        for (const column of this.#columns.values()) {
+            column.length = 0;
+        }
+        this.#draw();
+    }
+
+    /** The columns of these names, for a plot; it is told at most once a picture that there are more. */
+    data(names: readonly string[]): uPlot.AlignedData {
+        void this.#version;
+        return names.map((name) => this.#column(name)) as unknown as uPlot.AlignedData;
+    }
+
+    /** The last seconds. */
+    get view(): { min: number; max: number } {
+        void this.#version;
+        const max = Math.max(this.#column("time").at(-1) ?? 0, this.#seconds);
+        return { min: max - this.#seconds, max };
+    }
+
+    #column(name: string): number[] {
+        const found = this.#columns.get(name) ?? [];
+        this.#columns.set(name, found);
+        return found;
+    }
+
+    #draw(): void {
+        if (this.#drawn) {
+            this.#drawn = false;
+            requestAnimationFrame(() => {
+                this.#drawn = true;
+                this.#version += 1;
+            });
+        }
+    }
+}
