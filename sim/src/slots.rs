@@ -18,7 +18,7 @@ const PROGRAM: &[u8] = b"the program of the bench is not in here.";
 type Flash = InternalFlash<Sparse>;
 
 /// Slots, bootloader and what serves the node.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Slots {
     server: Server<Flash>,
     /// The factory image stands in the active slot: signing takes its time, and most drives never see an update.

@@ -1,4 +1,4 @@
-//! What the two modules share: option objects, errors, CAN frames and traces.
+//! What the modules share: option objects, errors, CAN frames and traces.
 //!
 //! | file | JavaScript | Rust |
 //! |---|---|---|
@@ -7,6 +7,7 @@
 //! | `options.rs`, `error.rs` | option objects, errors | |
 #![forbid(unsafe_code)]
 
+#[cfg(target_family = "wasm")]
 use lol_alloc::{FreeListAllocator, LockedAllocator};
 
 /// Of every module.
