@@ -29,6 +29,10 @@
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
+//!
+//! Features, all on by default, are what a small board may leave out: `names` and `description` (texts), `log`, `scope` and its `recorder`,
+//! `hall-calibration`, `accelerometer`, and `shortcuts` (the control tick's short ways, without which it takes longer and answers the same).
+//! Whoever asks for what is left out is refused.
 #![no_std]
 #![forbid(unsafe_code)]
 

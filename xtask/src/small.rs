@@ -14,7 +14,7 @@ const GOLDEN: &str = "tests/golden/small_board.toml";
 const HEAD: &str = "\
 # Flash of everything in the core that a small board links (firmware/small: control tick, background, parameters, broadcasts; no peripherals, no
 # store), bytes of code and constants on a Cortex-M4F at opt-level z, the processor's vector table not counted. `least` is the core without
-# features, `every` with all of them, and each other row what a feature alone adds to the least.
+# features, `every` with all of them, and under `adds` what a feature alone adds to the least.
 # Made anew by `cargo xtask sizes`; `least` and `every` are compared within 1 % by `cargo xtask test firmware`.
 
 ";

@@ -223,11 +223,11 @@ impl Fate {
         let row = rows[self.below(rows.len())];
         let raw = match self.below(8) {
             0 => self.0.bits() as i32 as i64,
-            1 => row.min - 1,
-            2 => row.max + 1,
-            3 => row.min,
-            4 => row.max,
-            _ => self.between(row.min as f64, row.max as f64) as i64,
+            1 => row.min() - 1,
+            2 => row.max() + 1,
+            3 => row.min(),
+            4 => row.max(),
+            _ => self.between(row.min() as f64, row.max() as f64) as i64,
         };
         Request::Write { number: row.number, raw: raw as i32 }
     }
