@@ -28,14 +28,16 @@ def update(link: Link, image: bytes, progress: Callable[[str, int, int], None] |
         while not link.wait(done, LOOK):
             pass
     except BaseException:
-        link.master.abort_update()
-        link.wait(lambda: ended(link), 1.0)
+        # What the drive itself has ended is over.
+        if link.master.update_progress() is not None:
+            link.master.abort_update()
+            link.wait(lambda: ended(link), 1.0)
         raise
 
 
 def ended(link: Link) -> bool:
     """Whether an aborted update is over."""
     try:
-        return link.master.update_progress() is None or link.master.poll_update()
+        return link.master.poll_update()
     except NarxError:
         return True
