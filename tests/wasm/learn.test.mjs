@@ -238,6 +238,8 @@ test("frames: a click shows what it sends and what the drive says to it", async 
 
 test("all chapters say what they are about, lead from one to the next, and end", async () => {
     const { page } = await browser.open(STILL, "#/learn");
+    // A motor turns beside the opening words.
+    await page.getByRole("img", { name: /^Bridge: [ABC]{2}$/ }).waitFor();
     const links = await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").evaluateAll((links) => links.map(({ hash }) => hash));
     await page.getByRole("navigation", { name: "Chapters" }).getByRole("link").first().click();
     const visited = [];

@@ -1,6 +1,7 @@
 // What the explainer's pictures know of a motor is what the drive does and the bench shows.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -66,4 +67,17 @@ test("the torque of a step follows from the trapezoids", () => {
         // Currents of an instant against the mean torque of the period before, which the ripple parts.
         assert.ok(Math.abs(torque[row] - expected) < 0.15 * expected, `row ${row}: ${torque[row]} N m, ${expected}`);
     }
+});
+
+test("the currents that the chapter on hall sensors quotes", () => {
+    const peak = (hallOffset) => {
+        const bench = new Bench(new Motor(MOTOR), { supplyVoltage: 24, mode: "hall", load: { constant: 0.05 }, hallOffset });
+        bench.run(0.6);
+        bench.start(2000);
+        bench.run(1.2);
+        return Math.max(...bench.run(0.05).column("peak_current"));
+    };
+    const text = readFileSync(new URL("../../wasm/web/src/learn/chapters/Halls.svelte", import.meta.url), "utf8");
+    const quoted = /At 30° late the peak is ([\d.]+) A, at 30° early ([\d.]+) A, aligned ([\d.]+) A/.exec(text.replaceAll(/\s+/g, " ")).slice(1).map(Number);
+    assert.deepEqual([30, -30, 0].map(peak).map((current) => Number(current.toFixed(1))), quoted);
 });
