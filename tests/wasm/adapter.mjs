@@ -1,7 +1,8 @@
-// A serial port with a CAN adapter on it for the page: `navigator.serial` in the browser, its bytes over TCP to the virtual drive of
-// `cargo xtask drive`, which is an slcan adapter and the bus behind it.
+// A serial port with a CAN adapter on it for the page: `navigator.serial` in the browser, its bytes over HTTP and TCP to the virtual drive
+// of `cargo xtask drive`, which is an slcan adapter and the bus behind it.
 
 import { spawn } from "node:child_process";
+import { createServer } from "node:http";
 import { connect } from "node:net";
 import { fileURLToPath } from "node:url";
 
@@ -14,8 +15,6 @@ export async function serveDrive(...options) {
         told += piece;
         const port = told.match(/127\.0\.0\.1:(\d+)/)?.[1];
         if (port !== undefined) {
-            // Nobody reads what it tells from now on.
-            drive.stdout.resume();
             return { port: Number(port), end: () => drive.kill() };
         }
     }
@@ -25,33 +24,49 @@ export async function serveDrive(...options) {
 /** Gives a page a serial port behind which the drive is. `unplug()` takes it away, as a hand would; `written` is what the page has sent. */
 export async function plugIn(page, port) {
     const socket = connect(port, "127.0.0.1");
-    const adapter = { written: "", unplug: () => page.evaluate(() => globalThis.unplugSerial()), end: () => socket.destroy() };
-    await page.exposeFunction("serialWrite", (text) => {
-        adapter.written += text;
-        socket.write(text, "latin1");
+    const adapter = { written: "", unplug: () => page.evaluate(() => globalThis.unplugSerial()) };
+    // What a page reads is one response that does not end; what it writes is a request for each piece.
+    const bridge = createServer((request, response) => {
+        response.setHeader("Access-Control-Allow-Origin", "*");
+        if (request.method === "GET") {
+            response.flushHeaders();
+            socket.on("data", (bytes) => response.write(bytes));
+            return;
+        }
+        const pieces = [];
+        request.on("data", (piece) => pieces.push(piece));
+        request.on("end", () => {
+            const bytes = Buffer.concat(pieces);
+            adapter.written += bytes.toString("latin1");
+            socket.write(bytes);
+            response.writeHead(204).end();
+        });
     });
-    socket.on("data", (bytes) => page.evaluate((text) => globalThis.serialRead?.(text), bytes.toString("latin1")).catch(() => undefined));
-    await page.evaluate(inPage);
+    await new Promise((resolve) => bridge.listen(0, "127.0.0.1", resolve));
+    adapter.end = () => {
+        socket.destroy();
+        bridge.closeAllConnections();
+        bridge.close();
+    };
+    await page.evaluate(inPage, `http://127.0.0.1:${bridge.address().port}/`);
     return adapter;
 }
 
 /** Runs in the page, before it asks for a port. */
-function inPage() {
-    const bytes = (text) => Uint8Array.from(text, (letter) => letter.charCodeAt(0));
-    const text = (bytes) => Array.from(bytes, (byte) => String.fromCharCode(byte)).join("");
+function inPage(bridge) {
     const port = {
         async open() {
-            port.readable = new ReadableStream({
-                start(controller) {
-                    globalThis.serialRead = (piece) => controller.enqueue(bytes(piece));
-                    globalThis.unplugSerial = () => {
-                        globalThis.serialRead = undefined;
-                        controller.error(new DOMException("The device has been lost.", "NetworkError"));
-                    };
-                },
-                cancel: () => void (globalThis.serialRead = undefined),
-            });
-            port.writable = new WritableStream({ write: (chunk) => globalThis.serialWrite(text(chunk)) });
+            const { body } = await fetch(bridge);
+            const gone = new TransformStream();
+            body.pipeTo(gone.writable).catch(() => undefined);
+            port.readable = gone.readable.pipeThrough(
+                new TransformStream({
+                    start(controller) {
+                        globalThis.unplugSerial = () => controller.error(new DOMException("The device has been lost.", "NetworkError"));
+                    },
+                }),
+            );
+            port.writable = new WritableStream({ write: (chunk) => fetch(bridge, { method: "POST", body: chunk, keepalive: true }) });
         },
         async close() {},
     };
