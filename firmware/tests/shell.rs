@@ -1,11 +1,15 @@
 //! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
 
+#[cfg(feature = "update")]
+use narx_core::bus::narmotion::update::UpdateCode;
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive, XmlCommand};
 use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::device::Queues;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::fault::FaultWord;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};
+#[cfg(feature = "update")]
+use narx_core::node::update;
 use narx_core::node::{Identity, Node, Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_core::storage::{Mailbox, Report, Request, Storage};
 use narx_firmware::board::{BackgroundSide, TickSide};
@@ -61,6 +65,12 @@ impl BackgroundSide for Side {
         let mut paper = self.0.borrow_mut();
         paper.now += u64::from(!paper.clock_stopped);
         paper.waiting = paper.waiting.saturating_sub(1);
+    }
+
+    /// The board of paper has no bootloader.
+    #[cfg(feature = "update")]
+    fn serve_update(&mut self, _: &update::Request) -> update::Report {
+        update::Report::Failed(UpdateCode::Flash)
     }
 
     fn receive(&mut self) -> Option<Frame> {

@@ -34,8 +34,8 @@ mod storage;
 pub mod update;
 
 pub use crate::description::Identity;
-use inputs::ACCELEROMETER;
 pub use condition::{ResetCause, SelfTests};
+use inputs::ACCELEROMETER;
 pub use inputs::SlowInputs;
 
 use crate::bus::Frame;

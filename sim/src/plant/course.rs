@@ -177,7 +177,10 @@ impl Stage {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn hold(&self) -> f64 {
         let [a, b, c] = self.electric.i;
-        0.5 * (a.abs() + b.abs() + c.abs()) * self.shape.peak() * self.shaft.pole_pairs() * self.shaft.per_inertia()
+        0.5 * (a.abs() + b.abs() + c.abs())
+            * self.shape.peak()
+            * self.shaft.pole_pairs()
+            * self.shaft.per_inertia()
     }
 
     /// `length`, or less if the back-EMF has a corner before.

@@ -1,7 +1,7 @@
 //! What goes wrong: drawn here, done by the world.
 
-use narx_core::bus::{Frame, Id};
 use narx_core::bus::narmotion::DigitalOutputs;
+use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Access, Dictionary, number};
 use narx_core::master::{Download, Request, Service};
 use narx_sim::flash::Tear;

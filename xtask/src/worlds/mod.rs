@@ -92,7 +92,11 @@ impl Total {
 impl std::fmt::Display for Total {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { worlds, broken, seconds, boots, frames, .. } = self;
-        writeln!(f, "{worlds} worlds, {:.2} simulated hours, {boots} boots, {frames} frames", seconds / 3600.0)?;
+        writeln!(
+            f,
+            "{worlds} worlds, {:.2} simulated hours, {boots} boots, {frames} frames",
+            seconds / 3600.0
+        )?;
         let states = State::ALL.iter().zip(self.states);
         let shares = states.map(|(state, ticks)| format!("{} {:.0} s", state.name(), ticks as f64 * 1e-4));
         writeln!(f, "states: {}", shares.collect::<Vec<_>>().join(", "))?;

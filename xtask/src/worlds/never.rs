@@ -59,7 +59,11 @@ impl Watch {
             return Err(format!("it drives ({}) though the command has expired", status.state.name()));
         }
         if self.critical > LATE {
-            return Err(format!("it drives ({}) with a critical fault: {:?}", status.state.name(), status.critical));
+            return Err(format!(
+                "it drives ({}) with a critical fault: {:?}",
+                status.state.name(),
+                status.critical
+            ));
         }
         self.high = if driving && bench.plant().observe().bus_voltage > BUS_MAX { self.high + 1 } else { 0 };
         if self.high > HIGH {

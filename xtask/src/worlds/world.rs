@@ -63,7 +63,10 @@ pub struct Story {
 impl fmt::Display for Story {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { seed, seconds, boots, frames, peak, digest, .. } = self;
-        write!(f, "world {seed}: {seconds:.1} s, {boots} boots, {frames} frames, {peak:.1} A at most, {digest:016x}")?;
+        write!(
+            f,
+            "world {seed}: {seconds:.1} s, {boots} boots, {frames} frames, {peak:.1} A at most, {digest:016x}"
+        )?;
         if let Some(broken) = &self.broken {
             write!(f, "\n  {broken}\n  cargo xtask worlds --world {seed}")?;
         }
@@ -205,10 +208,10 @@ impl World {
             Mishap::Break(injection) => self.bench.plant_mut().inject(injection),
             Mishap::Mend(Some(injection)) => self.bench.plant_mut().clear(injection),
             Mishap::Mend(None) => self.bench.plant_mut().clear_all(),
-            Mishap::Load(share) => self.bench.plant_mut().set_load(LoadConfig {
-                constant: share * self.rated_torque,
-                ..LoadConfig::default()
-            }),
+            Mishap::Load(share) => self
+                .bench
+                .plant_mut()
+                .set_load(LoadConfig { constant: share * self.rated_torque, ..LoadConfig::default() }),
             Mishap::Source(resistance, may_sink) => {
                 let voltage = self.config.plant.supply.voltage;
                 self.bench.plant_mut().set_supply(SupplyConfig { voltage, resistance, may_sink });
