@@ -2,6 +2,8 @@
 //!
 //! Two traits and two owners, because the interrupt strikes at any instant of the background.
 
+#[cfg(feature = "update")]
+use narx_core::bus::narmotion::update::UpdateCode;
 use narx_core::bus::{BusState, Frame};
 use narx_core::motor::{PwmCommand, Samples};
 #[cfg(feature = "update")]
@@ -59,9 +61,11 @@ pub trait BackgroundSide {
         SelfTests::empty()
     }
 
-    /// Does what the node asks for the slot of the bootloader, all of it before it returns: a page erased, a piece written.
+    /// Does what the node asks for the slot of the bootloader, all of it before it returns: a page erased, a piece written. A board without one is not asked.
     #[cfg(feature = "update")]
-    fn serve_update(&mut self, request: &update::Request) -> update::Report;
+    fn serve_update(&mut self, _request: &update::Request) -> update::Report {
+        update::Report::Failed(UpdateCode::Flash)
+    }
 
     /// Puts off the watchdog's reset.
     fn feed_watchdog(&mut self);
