@@ -1,39 +1,38 @@
-//! Puts the public key that was chosen into the library.
+//! Puts keys into the library: the published one, and the one that was chosen.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 const VARIABLE: &str = "NARX_UPDATE_KEY";
-const TEST_KEY: &str = "../keys/TEST-ONLY.pub";
 
 fn main() {
     println!("cargo::rerun-if-env-changed={VARIABLE}");
     println!("cargo::rerun-if-changed=build.rs");
-    let test_key =
-        env::var_os("CARGO_FEATURE_TEST_KEY").map(|_| Path::new(env!("CARGO_MANIFEST_DIR")).join(TEST_KEY));
-    let file = env::var_os(VARIABLE).map(PathBuf::from).or(test_key);
-    let key = file.map(|file| {
-        println!("cargo::rerun-if-changed={}", file.display());
-        read(&file).unwrap_or_else(|problem| panic!("{}: {problem}", file.display()))
-    });
-    let text = format!(
-        "const CHOSEN: Option<Key> = {};\n",
-        key.map_or("None".into(), |key| format!("Some(Key({key:?}))"))
+    let published = |name| read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../keys").join(name));
+    let (public, secret) = (published("TEST-ONLY.pub"), published("TEST-ONLY.key"));
+    let chosen = match env::var_os(VARIABLE) {
+        Some(file) => Some(read(&PathBuf::from(file))),
+        None => env::var_os("CARGO_FEATURE_TEST_KEY").map(|_| public),
+    };
+    let chosen = chosen.map_or("None".into(), |key| format!("Some(Key({key:?}))"));
+    write(
+        "key.rs",
+        &format!("const CHOSEN: Option<Key> = {chosen};\nconst PUBLISHED: [u8; 32] = {public:?};\n"),
     );
-    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it")).join("key.rs");
-    fs::write(out, text).expect("cargo has made the folder");
+    write("secret.rs", &format!("const PUBLISHED: [u8; 32] = {secret:?};\n"));
 }
 
 /// A line of 64 hexadecimal digits.
-fn read(file: &Path) -> Result<[u8; 32], String> {
-    let text = fs::read_to_string(file).map_err(|error| error.to_string())?;
+fn read(file: &Path) -> [u8; 32] {
+    println!("cargo::rerun-if-changed={}", file.display());
+    let text = fs::read_to_string(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     let digits = text.trim();
-    let mut key = [0; 32];
-    if digits.len() != 64 || !digits.is_ascii() {
-        return Err("not 64 hexadecimal digits".into());
-    }
-    for (place, at) in key.iter_mut().zip((0..).step_by(2)) {
-        *place = u8::from_str_radix(&digits[at..at + 2], 16).map_err(|_| "not 64 hexadecimal digits")?;
-    }
-    Ok(key)
+    let is_key = digits.len() == 64 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    assert!(is_key, "{}: not 64 hexadecimal digits", file.display());
+    std::array::from_fn(|at| u8::from_str_radix(&digits[2 * at..2 * at + 2], 16).expect("just seen"))
+}
+
+fn write(name: &str, text: &str) {
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it")).join(name);
+    fs::write(out, text).expect("cargo has made the folder");
 }

@@ -18,6 +18,7 @@ from narx.drive import Drive, Info, Measurement, Measurements, connect, devices
 from narx.errors import (
     AbortError,
     BusError,
+    ImageError,
     NarxError,
     NoAnswerError,
     ParameterError,
@@ -44,6 +45,7 @@ __all__ = [
     "CanLog",
     "Drive",
     "Frames",
+    "ImageError",
     "Info",
     "Load",
     "Log",

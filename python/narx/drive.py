@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -15,6 +16,7 @@ from narx.log import Log
 from narx.names import suggestion
 from narx.parameters import Parameters
 from narx.scope import Scope
+from narx.update import update
 
 if TYPE_CHECKING:
     import can
@@ -227,6 +229,19 @@ class Drive:
         from narx.download import download
 
         return download(self._link, "description", progress=progress).rstrip(b"\0").decode()
+
+    def update(self, path: str | Path, progress: Callable[[str, int, int], None] | None = None) -> None:
+        """Programs the drive with an image (`cargo xtask sign`), waits for its restart and confirms that it runs.
+
+        The drive must be in Standby, or in Fault at standstill, and takes no start until the end. progress(stage, done, total) is told
+        what it is about ("asking", "erasing", "sending", "verifying", "restarting") and how many of the image's bytes are done.
+
+        Whatever goes wrong, the drive runs what it ran before: unless the image is confirmed at the end, its bootloader takes it
+        back. Raises ImageError for a file that is no whole image, or not one for this drive: other hardware, too long, older than
+        what runs; RefusedError when the drive refuses it or its bootloader does not believe its signature; NoAnswerError when the
+        drive has no bootloader, or is not heard any more. A drive that does not hear its master for 60 s after its restart goes back.
+        """
+        update(self._link, Path(path).read_bytes(), progress)
 
     def reboot(self, wait: bool = True) -> None:
         """Restarts a stopped drive: what is not stored is lost. With `wait`, until it is in Standby or Fault again, or NoAnswerError after 5 s."""

@@ -36,6 +36,10 @@ class AbortError(RefusedError):
         """The abort code."""
 
 
+class ImageError(NarxError, ValueError):
+    """A file that is no image, or not one for this drive: damaged, for other hardware, too long, or older than what runs."""
+
+
 class NoAnswerError(NarxError, TimeoutError):
     """The drive does not answer: it is off, elsewhere, or has other addresses or another bit rate."""
 

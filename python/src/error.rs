@@ -2,7 +2,7 @@
 //! is allowed.
 
 use narx_core::bus::narmotion::ParameterStatus;
-use narx_core::master::{DownloadError, Refusal};
+use narx_core::master::{DownloadError, Refusal, UpdateError};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use std::fmt::Display;
@@ -41,6 +41,22 @@ pub(crate) fn refusal(refusal: &Refusal) -> PyErr {
     match refusal.status {
         ParameterStatus::WrongState | ParameterStatus::Storage => refused(refusal),
         _ => parameter(refusal),
+    }
+}
+
+/// A file that is no image, or not one for this drive.
+pub(crate) fn image(message: impl Display) -> PyErr {
+    raise("ImageError", &message)
+}
+
+/// An update after which the drive runs what it ran before.
+pub(crate) fn update(error: UpdateError) -> PyErr {
+    match error {
+        UpdateError::NoAnswer => no_answer(error),
+        UpdateError::Hardware { .. } | UpdateError::TooLong { .. } | UpdateError::Older { .. } => {
+            image(error)
+        }
+        _ => refused(error),
     }
 }
 

@@ -4,9 +4,12 @@ use crate::error;
 use crate::frame;
 use crate::session::Shared;
 use crate::state;
+use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, DigitalOutputs, StatusWord};
 use narx_core::dictionary::Decimal;
-use narx_core::master::{Answer, Config, Download, Heard, Master as Core, Request, RequestError, Service};
+use narx_core::master::{
+    Answer, Config, Download, Heard, Image, Master as Core, Request, RequestError, Service, UpdateProgress,
+};
 use narx_core::motor::{FaultWord, State};
 use narx_sim::session::Session;
 use pyo3::prelude::*;
@@ -30,6 +33,15 @@ struct Free {
     master: Core,
     /// The last time that it was told, microseconds.
     now: u64,
+    /// The image of the update.
+    image: Vec<u8>,
+}
+
+impl Free {
+    fn poll_frame(&mut self) -> Option<Frame> {
+        let Self { master, now, image } = self;
+        master.poll_frame(*now).or_else(|| master.poll_update_frame(*now, image))
+    }
 }
 
 /// A signal of the measurements: name, unit, value and when it was heard.
@@ -96,7 +108,8 @@ impl Master {
             read_parameters,
             ..Config::default()
         };
-        Ok(Self(Host::Free(Arc::new(Mutex::new(Free { master: Core::new(config), now: 0 })))))
+        let free = Free { master: Core::new(config), now: 0, image: Vec::new() };
+        Ok(Self(Host::Free(Arc::new(Mutex::new(free)))))
     }
 
     /// Takes a frame that arrived at `now`.
@@ -119,10 +132,9 @@ impl Master {
     /// The next frame that is due at `now`: id, extended, remote, data. A bench's master sends its own.
     fn poll_frame<'py>(&self, py: Python<'py>, now: f64) -> Option<frame::Parts<'py>> {
         self.tell(now);
-        match &self.0 {
-            Host::Bench(_) => None,
-            Host::Free(_) => self.with(py, Core::poll_frame).map(|frame| frame::parts(py, &frame)),
-        }
+        let Host::Free(free) = &self.0 else { return None };
+        let frame = py.detach(|| free.lock().unwrap_or_else(PoisonError::into_inner).poll_frame())?;
+        Some(frame::parts(py, &frame))
     }
 
     /// When to poll again at the latest; infinity without a reason.
@@ -359,6 +371,37 @@ impl Master {
     /// Ends the download.
     fn abort_download(&self, py: Python<'_>) {
         self.with(py, |master, _| master.abort_download());
+    }
+
+    /// Begins to program the drive with an image.
+    fn update(&self, py: Python<'_>, image: Vec<u8>) -> PyResult<()> {
+        let header = narx_boot::Header::of(&image).map_err(error::image)?;
+        let about = Image::new(header.hardware, header.version.into(), &image);
+        let begun = match &self.0 {
+            Host::Bench(session) => session.with(py, |session| session.update(about, image)),
+            Host::Free(free) => py.detach(|| {
+                let mut free = free.lock().unwrap_or_else(PoisonError::into_inner);
+                free.master.update(about).map(|()| free.image = image)
+            }),
+        };
+        begun.map_err(error::refused)
+    }
+
+    /// What the update is about, bytes of that which are done, and length of the image; `None` without an update.
+    fn update_progress(&self, py: Python<'_>) -> Option<(&'static str, u32, u32)> {
+        let UpdateProgress { stage, done, total } = self.with(py, |master, _| master.update_progress())?;
+        Some((stage.label(), done, total))
+    }
+
+    /// Whether the drive runs the image now and keeps it. Raises what went wrong.
+    fn poll_update(&self, py: Python<'_>) -> PyResult<bool> {
+        let end = self.with(py, |master, _| master.poll_update());
+        end.transpose().map(|end| end.is_some()).map_err(error::update)
+    }
+
+    /// Ends the update.
+    fn abort_update(&self, py: Python<'_>) {
+        self.with(py, |master, _| master.abort_update());
     }
 }
 

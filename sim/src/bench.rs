@@ -21,8 +21,12 @@ use crate::can::{Attachment, Bus, BusStatistics, NodeIndex, NotQueued, Received}
 use crate::chip::Chip;
 #[cfg(feature = "flash")]
 use crate::flash::{Flash, Sparse};
+#[cfg(feature = "update")]
+use crate::internal_flash::InternalFlash;
 use crate::plant::{Plant, PlantConfig};
 use crate::recording::RecordingBuffer;
+#[cfg(feature = "update")]
+use crate::slots::Slots;
 use crate::trace::Trace;
 #[cfg(feature = "tx-drivers")]
 use crate::tx_driver::TxDrivers;
@@ -85,6 +89,9 @@ pub struct Bench {
     chip: Chip,
     /// What the flash answers when it has finished, and when that is, ns.
     report: Option<(u64, Report)>,
+    #[cfg(feature = "update")]
+    slots: Slots,
+    identity: Identity,
     bus: Bus<PLACES, QUEUE>,
     device: NodeIndex,
     host: NodeIndex,
@@ -132,6 +139,9 @@ impl Bench {
             keeper: Keeper::default(),
             chip,
             report: None,
+            #[cfg(feature = "update")]
+            slots: Slots::new(&IDENTITY),
+            identity: IDENTITY,
             bus,
             device,
             host,
@@ -159,11 +169,15 @@ impl Bench {
         let board = *self.node.board();
         let Some((Report::Opened(opened), _)) = self.chip.execute(Request::Open) else { return };
         self.report = None;
+        #[cfg(feature = "update")]
+        self.slots.boot(&mut self.identity);
         let Opened { parameters, .. } = opened.clone();
         // A set that does not build leaves the drive with none: the node says so, and it refuses to start.
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
-        self.node = Node::with_parameters(IDENTITY, board, parameters);
+        self.node = Node::with_parameters(self.identity, board, parameters);
         self.node.attach_storage(&opened);
+        #[cfg(feature = "update")]
+        self.slots.attach(&mut self.node);
         let memory: Box<Memory> = Box::new(Memory::<[u16; scope::WORDS]>::new());
         (self.scope, self.keeper) = (Scope::default(), Keeper::new(memory));
         self.event = self.node.poll_event();
@@ -271,6 +285,8 @@ impl Bench {
             let _ = self.bus.send(self.device, frame, now_ns);
         }
         self.serve_flash(now_ns);
+        #[cfg(feature = "update")]
+        self.slots.serve(&mut self.node, now_ns);
         self.plant.set_outputs(self.node.outputs());
         // Most often there is none, and an event is large.
         match self.node.poll_event() {
@@ -300,6 +316,12 @@ impl Bench {
     #[cfg(feature = "flash")]
     pub const fn flash(&mut self) -> &mut Flash<Sparse> {
         self.chip.flash()
+    }
+
+    /// The flash with the drive's program and the slot for another, to look at and to break.
+    #[cfg(feature = "update")]
+    pub fn program_flash(&mut self) -> &mut InternalFlash<Sparse> {
+        self.slots.flash()
     }
 
     /// Takes the flash out of the drive, to put it into another one.

@@ -18,6 +18,8 @@ pub mod engineering;
 pub mod experiment;
 #[cfg(feature = "flash")]
 pub mod flash;
+#[cfg(feature = "update")]
+pub mod internal_flash;
 pub mod plant;
 pub mod presets;
 pub mod random;
@@ -31,6 +33,8 @@ pub mod sensor;
 #[cfg(feature = "alloc")]
 pub mod session;
 mod shown;
+#[cfg(feature = "update")]
+mod slots;
 #[cfg(feature = "alloc")]
 pub mod trace;
 #[cfg(feature = "tx-drivers")]

@@ -7,7 +7,10 @@ use crate::plant::{LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
+use narx_core::bus::Frame;
 use narx_core::master::{Config, Master};
+#[cfg(feature = "update")]
+use narx_core::master::{Image, NotTaken};
 use narx_core::motor::State;
 
 /// What is on the bench, and how the drive is set up.
@@ -143,6 +146,9 @@ pub struct Session {
     start: Option<i32>,
     /// When the drive will have seen two of the master's requests for Standby, ns.
     ready: u64,
+    /// The image of the master's update.
+    #[cfg(feature = "update")]
+    image: Vec<u8>,
 }
 
 impl Session {
@@ -155,7 +161,15 @@ impl Session {
         let addresses = bench.node().addresses();
         let mut master = Master::new(Config { addresses, read_parameters: false, ..Config::default() });
         master.stop();
-        Ok(Self { bench, master, commissioning, start: None, ready: 0 })
+        Ok(Self {
+            bench,
+            master,
+            commissioning,
+            start: None,
+            ready: 0,
+            #[cfg(feature = "update")]
+            image: Vec::new(),
+        })
     }
 
     /// The same session whose bench records nothing, as [`Bench::without_recording`].
@@ -200,14 +214,33 @@ impl Session {
         {
             self.master.start(rpm);
         }
-        while let Some(frame) = self.master.poll_frame(now / 1000) {
-            // Two frames every 50 ms and a request at a time do not fill a queue of 64.
+        while let Some(frame) = self.poll_frame(now / 1000) {
+            // Two frames every 50 ms, a request at a time and a window of blocks do not fill a queue of 64.
             let _ = self.bench.send(frame);
         }
         self.bench.step();
         while let Some(received) = self.bench.receive() {
             self.master.handle_frame(&received.frame, received.time_ns / 1000);
         }
+    }
+
+    /// The next frame of the master's that is due at `now`, microseconds.
+    fn poll_frame(&mut self, now: u64) -> Option<Frame> {
+        let frame = self.master.poll_frame(now);
+        #[cfg(feature = "update")]
+        let frame = frame.or_else(|| self.master.poll_update_frame(now, &self.image));
+        frame
+    }
+
+    /// Begins to program the drive: [`Master::update`], whose image has these bytes.
+    ///
+    /// # Errors
+    /// An update whose end was not taken yet.
+    #[cfg(feature = "update")]
+    pub fn update(&mut self, image: Image, bytes: Vec<u8>) -> Result<(), NotTaken> {
+        self.master.update(image)?;
+        self.image = bytes;
+        Ok(())
     }
 
     /// As many ticks as `seconds` have, to the nearest; none for a negative number.

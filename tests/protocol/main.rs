@@ -28,4 +28,5 @@ mod scope;
 mod scope_bench;
 mod scope_inputs;
 mod wire;
+mod wire_update;
 mod wired;

@@ -30,14 +30,14 @@ def run(*arguments: str, virtual: bool = True) -> subprocess.CompletedProcess[st
 def test_help_names_every_command() -> None:
     shown = run("--help", virtual=False)
     assert shown.returncode == 0
-    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep"):
+    for command in ("bench", "devices", "monitor", "info", "params", "scope", "log", "decode", "replay", "sweep", "update"):
         assert command in shown.stdout
     assert "Exit codes: 0 done; 1 done, with a difference" in " ".join(shown.stdout.split())
 
 
 @pytest.mark.parametrize(
     "command",
-    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep"],
+    ["bench", "devices", "monitor", "info", "params get", "params load", "scope", "log download", "replay", "sweep", "update"],
 )
 def test_help_has_examples(command: str) -> None:
     shown = run(*command.split(), "--help", virtual=False)

@@ -2,6 +2,7 @@
 //! is made from them, can be held to it.
 
 use narx_core::bus::Frame;
+use narx_core::bus::narmotion::update::{ImageVersion, UpdateAnswer, UpdateRequest, UpdateStatus};
 use narx_core::bus::narmotion::{
     Addresses, DecodeError, DigitalOutputs, Field, FromDrive, Meaning, Measurement, Message, MessageKind,
     StatusWord, ToDrive, Words,
@@ -67,6 +68,50 @@ fn to_drive(message: ToDrive) -> Vec<Value> {
         | ToDrive::Reboot
         | ToDrive::TriggerScope
         | ToDrive::DownloadScope => vec![],
+        ToDrive::Update(request) => update_request(request),
+    }
+}
+
+fn update_request(request: UpdateRequest) -> Vec<Value> {
+    match request {
+        UpdateRequest::Begin { length, hardware } => {
+            vec![("Length", length.into()), ("Hardware id", hardware.into())]
+        }
+        UpdateRequest::Data { block, data: [a, b, c, d, e, f] } => {
+            let word = |bytes| u16::from_be_bytes(bytes).into();
+            vec![
+                ("Block", block.into()),
+                ("Image 1", word([a, b])),
+                ("Image 2", word([c, d])),
+                ("Image 3", word([e, f])),
+            ]
+        }
+        UpdateRequest::End { crc } => vec![("Checksum", crc.into())],
+        UpdateRequest::Device
+        | UpdateRequest::Version
+        | UpdateRequest::Status
+        | UpdateRequest::Abort
+        | UpdateRequest::Confirm => vec![],
+    }
+}
+
+fn update_answer(answer: UpdateAnswer) -> Vec<Value> {
+    match answer {
+        UpdateAnswer::Device { hardware, room } => {
+            vec![("Hardware id", hardware.into()), ("Room", room.into())]
+        }
+        UpdateAnswer::Version(ImageVersion { major, minor, patch, build }) => vec![
+            ("Major version", major.into()),
+            ("Minor version", minor.into()),
+            ("Patch level", patch.into()),
+            ("Build number", build.into()),
+        ],
+        UpdateAnswer::Status(UpdateStatus { state, code, window, offset }) => vec![
+            ("State", state as i64),
+            ("Code", code as i64),
+            ("Window", window.into()),
+            ("Offset", offset.into()),
+        ],
     }
 }
 
@@ -123,6 +168,7 @@ fn from_drive(message: FromDrive) -> Vec<Value> {
             let [a, b, c] = data.map(i64::from);
             vec![("Word counter", counter.into()), ("Data 1", a), ("Data 2", b), ("Data 3", c)]
         }
+        FromDrive::Update(answer) => update_answer(answer),
         FromDrive::Measurement(measurement) => measured(measurement),
     }
 }

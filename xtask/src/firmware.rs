@@ -2,6 +2,7 @@
 
 use crate::install::{self, Package};
 use crate::qemu;
+use crate::slots;
 use crate::steps::{self, Outcome};
 use crate::test::rust::EMBEDDED;
 use clap::ValueEnum;
@@ -90,10 +91,11 @@ impl Image {
     }
 }
 
-/// Builds the images of a board and prints their sizes; with `--run` the virtual drive runs until it is interrupted.
+/// Builds the images of a board, signs those for its slots, and prints their sizes; with `--run` the virtual drive runs until it is interrupted.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     let Board::Qemu = arguments.board;
-    let built = build(root).and_then(|_| sizes(root)).and_then(|lines| {
+    let built = build(root).and_then(|_| sizes(root)).and_then(|mut lines| {
+        lines.extend(slots::make(root)?);
         lines.iter().for_each(|line| println!("{line}"));
         if arguments.run { run(root, arguments) } else { Ok(lines) }
     });

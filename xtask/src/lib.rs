@@ -27,6 +27,7 @@ pub mod proof;
 pub mod qemu;
 pub mod running;
 pub mod setup;
+pub mod sign;
 pub mod sizes;
 pub mod slots;
 pub mod steps;

@@ -16,6 +16,7 @@ use xtask::header;
 use xtask::instructions;
 use xtask::interop;
 use xtask::proof;
+use xtask::sign;
 use xtask::sizes;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
@@ -101,6 +102,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Sign a program for the bootloader, or make a key
+    Sign(sign::Arguments),
     /// Make tests/golden/ffi_sizes.toml anew: flash, RAM and instructions of the C library, whole and by parts
     Sizes {
         /// Write nothing; fail if a figure is another one
@@ -137,6 +140,7 @@ fn main() -> ExitCode {
         Job::Interop => finish(interop::run(root)),
         Job::Archive => archive::command(root),
         Job::Proof { check } => proof::command(root, check),
+        Job::Sign(arguments) => sign::command(&arguments),
         Job::Sizes { check } => sizes::command(root, check),
         Job::Vectors { check } => vectors::command(root, check),
         Job::Web(arguments) => web::command(root, arguments),

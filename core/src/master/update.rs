@@ -23,7 +23,7 @@ static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 pub const PACE: u64 = 400;
 /// Blocks that are sent without a pause after one that was late.
 const BURST: u64 = 8;
-/// Questions without anything new in the answer, while the drive erases, receives or verifies.
+/// Questions without anything new in the answer, while the drive erases, receives, verifies or keeps.
 const PATIENCE: u8 = 50;
 /// How often the drive is looked for after its reboot, and for how long, microseconds: two images are copied meanwhile.
 const LOOK: u64 = 200_000;
@@ -99,6 +99,19 @@ pub enum UpdateStage {
     Verifying,
     /// The drive restarts, and its bootloader swaps the image in.
     Restarting,
+}
+
+impl UpdateStage {
+    /// What it is called.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Asking => "asking",
+            Self::Erasing => "erasing",
+            Self::Sending => "sending",
+            Self::Verifying => "verifying",
+            Self::Restarting => "restarting",
+        }
+    }
 }
 
 /// How far an update is.
@@ -327,7 +340,7 @@ impl UnderWay {
     /// The next stage, whose message is due at once.
     fn enter(&mut self, stage: Stage, now: u64) {
         (self.stage, self.due, self.offset) = (stage, now, 0);
-        let is_long = matches!(stage, Stage::Erasing | Stage::Sending | Stage::Verifying);
+        let is_long = matches!(stage, Stage::Erasing | Stage::Sending | Stage::Verifying | Stage::Confirm);
         self.left = if is_long { PATIENCE } else { self.attempts };
     }
 

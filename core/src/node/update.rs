@@ -255,8 +255,7 @@ impl Node {
             Condition::Marked => (UpdateState::Marked, UpdateCode::Done),
             Condition::Trial => (UpdateState::Trial, UpdateCode::Done),
         };
-        let due = self.update_tick(TRIAL_MS);
-        self.update = Update { slots: Some(*slots), state, code, due, ..Update::default() };
+        self.update = Update { slots: Some(*slots), state, code, ..Update::default() };
     }
 
     /// The next thing to do with the slot; at most one request is under way.
@@ -331,6 +330,8 @@ impl Node {
     pub(super) fn run_update(&mut self) {
         let is_due = self.flash.now() >= self.update.due;
         match self.update.state {
+            // The clock of a shell need not begin at 0.
+            UpdateState::Trial if self.update.due == 0 => self.update.due = self.update_tick(TRIAL_MS),
             UpdateState::Receiving if is_due => self.end_update(UpdateCode::TimedOut),
             UpdateState::Trial if is_due && self.update.asked.is_none() => {
                 self.update.due = u64::MAX;

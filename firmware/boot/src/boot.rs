@@ -3,7 +3,7 @@
 use crate::image::Header;
 use crate::map::{Map, MapError};
 use crate::mark::{self, Mark, WORD_MAX};
-use crate::verify::{Board, ImageError};
+use crate::verify::{Board, ImageError, Signatory};
 use core::cell::RefCell;
 use core::fmt;
 use core::ops::Range;
@@ -57,12 +57,20 @@ pub enum Failure {
 ///
 /// # Errors
 /// The flash fails, or cannot have this map.
-pub fn boot<F: NorFlash>(flash: &mut F, map: &Map, board: &Board) -> Result<Outcome, Failure> {
+pub fn boot<F: NorFlash, S: Signatory>(
+    flash: &mut F,
+    map: &Map,
+    board: &Board<S>,
+) -> Result<Outcome, Failure> {
     map.check(flash).map_err(Failure::Map)?;
     settle_slots(flash, map, board).map_err(Failure::Flash)
 }
 
-fn settle_slots<F: NorFlash>(flash: &mut F, map: &Map, board: &Board) -> Result<Outcome, NorFlashErrorKind> {
+fn settle_slots<F: NorFlash, S: Signatory>(
+    flash: &mut F,
+    map: &Map,
+    board: &Board<S>,
+) -> Result<Outcome, NorFlashErrorKind> {
     let mut event = heed_mark(flash, map, board)?;
     let mut active = board.verify(flash, map.active.clone())?;
     if active.is_err() && event == Event::Swapped {
@@ -77,7 +85,11 @@ fn settle_slots<F: NorFlash>(flash: &mut F, map: &Map, board: &Board) -> Result<
     })
 }
 
-fn heed_mark<F: NorFlash>(flash: &mut F, map: &Map, board: &Board) -> Result<Event, NorFlashErrorKind> {
+fn heed_mark<F: NorFlash, S: Signatory>(
+    flash: &mut F,
+    map: &Map,
+    board: &Board<S>,
+) -> Result<Event, NorFlashErrorKind> {
     Ok(match Mark::read(flash, map)? {
         Mark::Settled { .. } => Event::Unchanged,
         Mark::Settling => {
@@ -115,10 +127,10 @@ fn heed_mark<F: NorFlash>(flash: &mut F, map: &Map, board: &Board) -> Result<Eve
 }
 
 /// The image that is to be swapped in, if it may be: verified, and not older than the one that runs. Where nothing runs any age is better.
-fn candidate<F: NorFlash>(
+fn candidate<F: NorFlash, S: Signatory>(
     flash: &mut F,
     map: &Map,
-    board: &Board,
+    board: &Board<S>,
 ) -> Result<Result<Header, ImageError>, NorFlashErrorKind> {
     let candidate = match board.verify(flash, map.dfu.start..map.dfu.start + map.room())? {
         Ok(header) => header,

@@ -56,12 +56,34 @@ pub enum HeaderError {
     Format(u16),
     /// A length of 0, or not a multiple of 8, or an image beyond 32 bits.
     Length(u32),
+    /// A file that is not as long as its header says.
+    File {
+        /// Length of the file, bytes.
+        length: usize,
+        /// What it should be, as far as there is a header.
+        wanted: u32,
+    },
 }
 
 impl Header {
     /// Length of the whole image, bytes.
     pub const fn image_length(&self) -> u32 {
         self.length.saturating_add(HEADER_LENGTH as u32)
+    }
+
+    /// What an image in a file says of itself.
+    ///
+    /// # Errors
+    /// It is none, or not the whole of one.
+    pub fn of(file: &[u8]) -> Result<Self, HeaderError> {
+        let short = HeaderError::File { length: file.len(), wanted: HEADER_LENGTH as u32 };
+        let header = Self::decode(file.first_chunk().ok_or(short)?)?;
+        let wanted = header.image_length();
+        if file.len() == wanted as usize {
+            Ok(header)
+        } else {
+            Err(HeaderError::File { length: file.len(), wanted })
+        }
     }
 
     /// What the first bytes of an image say.
@@ -105,6 +127,7 @@ impl Header {
 impl fmt::Display for HeaderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::File { length, wanted } => write!(f, "{length} bytes of an image of {wanted}"),
             Self::Magic => f.write_str("not an image: it does not begin with NARXIMG"),
             Self::Format(format) => write!(f, "format {format}, only {FORMAT} is known"),
             Self::Length(length) => {

@@ -1,14 +1,18 @@
 //! Whose signatures a board believes.
 
+// `CHOSEN` and `PUBLISHED`, by the build script.
+include!(concat!(env!("OUT_DIR"), "/key.rs"));
+
 /// The public half of a key, as Ed25519 encodes it (RFC 8032, section 5.1.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(pub [u8; 32]);
 
-// `CHOSEN: Option<Key>`, by the build script.
-include!(concat!(env!("OUT_DIR"), "/key.rs"));
+/// The key whose secret half is in firmware/keys for everybody: for the bench, the emulator and tests. A board that believes it runs
+/// anybody's program.
+pub const TEST_ONLY: Key = Key(PUBLISHED);
 
 /// The key that this build was told: that of the file which the environment names as `NARX_UPDATE_KEY`, else with the feature `test-key`
-/// the one whose secret half is in firmware/keys for everybody.
+/// [`TEST_ONLY`].
 ///
 /// ```
 /// # #[cfg(feature = "test-key")]
@@ -20,8 +24,10 @@ include!(concat!(env!("OUT_DIR"), "/key.rs"));
 pub const fn chosen() -> Key {
     match CHOSEN {
         Some(key) => key,
-        None => panic!(
-            "whose images does this board take? NARX_UPDATE_KEY names a file of `cargo xtask sign --new-key`, .pub"
-        ),
+        None => {
+            panic!(
+                "NARX_UPDATE_KEY must name a public key (`cargo xtask sign --new-key`), or the feature test-key be set"
+            )
+        }
     }
 }

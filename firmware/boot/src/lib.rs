@@ -11,6 +11,7 @@
 //!   image    header and body           verify  hardware, length, Ed25519ph signature
 //!   version  their order               map     where things lie in the flash
 //!   key      whom the board believes   sign    makes images (feature `sign`, host)
+//!   hardware the boards' ids
 //! ```
 //!
 //! A bootloader is `match boot(&mut flash, &MAP, &Board { hardware, key: key::chosen() })`: with [`Outcome::Run`] it sets the vector table
@@ -24,6 +25,7 @@
 #![forbid(unsafe_code)]
 
 mod boot;
+pub mod hardware;
 mod image;
 pub mod key;
 mod map;
@@ -44,5 +46,5 @@ pub use mark::Mark;
 #[cfg(feature = "node")]
 pub use serve::Server;
 pub use slot::{Condition, Slot, SlotError, Verdict};
-pub use verify::{Board, ImageError, Refused};
+pub use verify::{Board, ImageError, Refused, Signatory};
 pub use version::{NoVersion, Version};

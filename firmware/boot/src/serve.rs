@@ -3,6 +3,7 @@
 use crate::slot::{Condition, Slot, SlotError, Verdict};
 use crate::verify::Refused;
 use crate::version::Version;
+use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
 use narx_core::bus::narmotion::update::{ImageVersion, UpdateCode};
@@ -90,6 +91,12 @@ impl<F: NorFlash> Server<F> {
             at += length as u32;
         }
         Ok(self.sum.clone().finalize())
+    }
+}
+
+impl<F: fmt::Debug> fmt::Debug for Server<F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.slot.fmt(f)
     }
 }
 

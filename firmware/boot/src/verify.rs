@@ -7,13 +7,19 @@ use core::ops::Range;
 use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use salty::{PublicKey, Sha512, Signature};
 
+/// Who signs images.
+pub trait Signatory {
+    /// Whether this signature is his, of an image with this SHA-512.
+    fn has_signed(&self, hash: &[u8; 64], signature: &[u8; SIGNATURE_LENGTH]) -> bool;
+}
+
 /// Which images a board takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Board {
+pub struct Board<S = Key> {
     /// Its hardware id.
     pub hardware: u32,
     /// Whose signature it believes.
-    pub key: Key,
+    pub key: S,
 }
 
 /// Why an image is not taken.
@@ -72,7 +78,7 @@ impl ImageError {
 /// Bytes that are read and hashed at once.
 const CHUNK: usize = 256;
 
-impl Board {
+impl<S: Signatory> Board<S> {
     /// Reads and verifies the image at the beginning of `slot`, signature and all. In pieces, because the flash of a board need not be mapped into its memory: Ed25519ph hashes
     /// the image once.
     ///
@@ -125,7 +131,7 @@ pub(crate) fn inspect(bytes: &[u8; HEADER_LENGTH], hardware: u32, room: u32) -> 
     Ok(header)
 }
 
-impl Key {
+impl Signatory for Key {
     fn has_signed(&self, hash: &[u8; 64], signature: &[u8; SIGNATURE_LENGTH]) -> bool {
         let Ok(key) = PublicKey::try_from(&self.0) else { return false };
         key.verify_prehashed(hash, &Signature::from(signature), None).is_ok()

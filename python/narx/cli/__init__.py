@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 import narx
-from narx.cli import bench, decode, live, log, params, replay, scope, sweep  # noqa: F401
+from narx.cli import bench, decode, live, log, params, replay, scope, sweep, update  # noqa: F401
 from narx.cli.app import app, err
 
 

@@ -17,7 +17,7 @@ pub(super) struct Sources {
 impl Sources {
     pub(super) fn read(root: &Path) -> Result<Self, String> {
         let mut files = BTreeMap::new();
-        for directory in ["core/src", "sim/src", "xtask/src", "tests"] {
+        for directory in ["core/src", "sim/src", "xtask/src", "firmware/boot", "tests"] {
             collect(root, &root.join(directory), &mut files)?;
         }
         let vectors = vectors::scenarios(root)?;
@@ -47,7 +47,11 @@ impl Sources {
     /// The file of the test `suite::name`.
     pub(super) fn test_file(&self, reference: &str) -> Option<&str> {
         let (suite, name) = reference.split_once("::")?;
-        let folder = if suite == "xtask" { "xtask/src/".to_owned() } else { format!("tests/{suite}/") };
+        let folder = match suite {
+            "xtask" => "xtask/src/".to_owned(),
+            "boot" => "firmware/boot/tests/".to_owned(),
+            suite => format!("tests/{suite}/"),
+        };
         let mut files = self.files.iter().filter(|(path, _)| path.starts_with(&folder));
         let found = files.find(|(_, text)| tests(text).iter().any(|(test, _)| test == name));
         found.map(|(path, _)| path.as_str())

@@ -1,7 +1,7 @@
 //! What the header has from core's tables: messages with their fields, the fields' named values, faults with their causes, and the
 //! TX-Driver's entries.
 
-use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, NAMES};
+use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, Message, NAMES, Opcode};
 use narx_core::eddycan::OBJECTS;
 use narx_core::motor::fault::{Cause, FaultWord};
 use narx_host::can_log::{identifier, message_name};
@@ -10,7 +10,9 @@ use std::fmt::Write;
 /// The definitions, in C99.
 pub(super) fn definitions() -> String {
     let mut out = String::new();
-    for names in NAMES.iter().filter(|names| names.values.len() > 2) {
+    let meanings: Vec<Meaning> = messages().flat_map(Message::fields).map(|field| field.meaning).collect();
+    let named = NAMES.iter().filter(|names| meanings.contains(&Meaning::Named(names)));
+    for names in named.filter(|names| names.values.len() > 2) {
         let of = constant(names.of);
         let values =
             names.values.iter().map(|(value, name)| (format!("{of}_{}", constant(name)), u32::from(*value)));
@@ -39,7 +41,7 @@ pub(super) fn definitions() -> String {
             format!("{address} {}, {} to {}. {}", object.name, object.min, object.max, object.description);
         define(&mut out, &about, &name, object.entry as u32);
     }
-    let kinds = MESSAGES.iter().map(|message| {
+    let kinds = messages().map(|message| {
         let kind = (message.kind as u32) << 9 | u32::from(message.opcode.raw());
         (format!("MESSAGE_{}", constant(&message_name(message))), kind)
     });
@@ -49,16 +51,22 @@ pub(super) fn definitions() -> String {
     out
 }
 
+/// The messages that the library knows: it is built without programming (feature `update` of core).
+fn messages() -> impl Iterator<Item = &'static Message> {
+    let update = Opcode::UPDATE_DEVICE.raw()..=Opcode::UPDATE_CONFIRM.raw();
+    MESSAGES.iter().filter(move |message| !update.contains(&message.opcode.raw()))
+}
+
 /// The union of all messages' fields, as `narx_fields_t` is known to the library: words.
 fn fields(out: &mut String) {
-    let most = MESSAGES.iter().map(|message| message.fields().count()).max().unwrap_or(0);
+    let most = messages().map(|message| message.fields().count()).max().unwrap_or(0);
     define(out, "Fields that a message has at most.", "FIELDS_MAX", most as u32);
     out.push_str(
         "// The fields of a message: those of its own kind count. Raw numbers, with scale and unit beside each.\n\
          typedef union narx_fields_t {\n    // In the order of their bits; a signed one as its bits.\n    \
          uint32_t raw[NARX_FIELDS_MAX];\n",
     );
-    for message in MESSAGES.iter().filter(|message| message.fields().next().is_some()) {
+    for message in messages().filter(|message| message.fields().next().is_some()) {
         out.push_str("    struct {\n");
         for field in message.fields() {
             let kind = if field.signed { "int32_t" } else { "uint32_t" };

@@ -1,0 +1,11 @@
+//! Programming over the bus: images, bootloader, slot, and the protocol that fills it.
+
+mod bench;
+mod cuts;
+mod key;
+mod map;
+mod master;
+mod node;
+mod slots;
+mod support;
+mod wire;

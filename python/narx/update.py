@@ -1,0 +1,41 @@
+"""Programming the drive: an image on its way to the bootloader."""
+
+from collections.abc import Callable
+
+from narx.errors import NarxError
+from narx.link import Link
+
+LOOK = 0.5
+"""Progress is looked at, and a stop is heard, at least this often, s."""
+
+
+def update(link: Link, image: bytes, progress: Callable[[str, int, int], None] | None = None) -> None:
+    """Sends an image and waits until it runs. An exception of `progress`, or Ctrl-C, ends it on the drive, too."""
+    told: tuple[str, int, int] | None = None
+
+    def done() -> bool:
+        nonlocal told
+        state = link.master.update_progress()
+        if progress is not None and state is not None and state != told:
+            told = state
+            progress(*state)
+        return link.master.poll_update()
+
+    link.master.update(image)
+    link.wake()
+    try:
+        # Every time-out is the master's, which knows how long each stage may take.
+        while not link.wait(done, LOOK):
+            pass
+    except BaseException:
+        link.master.abort_update()
+        link.wait(lambda: ended(link), 1.0)
+        raise
+
+
+def ended(link: Link) -> bool:
+    """Whether an aborted update is over."""
+    try:
+        return link.master.update_progress() is None or link.master.poll_update()
+    except NarxError:
+        return True

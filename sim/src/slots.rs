@@ -1,0 +1,97 @@
+//! The slots of the virtual drive and its bootloader: signatures, swaps and reverts are those of a board. The program in an image is not run;
+//! the drive takes its version and stays what it is.
+
+use crate::flash::Sparse;
+use crate::internal_flash::InternalFlash;
+use narx_boot::sign::SecretKey;
+use narx_boot::{Board, Header, Map, Outcome, Server, Slot, Version, boot, hardware, key};
+use narx_core::node::update::{Report, Slots as Attached};
+use narx_core::node::{Identity, Node};
+
+/// As on the ST board.
+const MAP: Map = Map::B_G431B_ESC1;
+const CAPACITY: u32 = 128 << 10;
+const BOARD: Board = Board { hardware: hardware::BENCH, key: key::TEST_ONLY };
+/// Body of the image that the drive leaves the factory with.
+const PROGRAM: &[u8] = b"the program of the bench is not in here.";
+
+type Flash = InternalFlash<Sparse>;
+
+/// Slots, bootloader and what serves the node.
+#[derive(Debug)]
+pub(crate) struct Slots {
+    server: Server<Flash>,
+    /// The factory image stands in the active slot: signing takes its time, and most drives never see an update.
+    is_filled: bool,
+    /// The drive's own version.
+    version: Version,
+    /// What the flash answers when it has finished, and when that is, ns.
+    report: Option<(u64, Report)>,
+}
+
+impl Slots {
+    pub(crate) fn new(identity: &Identity) -> Self {
+        let slot = Slot::new(InternalFlash::new(Sparse::new(), CAPACITY, 0), MAP, BOARD.hardware);
+        #[allow(clippy::expect_used, reason = "both are constants")]
+        let slot = slot.expect("the map fits the flash");
+        let [major, minor] = identity.software_release.to_be_bytes();
+        let version = Version { major, minor, patch: 0, build: identity.build_number };
+        Self { server: Server::new(slot), is_filled: false, version, report: None }
+    }
+
+    /// What the bootloader does at a reboot; what the drive then says of itself.
+    pub(crate) fn boot(&mut self, identity: &mut Identity) {
+        self.report = None;
+        if !self.is_filled {
+            return;
+        }
+        let flash = self.server.slot().flash();
+        if let Ok(Outcome::Run { header, .. }) = boot(flash, &MAP, &BOARD) {
+            let Version { major, minor, build, .. } = header.version;
+            identity.software_release = u16::from_be_bytes([major, minor]);
+            identity.build_number = build;
+        }
+        // The bench's drive is back at once.
+        self.server.slot().flash().take_busy();
+    }
+
+    /// What the node is told at power-up.
+    pub(crate) fn attach(&mut self, node: &mut Node) {
+        // A flash that has its power can be read.
+        let Ok(slots) = self.server.slots() else { return };
+        let running = if self.is_filled { slots.running } else { self.version.into() };
+        node.attach_update(&Attached { running, ..slots });
+    }
+
+    /// Lets the flash do what the node asks for; what it has done is told when a flash would be ready.
+    pub(crate) fn serve(&mut self, node: &mut Node, now: u64) {
+        if let Some((_, report)) = self.report.take_if(|(due, _)| *due <= now) {
+            node.handle_update(report);
+        }
+        if self.report.is_none()
+            && let Some(request) = node.poll_update()
+        {
+            self.fill();
+            let report = self.server.execute(&request);
+            let busy = self.server.slot().flash().take_busy();
+            self.report = Some((now + busy, report));
+        }
+    }
+
+    /// The flash, to look at and to break.
+    pub(crate) fn flash(&mut self) -> &mut Flash {
+        self.fill();
+        self.server.slot().flash()
+    }
+
+    fn fill(&mut self) {
+        if core::mem::replace(&mut self.is_filled, true) {
+            return;
+        }
+        let header = Header { hardware: BOARD.hardware, version: self.version, length: 0 };
+        let header = SecretKey::TEST_ONLY.sign(header, PROGRAM);
+        let flash = self.server.slot().flash();
+        flash.load(MAP.active.start, &header);
+        flash.load(MAP.entry(), PROGRAM);
+    }
+}
