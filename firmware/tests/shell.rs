@@ -6,6 +6,8 @@ use narx_core::device::Queues;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::fault::FaultWord;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};
+#[cfg(feature = "update")]
+use narx_core::node::update;
 use narx_core::node::{Identity, Node, Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_core::storage::{Mailbox, Report, Request, Storage};
 use narx_firmware::board::{BackgroundSide, TickSide};
@@ -105,6 +107,11 @@ impl BackgroundSide for Side {
 
     fn self_test(&mut self) -> SelfTests {
         self.0.borrow().failed
+    }
+
+    #[cfg(feature = "update")]
+    fn serve_update(&mut self, _: &update::Request) -> update::Report {
+        update::Report::Done
     }
 
     fn feed_watchdog(&mut self) {
