@@ -475,6 +475,12 @@
 // Scope words.
 #define NARX_PARAMETER_SCOPE_WORDS 301
 
+// Reset cause.
+#define NARX_PARAMETER_RESET_CAUSE 302
+
+// Failed self-tests.
+#define NARX_PARAMETER_FAILED_SELF_TESTS 303
+
 // Values of the field "motor mode".
 typedef enum narx_motor_mode_t {
     NARX_MOTOR_MODE_STANDBY = 0,

@@ -117,6 +117,11 @@ impl BackgroundSide for Side {
         self.0.borrow().failed
     }
 
+    #[cfg(feature = "update")]
+    fn serve_update(&mut self, _: &update::Request) -> update::Report {
+        update::Report::Done
+    }
+
     fn feed_watchdog(&mut self) {
         self.0.borrow_mut().fed += 1;
     }

@@ -21,13 +21,10 @@ def image(name):
     return (IMAGES / name).with_suffix(".narximg").read_bytes()
 
 
-@pytest.fixture
-def flash(tmp_path):
-    """A board as it leaves the factory: the old image runs, all else is erased."""
-    path = tmp_path / "flash"
-    old = image("old")
-    path.write_bytes(old + b"\xff" * (PSRAM - len(old)))
-    return path
+def make_board(path, name="old"):
+    """A board as it leaves the factory: one image runs, all else is erased."""
+    content = image(name)
+    path.write_bytes(content + b"\xff" * (PSRAM - len(content)))
 
 
 def started(flash):
@@ -53,32 +50,43 @@ def put_candidate(flash, content):
         file.write(content.ljust(DFU_LENGTH, b"\xff"))
 
 
-def test_an_update_over_the_bus_and_everything_that_can_become_of_it(flash, tmp_path):
-    """One transfer, because it is long; what comes of it begins each time from a copy of the flash that it left."""
+@pytest.fixture(scope="module")
+def marked(tmp_path_factory):
+    """What a transfer over the bus leaves, after some that were cut off: the old image with parameters of its own, another marked."""
     draw = random.Random(SEED)
-    new = image("new")
-    with started(flash) as bus:
+    path, short = tmp_path_factory.mktemp("flash") / "marked", image("idle")
+    make_board(path)
+    with started(path) as bus:
         master = Master(bus)
         standby(master)
         assert updater.version(master) == OLD
         assert master.write(99, 1234) == 0
         assert (master.write(256, 0), master.write(256, 1)) == (0, 0), "stored"
-    # Killed amid a transfer, the old image runs; the transfer begins anew.
     for _ in range(2):
-        with started(flash) as bus:
+        with started(path) as bus:
             master = Master(bus)
             standby(master)
-            updater.send(master, new, stop_at=draw.randrange(len(new) // 20))
-    with started(flash) as bus:
+            assert updater.version(master) == OLD
+            updater.send(master, short, stop_at=draw.randrange(len(short)))
+    with started(path) as bus:
         master = Master(bus)
         drive(master)
         standby(master)
-        assert updater.version(master) == OLD
-        updater.send(master, new)
-    marked = tmp_path / "marked"
-    shutil.copy(flash, marked)
+        assert master.parameter(99) == 1234
+        updater.send(master, short)
+    return path
 
-    # Confirmed, it stays, with the parameters that the old one has stored; the motor turns.
+
+@pytest.fixture
+def flash(marked, tmp_path):
+    """The same flash for every test, in which the new drive waits: as long as it is, sending it takes minutes."""
+    path = tmp_path / "flash"
+    shutil.copy(marked, path)
+    put_candidate(path, image("new"))
+    return path
+
+
+def test_a_confirmed_image_stays_and_finds_the_parameters_of_the_one_before(flash):
     with started(flash) as bus:
         master = Master(bus)
         standby(master)
@@ -90,8 +98,8 @@ def test_an_update_over_the_bus_and_everything_that_can_become_of_it(flash, tmp_
         assert updater.version(master) == NEW
         drive(master)
 
-    # Not confirmed, the old one comes back, and says so.
-    shutil.copy(marked, flash)
+
+def test_an_image_that_is_not_confirmed_reverts(flash):
     with started(flash) as bus:
         master = Master(bus)
         standby(master)
@@ -100,32 +108,48 @@ def test_an_update_over_the_bus_and_everything_that_can_become_of_it(flash, tmp_
         assert updater.version(master) == OLD
         assert updater.status(master)[0:2] == (updater.IDLE, updater.REVERTED)
 
-    # Killed at any instant of the swap, a working image runs at once.
-    for _ in range(6):
-        shutil.copy(marked, flash)
-        for _ in range(draw.randrange(1, 4)):
-            with started(flash):
-                time.sleep(draw.uniform(0.0, 1.0))
-        with started(flash) as bus:
-            master = Master(bus)
-            standby(master)
-            assert updater.version(master) in (OLD, NEW)
 
-    # With another key, or a bit flipped, it is refused, and the old one runs.
-    flipped = bytearray(new)
-    flipped[draw.randrange(512, len(new))] ^= 1 << draw.randrange(8)
-    for candidate, code in ((image("foreign"), updater.SIGNATURE), (bytes(flipped), updater.SIGNATURE)):
-        shutil.copy(marked, flash)
-        put_candidate(flash, candidate)
-        with started(flash) as bus:
-            master = Master(bus)
-            standby(master)
-            assert updater.version(master) == OLD
-            assert updater.status(master)[0:2] == (updater.IDLE, code)
+def test_an_image_that_does_nothing_is_gone_after_the_next_reset(marked, tmp_path):
+    flash = tmp_path / "flash"
+    shutil.copy(marked, flash)
+    with started(flash) as bus:
+        assert bus.recv(2.0) is None
+    with started(flash) as bus:
+        master = Master(bus)
+        standby(master)
+        assert updater.version(master) == OLD
 
 
-def test_without_an_image_that_is_signed_nothing_is_entered(flash):
-    with flash.open("r+b") as file:
-        file.write(image("foreign"))
+@pytest.mark.parametrize("seed", range(4))
+def test_switched_off_at_any_instant_of_the_swap_a_working_image_runs(flash, seed):
+    draw = random.Random(SEED + seed)
+    for _ in range(draw.randrange(1, 4)):
+        with started(flash):
+            time.sleep(draw.uniform(0.0, 1.0))
+    with started(flash) as bus:
+        master = Master(bus)
+        standby(master)
+        assert updater.version(master) in (OLD, NEW)
+
+
+@pytest.mark.parametrize("how", ["a foreign key", "a flipped bit"])
+def test_what_is_not_signed_is_refused(flash, how):
+    if how == "a foreign key":
+        candidate = image("foreign")
+    else:
+        draw, content = random.Random(SEED), bytearray(image("new"))
+        content[draw.randrange(512, len(content))] ^= 1 << draw.randrange(8)
+        candidate = bytes(content)
+    put_candidate(flash, candidate)
+    with started(flash) as bus:
+        master = Master(bus)
+        standby(master)
+        assert updater.version(master) == OLD
+        assert updater.status(master)[0:2] == (updater.IDLE, updater.SIGNATURE)
+
+
+def test_without_an_image_that_is_signed_nothing_is_entered(tmp_path):
+    flash = tmp_path / "flash"
+    make_board(flash, "foreign")
     with started(flash) as bus:
         assert bus.recv(3.0) is None

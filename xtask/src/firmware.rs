@@ -3,6 +3,7 @@
 use crate::board;
 use crate::install::{self, Package};
 use crate::qemu;
+use crate::slots;
 use crate::steps::{self, Outcome};
 use crate::test::rust::EMBEDDED;
 use clap::ValueEnum;
@@ -97,7 +98,7 @@ impl Image {
     }
 }
 
-/// Builds the images of a board and prints their sizes; with `--run` the virtual drive runs until it is interrupted.
+/// Builds the images of a board, signs those for its slots, and prints their sizes; with `--run` the virtual drive runs until it is interrupted.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     match (arguments.board, arguments.run, arguments.golden) {
         (Board::Esc1, true, _) => return refuse("--run: nobody emulates this board; --board qemu runs"),
@@ -107,7 +108,8 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
         (Board::Esc1, false, golden) => return board::command(root, golden),
         (Board::Qemu, ..) => {}
     }
-    let built = build(root).and_then(|_| sizes(root)).and_then(|lines| {
+    let built = build(root).and_then(|_| sizes(root)).and_then(|mut lines| {
+        lines.extend(slots::make(root)?);
         lines.iter().for_each(|line| println!("{line}"));
         if arguments.run { run(root, arguments) } else { Ok(lines) }
     });

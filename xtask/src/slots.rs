@@ -1,55 +1,52 @@
 //! Images for the slots of the emulated board, signed with the key that everybody knows.
 
-use crate::driven::output;
 use crate::firmware::Image;
 use crate::install;
+use crate::sign;
 use crate::steps::Outcome;
 use narx_boot::sign::SecretKey;
-use narx_boot::{BODY_ALIGNMENT, Header, Version};
+use narx_boot::{Version, hardware};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-/// mps2-an386, as its bootloader calls it (`firmware/src/boards/qemu/slots.rs`).
-const HARDWARE: u32 = 0x4E58_0001;
-const KEY: &str = "firmware/keys/TEST-ONLY.key";
+/// A key that no board believes.
+const FOREIGN: SecretKey = SecretKey([7; 32]);
 
 /// Where [`make`] leaves the images.
 pub fn directory(root: &Path) -> PathBuf {
     install::target_directory(root).join("slots")
 }
 
-/// Makes images of the virtual drive: `old` and `new`, `older` than both, `foreign` with another key.
+/// Makes images of the virtual drive: `old` and `new`, and one like the latter by a `foreign` key. And `idle`, short enough to be sent in seconds: a program
+/// that stands still, which nobody can confirm.
 ///
 /// # Errors
-/// What the tools said.
+/// What signing said.
 pub fn make(root: &Path) -> Outcome {
     let directory = directory(root);
     fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
-    let flat = directory.join("application.bin");
-    let mut objcopy = Command::new("arm-none-eabi-objcopy");
-    output(objcopy.args(["-O", "binary"]).arg(Image::Application.path(root)).arg(&flat))?;
-    let mut body = fs::read(&flat).map_err(|error| format!("{}: {error}", flat.display()))?;
-    body.resize(body.len().next_multiple_of(BODY_ALIGNMENT as usize), 0xFF);
-    let (owner, foreign) = (key(root)?, SecretKey([7; 32]));
-    for (name, key, minor) in
-        [("older", owner, 0), ("old", owner, 1), ("new", owner, 2), ("foreign", foreign, 2)]
-    {
-        let version = Version { major: 1, minor, patch: 0, build: u16::from(minor) };
-        let mut image = key.sign(Header { hardware: HARDWARE, version, length: 0 }, &body).to_vec();
-        image.extend(&body);
+    let (idle, drive) = (directory.join("idle.bin"), Image::Application.path(root));
+    fs::write(&idle, idle_program()).map_err(|error| format!("{}: {error}", idle.display()))?;
+    let mut lines = Vec::new();
+    for (name, program, key, minor) in [
+        ("old", &drive, SecretKey::TEST_ONLY, 1),
+        ("new", &drive, SecretKey::TEST_ONLY, 2),
+        ("foreign", &drive, FOREIGN, 2),
+        ("idle", &idle, SecretKey::TEST_ONLY, 2),
+    ] {
+        let version = Version { major: 1, minor, patch: 0, build: minor.into() };
         let path = directory.join(name).with_extension("narximg");
-        fs::write(&path, image).map_err(|error| format!("{}: {error}", path.display()))?;
+        lines.extend(sign::sign(program, &key, hardware::QEMU, version, &path)?);
     }
-    Ok(vec![format!("the application in a slot: {} bytes", body.len())])
+    Ok(lines)
 }
 
-/// A line of 64 hexadecimal digits.
-fn key(root: &Path) -> Result<SecretKey, String> {
-    let path = root.join(KEY);
-    let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-    let digit = |at: usize| text.get(at..at + 2).and_then(|pair| u8::from_str_radix(pair, 16).ok());
-    let bytes: Option<Vec<u8>> = (0..64).step_by(2).map(digit).collect();
-    let key = bytes.and_then(|bytes| bytes.try_into().ok()).map(SecretKey);
-    key.ok_or_else(|| format!("{}: not 64 hexadecimal digits", path.display()))
+/// Vectors of stack and reset, a branch to itself, and bytes of all kinds.
+fn idle_program() -> Vec<u8> {
+    const ENTRY: u32 = 0x2100_0200;
+    const BRANCH_TO_ITSELF: u16 = 0xE7FE;
+    let mut program = [0x203F_F000, ENTRY + 8 + 1].map(u32::to_le_bytes).concat();
+    program.extend(BRANCH_TO_ITSELF.to_le_bytes());
+    program.extend((0..12_000_u32).map(|at| (at.wrapping_mul(0x9E37_79B9) >> 24) as u8));
+    program
 }

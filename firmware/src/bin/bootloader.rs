@@ -9,10 +9,11 @@ fn main() {}
 mod image {
     use cortex_m_rt::entry;
     use cortex_m_semihosting::hprintln;
-    use narx_boot::{Board, Outcome, boot, key};
-    use narx_firmware::boards::qemu::slots::{self, HARDWARE, MAP, Slots};
+    use narx_boot::{Board, Outcome, boot, hardware, key};
+    use narx_firmware::boards::qemu::slots::{self, MAP, Slots};
 
-    const BOARD: Board = Board { hardware: HARDWARE, key: key::chosen() };
+    /// Whoever has the emulator may have his program run in it.
+    const BOARD: Board = Board { hardware: hardware::QEMU, key: key::TEST_ONLY };
 
     #[entry]
     fn main() -> ! {

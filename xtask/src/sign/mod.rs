@@ -60,7 +60,11 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
 }
 
-fn sign(program: &Path, key: &SecretKey, hardware: u32, version: Version, out: &Path) -> Outcome {
+/// Signs a program: the closing line.
+///
+/// # Errors
+/// It cannot be read, is no program, or the image cannot be written.
+pub fn sign(program: &Path, key: &SecretKey, hardware: u32, version: Version, out: &Path) -> Outcome {
     let bytes = fs::read(program).map_err(|error| at(program, &error))?;
     let mut body = program::flat(&bytes).map_err(|error| at(program, &error))?;
     if body.is_empty() {

@@ -7,7 +7,7 @@ use cortex_m::peripheral::scb::SystemHandler;
 use cortex_m_rt::{entry, exception};
 use cortex_m_semihosting::hprintln;
 use heapless::spsc::Queue;
-use narx_boot::{Server, Slot};
+use narx_boot::{Server, Slot, hardware};
 use narx_core::device::Queues;
 use narx_core::motor::{Board, PwmCommand, Samples};
 use narx_core::node::{Identity, ResetCause};
@@ -15,7 +15,7 @@ use narx_core::scope::{self, Memory};
 use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
 use narx_firmware::boards::qemu::flash::{self, Chip};
 use narx_firmware::boards::qemu::pace::{Pace, count_millisecond, look_for_millisecond};
-use narx_firmware::boards::qemu::slots::{HARDWARE, MAP, Slots};
+use narx_firmware::boards::qemu::slots::{MAP, Slots};
 use narx_firmware::boards::qemu::trouble::{Task, Trouble};
 use narx_firmware::boards::qemu::uart::{self, INCOMING, Receiver};
 use narx_firmware::boards::qemu::watchdog::{self, Watchdog};
@@ -71,8 +71,10 @@ fn main() -> ! {
     let Some(opened) = open(&mut storage, &commissioning) else { semihosting::exit(false) };
     let (tick, mut device) = QUEUES.power_up(IDENTITY, Board::BENCH, opened.parameters.clone());
     device.attach_scope(SCOPE);
-    let mut server =
-        program::is_in_slot().then(|| Slot::new(Slots::new(), MAP, HARDWARE).ok()).flatten().map(Server::new);
+    let mut server = program::is_in_slot()
+        .then(|| Slot::new(Slots::new(), MAP, hardware::QEMU).ok())
+        .flatten()
+        .map(Server::new);
     if let Some(Ok(slots)) = server.as_mut().map(Server::slots) {
         device.node().attach_update(&slots);
     }

@@ -8,8 +8,6 @@ use embedded_storage::nor_flash::{
 };
 use narx_boot::Map;
 
-/// Which images the board takes: those for mps2-an386.
-pub const HARDWARE: u32 = 0x4E58_0001;
 /// The PSRAM (MPS2, application note 386).
 pub(super) const START: usize = 0x2100_0000;
 const PAGE: u32 = 4 << 10;
