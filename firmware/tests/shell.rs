@@ -67,12 +67,6 @@ impl BackgroundSide for Side {
         paper.waiting = paper.waiting.saturating_sub(1);
     }
 
-    /// The board of paper has no bootloader.
-    #[cfg(feature = "update")]
-    fn serve_update(&mut self, _: &update::Request) -> update::Report {
-        update::Report::Failed(UpdateCode::Flash)
-    }
-
     fn receive(&mut self) -> Option<Frame> {
         self.0.borrow_mut().arriving.pop_front()
     }

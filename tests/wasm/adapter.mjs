@@ -23,7 +23,7 @@ export async function serveDrive(...options) {
 
 /** Gives a page a serial port behind which the drive is. `unplug()` takes it away, as a hand would; `written` is what the page has sent. */
 export async function plugIn(page, port) {
-    const socket = connect(port, "127.0.0.1");
+    const socket = connect({ port, host: "127.0.0.1", noDelay: true });
     const adapter = { written: "", unplug: () => page.evaluate(() => globalThis.unplugSerial()) };
     // What a page reads is one response that does not end; what it writes is a request for each piece.
     const bridge = createServer((request, response) => {
@@ -48,7 +48,8 @@ export async function plugIn(page, port) {
         bridge.closeAllConnections();
         bridge.close();
     };
-    await page.evaluate(inPage, `http://127.0.0.1:${bridge.address().port}/`);
+    adapter.url = `http://127.0.0.1:${bridge.address().port}/`;
+    await page.evaluate(inPage, adapter.url);
     return adapter;
 }
 

@@ -24,7 +24,9 @@ async function connected() {
     await page.locator("#adapter").click();
     await page.locator(".bar .link").getByText("CAN adapter").waitFor();
     await inState(page, "Standby");
-    return { page, complaints, adapter };
+    // A serial port would not be told of by the browser.
+    const own = () => complaints.filter((text) => !text.includes(adapter.url));
+    return { page, own, adapter };
 }
 
 /** REQUEST_WORD with this motor mode, as the adapter is told it. */
@@ -33,7 +35,7 @@ function request(mode) {
 }
 
 test("a drive behind an adapter starts, turns and stops, and the adapter is opened and closed", async () => {
-    const { page, complaints, adapter } = await connected();
+    const { page, own, adapter } = await connected();
     assert.match(adapter.written, /C\r.*S6\r.*O\r/s);
     await go(page, "main");
     await start(page, 1800);
@@ -45,7 +47,7 @@ test("a drive behind an adapter starts, turns and stops, and the adapter is open
     const [beforeStop, last] = [adapter.written.lastIndexOf(request(1)), adapter.written.lastIndexOf(request(0))];
     assert.ok(beforeStop > 0 && last > beforeStop, "Standby is the last request");
     assert.ok(adapter.written.endsWith("C\r"));
-    assert.deepEqual(complaints, []);
+    assert.deepEqual(own(), []);
     adapter.end();
 });
 
@@ -57,17 +59,11 @@ test("an adapter that is unplugged while the motor turns is told, and connects a
     await page.getByRole("alert").getByText(/The adapter is gone: was it unplugged\?/).waitFor();
     await page.locator(".bar").getByText("Not connected").waitFor();
     adapter.end();
-    // Nobody commands it any more: it has stopped by itself.
-    const again = await browser.open({}, "#/operate/connection");
-    await again.page.locator("#power-up:enabled").waitFor();
-    const other = await plugIn(again.page, drive.port);
-    await again.page.locator("#adapter").click();
-    await inState(again.page, "Fault");
-    await again.page.locator(".bar .faults").getByText(/master|set-point|time/i).waitFor();
-    await again.page.waitForTimeout(700);
-    await again.page.locator(".bar .stop").click();
-    await inState(again.page, "Standby");
-    other.end();
+    // Nobody commands it any more: it has stopped by itself, and does not turn again before it is asked to.
+    const again = await connected();
+    await reaches(again.page, 0, 0);
+    assert.equal(again.adapter.written.includes(request(1)), false);
+    again.adapter.end();
 });
 
 test("a page that is closed asks for Standby", async () => {
@@ -108,7 +104,7 @@ test("no adapter, and a bus on which nobody answers, are told in words", async (
 });
 
 test("the log is set up, filled, downloaded in part and erased", async () => {
-    const { page, complaints, adapter } = await connected();
+    const { page, own, adapter } = await connected();
     await go(page, "logging");
     await page.locator("#add-slot").click();
     await page.getByLabel("Value of slot 1").fill("HV Voltage");
@@ -116,7 +112,7 @@ test("the log is set up, filled, downloaded in part and erased", async () => {
     await page.locator("#log-period").fill("0.05");
     await page.locator("#configure-log").click();
     await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
-    await page.waitForTimeout(600);
+    await page.waitForTimeout(1500);
     await page.locator("#refresh-log").click();
     await page.waitForFunction(() => Number(document.querySelector("#log-length").textContent) > 5);
     assert.equal(await page.getByLabel("Value of slot 1").inputValue(), "HV Voltage");
@@ -140,7 +136,7 @@ test("the log is set up, filled, downloaded in part and erased", async () => {
     await page.locator("#erase-log").click();
     await page.getByRole("dialog").getByRole("button", { name: "Erase log" }).click();
     await page.locator("#log-told").getByText("The log is empty.").waitFor();
-    assert.deepEqual(complaints, []);
+    assert.deepEqual(own(), []);
     adapter.end();
 });
 
@@ -154,7 +150,7 @@ test("the drive's description of itself is downloaded", async () => {
 });
 
 test("TX-Drivers on the bus are found, started and written to", async () => {
-    const { page, complaints, adapter } = await connected();
+    const { page, own, adapter } = await connected();
     await go(page, "nodes");
     await page.locator("#scan").click();
     await page.locator("#scan-told").getByText("2 of 127 node-ids answer.").waitFor({ timeout: 60_000 });
@@ -174,6 +170,6 @@ test("TX-Drivers on the bus are found, started and written to", async () => {
     await node.getByText(/Channel 1: -?\d+\.\d{5} mm/).waitFor();
     await node.locator(".read-objects").click();
     await node.locator(".told").getByText(/abort|refuse|state/i).waitFor();
-    assert.deepEqual(complaints, []);
+    assert.deepEqual(own(), []);
     adapter.end();
 });

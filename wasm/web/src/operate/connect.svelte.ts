@@ -8,6 +8,9 @@ import { play } from "./link/playback";
 import { virtualDrive } from "./link/virtual.svelte";
 import { session } from "./session.svelte";
 
+/** How long an answer over an adapter may take, s: a browser does other things, too. */
+const ADAPTER_TIMEOUT = 0.25;
+
 export const settings = $state({
     motor: "bly172s-24v" as MotorName,
     mode: "hall" as Mode,
@@ -54,7 +57,7 @@ export function connectLog(name: string, frames: readonly BusFrame[]): Promise<v
 
 /** Asks the reader for a serial port. */
 export function connectAdapter(): Promise<void> {
-    return session.connect((listener) => openAdapter(listener, settings.silent), master());
+    return session.connect((listener) => openAdapter(listener, settings.silent), { ...master(), timeout: ADAPTER_TIMEOUT });
 }
 
 export function hasSerial(): boolean {

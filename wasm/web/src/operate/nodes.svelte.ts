@@ -96,7 +96,7 @@ class Nodes {
 
     /** Asks nodes for an entry; those that answer at all, if only that they do not want to, are there. */
     async ask(ids: readonly number[], entry: TxObject): Promise<void> {
-        const candidates = ids.map((id) => new Node(id, 1, 0.02));
+        const candidates = ids.map((id) => new Node(id));
         this.#candidates = candidates;
         const answers = await Promise.all(candidates.map((node) => node.read(entry).then(() => true, (error: Error) => error.name !== "NoAnswerError")));
         this.#candidates = [];
