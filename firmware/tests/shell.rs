@@ -1,7 +1,5 @@
 //! The shell on a board of paper: who is served when, and who must have worked before the watchdog is fed.
 
-#[cfg(feature = "update")]
-use narx_core::bus::narmotion::update::UpdateCode;
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive, XmlCommand};
 use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::device::Queues;
