@@ -40,6 +40,9 @@ def test_a_drive_that_hung_at_speed_comes_back_in_standby_and_stays_there(master
         master.run(0.05)
         assert master.parameter(STATE) in (INITIALIZATION, STANDBY)
     assert master.seen[MEASUREMENT_5][0:2] == b"\0\0"
+    # A Standby request and then a Drive request start it.
+    master.mode = STANDBY_REQUEST
+    master.run(0.2)
     drive(master)
 
 
