@@ -29,26 +29,30 @@ def test_the_drive_tells_why_it_started(master):
     assert master.parameter(RESET_CAUSE) == REQUESTED
 
 
-@pytest.mark.arguments("--watchdog", "500", "--trouble", "background", "--after", "11000")
+@pytest.mark.arguments("--watchdog", "500", "--trouble", "background", "--after", "25000")
 def test_a_drive_that_hung_at_speed_comes_back_in_standby_and_stays_there(master):
     drive(master)
+    master.wait(1.0, lambda: abs(master.speed - 2000) <= 20, "set-point")
     # It hangs soon, and the master goes on to request Drive.
-    master.wait(3.0, lambda: master.seen.get(STATUS_WORD, b"")[2:3] == b"\0", "restart")
+    master.wait(6.0, lambda: master.seen.get(STATUS_WORD, b"")[2:3] == b"\0", "restart")
     assert master.parameter(RESET_CAUSE) == WATCHDOG
     for _ in range(10):
         master.run(0.05)
         assert master.parameter(STATE) in (INITIALIZATION, STANDBY)
     assert master.seen[MEASUREMENT_5][0:2] == b"\0\0"
+    # A Standby request and then a Drive request start it.
+    master.mode = STANDBY_REQUEST
+    master.run(0.2)
     drive(master)
 
 
-@pytest.mark.arguments("--trouble", "program", "--after", "9000")
+@pytest.mark.arguments("--trouble", "program", "--after", "20000")
 def test_a_bit_of_the_program_that_flips_stops_the_motor(master):
     drive(master)
     stops_for_good(master, 0b00010, seconds=4.0)
 
 
-@pytest.mark.arguments("--trouble", "stack", "--after", "9000")
+@pytest.mark.arguments("--trouble", "stack", "--after", "20000")
 def test_a_stack_that_was_used_up_stops_the_motor(master):
     drive(master)
     stops_for_good(master, 0b01000, seconds=2.0)
