@@ -889,7 +889,9 @@ export type ParameterName =
     | "Tilt"
     | "Vibration"
     | "Scope inputs"
-    | "Scope words";
+    | "Scope words"
+    | "Reset cause"
+    | "Failed self-tests";
 
 /** Signals of the measurements. */
 export type MeasurementName =
@@ -1034,6 +1036,40 @@ export interface DriveValues {
         readonly "Data 2": number;
         readonly "Data 3": number;
     };
+    readonly UPDATE_DEVICE_REQUEST: {};
+    readonly UPDATE_DEVICE: {
+        readonly "Hardware id": number;
+        readonly "Room": number;
+    };
+    readonly UPDATE_VERSION_REQUEST: {};
+    readonly UPDATE_VERSION: {
+        readonly "Major version": number;
+        readonly "Minor version": number;
+        readonly "Patch level": number;
+        readonly "Build number": number;
+    };
+    readonly UPDATE_BEGIN: {
+        readonly "Length": number;
+        readonly "Hardware id": number;
+    };
+    readonly UPDATE_DATA: {
+        readonly "Block": number;
+        readonly "Image 1": number;
+        readonly "Image 2": number;
+        readonly "Image 3": number;
+    };
+    readonly UPDATE_STATUS_REQUEST: {};
+    readonly UPDATE_STATUS: {
+        readonly "State": "Idle" | "Erasing" | "Receiving" | "Verifying" | "Marked" | "Trial" | number;
+        readonly "Code": "Done" | "Wrong state" | "Not now" | "On trial" | "Hardware" | "Length" | "Sequence" | "Flash" | "Checksum" | "No image" | "Older" | "Timed out" | "Aborted" | "Signature" | "Reverted" | number;
+        readonly "Window": number;
+        readonly "Offset": number;
+    };
+    readonly UPDATE_END: {
+        readonly "Checksum": number;
+    };
+    readonly UPDATE_ABORT: {};
+    readonly UPDATE_CONFIRM: {};
     readonly MEASUREMENT_0: {
         readonly "Accel X": number;
         readonly "Accel Y": number;
