@@ -138,7 +138,12 @@ fn packages(root: &Path) -> Outcome {
         let file = web.join(module);
         let mut optimise = Command::new(tools.join("wasm-opt"));
         // The stack lies first in memory, so no address of an object is a small number: that is what `low-memory-unused` may assume.
-        optimise.args(["-Os", "--converge", "--low-memory-unused"]).args(FEATURES).arg(&file).arg("-o").arg(&file);
+        optimise
+            .args(["-Os", "--converge", "--low-memory-unused"])
+            .args(FEATURES)
+            .arg(&file)
+            .arg("-o")
+            .arg(&file);
         steps::run(&mut optimise)?;
         // Both packages have the same module, in other JavaScript.
         fs::copy(&file, node.join(module)).map_err(|error| format!("{}: {error}", file.display()))?;
