@@ -70,10 +70,10 @@ impl<H: BorrowMut<Memory>> Scope<H> {
     /// The event of this tick, before the drive takes it.
     #[inline]
     pub fn handle_event(&mut self, event: &Event) {
-        if let Some(memory) = self.memory() {
-            if memory.plan.keeps_inputs() {
-                memory.progress.course.note = Note::from(event);
-            }
+        if let Some(memory) = self.memory()
+            && memory.plan.keeps_inputs()
+        {
+            memory.progress.course.note = Note::from(event);
         }
     }
 
