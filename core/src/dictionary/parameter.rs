@@ -204,7 +204,6 @@ impl fmt::Display for Parameter {
     }
 }
 
-#[cfg_attr(not(feature = "names"), allow(unused_variables, reason = "texts that this build leaves out"))]
 #[cfg_attr(
     not(feature = "description"),
     allow(unused_variables, reason = "texts that this build leaves out")
