@@ -16,23 +16,24 @@
 //!   scope       looks at the Drive after each of its ticks; the node asks it for the record
 //!   storage     parameters and log on a flash, for the node
 //!   description the tables as an XML document, which the node serves
-//!   device      Drive, scope and Node, joined by their queues: what a shell links
+//!   queue       between two halves of which either may interrupt the other, without a way to panic
+//!   device      Drive, scope and Node, joined by such queues: what a shell links
 //!   master      the other end of the bus, for whatever commands a drive
 //!   eddycan     the TX-Driver, another device: eddyCAN on 11-bit identifiers
 //!   blocks      the drive's stations one by one, for whoever wants one of them alone
-//!   queue       what joins the two, without a way to panic
 //!   recording   initial state + samples + events of a Drive, and a digest of what it answered
 //! ```
 //!
 //! Data flows down this list, and so do the imports: `units`, `dictionary`, `motor`, `scope`, `bus`, `storage`, `description`, `node`,
-//! `device`, `master`, `recording`; `eddycan` stands beside them on `bus` alone, `blocks` on `motor`.
+//! `queue`, `device`, `master`, `recording`; `eddycan` stands beside them on `bus` alone, `blocks` on `motor`.
 //!
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
 //!
 //! Features, all on by default, are what a small board may leave out: `names` and `description` (texts), `log`, `scope` and its `recorder`,
 //! `hall-calibration`, `accelerometer`, and `shortcuts` (the control tick's short ways, without which it takes longer and answers the same).
-//! Whoever asks for what is left out is refused.
+//! Whoever asks for what is left out is refused. Two are off by default: `update` (programming over CAN) and `code-flash` (parameters in the
+//! flash that the code runs from).
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -281,7 +281,8 @@ class Drive:
         self._link.start(1.0)
         turns = (State.ROTOR_LOCK, State.OPEN_LOOP)
         if self._link.wait(lambda: self.state in (*turns, State.FAULT), CALIBRATION_BEGIN):
-            self._link.wait(lambda: self.state not in turns, CALIBRATION_MAX)
+            # On a bus the exact state is unknown between a status word and the answer about it.
+            self._link.wait(lambda: self.state not in (None, *turns), CALIBRATION_MAX)
         state, why = self.state, f": {self.fault}" if self.fault else ""
         found = self._read(CALIBRATION_STATE) == CALIBRATION_DONE and state is State.STANDBY
         self._link.stop()

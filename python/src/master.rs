@@ -8,7 +8,7 @@ use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, DigitalOutputs, StatusWord};
 use narx_core::dictionary::Decimal;
 use narx_core::master::{
-    Answer, Config, Download, Heard, Image, Master as Core, Request, RequestError, Service, UpdateProgress,
+    Answer, Config, Download, Heard, Image, Master as Core, Request, RequestError, UpdateProgress,
 };
 use narx_core::motor::{FaultWord, State};
 use narx_sim::session::Session;
@@ -418,22 +418,6 @@ impl Master {
 /// What a MOTOR_CMD can carry: whole rpm of 16 bits.
 const RPM_MAX: f64 = u16::MAX as f64;
 
-/// Requests without a value by their names.
-const REQUESTS: [(&str, Request); 12] = [
-    ("build info", Request::BuildInfo),
-    ("device info", Request::DeviceInfo),
-    ("reboot", Request::Reboot),
-    ("trigger scope", Request::TriggerScope),
-    ("disable hall supply", Request::DisableHallSupply(true)),
-    ("enable hall supply", Request::DisableHallSupply(false)),
-    ("set position", Request::Run(Service::SetPosition)),
-    ("erase log", Request::Run(Service::EraseLog)),
-    ("store", Request::Run(Service::Store)),
-    ("store once", Request::Run(Service::StoreOnce)),
-    ("reset calibration", Request::Run(Service::ResetCalibration)),
-    ("auto-calibrate", Request::Run(Service::AutoCalibrate)),
-];
-
 fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
     // A value of any kind has 32 bits.
     let raw = raw as i32;
@@ -441,8 +425,7 @@ fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
         "read" => Request::Read { number },
         "write" => Request::Write { number, raw },
         "restore factory" => Request::RestoreFactory { serial: number },
-        "calibrate hall" => Request::Run(Service::CalibrateHall),
-        _ => error::choice("request", what, &REQUESTS)?,
+        _ => error::choice("request", what, &Request::NAMED)?,
     })
 }
 

@@ -112,6 +112,40 @@ fn a_stall_belongs_to_auto_restart() {
     }
 }
 
+/// What ended too many episodes is over with them: a Standby request takes the fault back (T61), and the next start begins as the first did, with
+/// sensors and without.
+#[test]
+fn a_fault_without_sensors_is_acknowledged_and_the_next_start_is_a_first_one() {
+    // The true number of pole pairs, without sensors; hall sensors instead; a field that is only led.
+    let sensorless = [(number::MOTOR_POLE_PAIRS, 4)];
+    let enables = |open_loop, closed, hall| {
+        [
+            (number::MOTOR_POLE_PAIRS, 4),
+            (number::OPEN_LOOP_ENABLE, open_loop),
+            (number::SENSORLESS_ENABLE, closed),
+            (number::HALL_ENABLE, hall),
+        ]
+    };
+    let mended: [(&[(u16, i32)], State); 3] = [
+        (&sensorless, State::SensorlessClosedLoop),
+        (&enables(0, 0, 1), State::HallClosedLoop),
+        (&enables(1, 0, 0), State::OpenLoop),
+    ];
+    for (changes, running) in mended {
+        let mut closed = Closed::sensorless(&config(24.0), &[(number::MOTOR_POLE_PAIRS, 8)]);
+        closed.boot();
+        closed.ask(Request::Drive);
+        assert!(matches!(closed.run(60_000), Outcome::Fault { .. }), "{:?}", closed.status);
+        closed.ask(Request::Standby);
+        assert!(until(&mut closed, State::Standby, 6_000).is_some(), "{running:?}: {:?}", closed.status);
+        closed.configure(changes);
+        closed.run(2_000);
+        closed.ask(Request::Drive);
+        assert_eq!(closed.run(20_000), Outcome::Running, "{running:?}: {:?}", closed.status);
+        assert_eq!(closed.drive.state(), running, "{:?}", closed.status);
+    }
+}
+
 /// Half of the true number of pole pairs: speed and voltage do not fit, and that has a name.
 #[test]
 fn a_wrong_number_of_pole_pairs_is_named() {

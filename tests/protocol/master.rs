@@ -133,7 +133,7 @@ fn polling_when_it_says_is_enough() {
 /// A few KiB are what a small board can spare.
 #[test]
 fn a_master_is_small() {
-    assert!(size_of::<Master>() <= 4160, "{} bytes", size_of::<Master>());
+    assert!(size_of::<Master>() <= 4096, "{} bytes", size_of::<Master>());
     assert!(size_of::<DescriptionReader>() <= 512, "{} bytes", size_of::<DescriptionReader>());
 }
 

@@ -45,6 +45,14 @@ def test_filters_hold_without_the_clock(bus: can.BusABC) -> None:
     assert bus.recv(0.5) is None
 
 
+def test_a_calibration_is_waited_for_on_a_bus_too(bus: can.BusABC) -> None:
+    # Between a status word and the answer about the exact state a master on a bus does not know the state.
+    drive = narx.Drive(bus, read_parameters=False)
+    drive.calibrate_hall(run=True)
+    assert drive.parameters["Hall calibration state"] == 2 and drive.state is narx.State.STANDBY
+    drive.close()
+
+
 def test_clients_of_a_channel_share_one_drive(bus: can.BusABC) -> None:
     with can.Bus(interface="narx", channel="test_clients_of_a_channel_share_one_drive") as other:
         bus.send(STANDBY)

@@ -35,7 +35,7 @@ pub(crate) fn container(chunks: &[(u8, &[u8])]) -> Vec<u8> {
 }
 
 /// The header payload of a drive recording with an empty label.
-pub(crate) const HEADER: [u8; 10] = [1, 4, 0, 5, 0, 0x10, 0x27, 0, 0, 0];
+pub(crate) const HEADER: [u8; 10] = [1, 5, 0, 5, 0, 0x10, 0x27, 0, 0, 0];
 
 pub(crate) fn event() -> impl Strategy<Value = Event> {
     prop_oneof![

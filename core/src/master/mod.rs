@@ -277,7 +277,7 @@ impl Master {
 
     /// The end of the update: the drive runs the image and keeps it, or what went wrong. What ran before then still runs.
     #[cfg(feature = "update")]
-    pub const fn poll_update(&mut self) -> Option<Result<(), UpdateError>> {
+    pub fn poll_update(&mut self) -> Option<Result<(), UpdateError>> {
         self.update.poll_end()
     }
 

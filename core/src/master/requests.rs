@@ -61,6 +61,19 @@ pub enum Service {
     CalibrateHall = number::HALL_CALIBRATE,
 }
 
+impl Service {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::SetPosition,
+        Self::EraseLog,
+        Self::Store,
+        Self::StoreOnce,
+        Self::ResetCalibration,
+        Self::AutoCalibrate,
+        Self::CalibrateHall,
+    ];
+}
+
 /// A request and what came of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Answer {
@@ -72,6 +85,23 @@ pub struct Answer {
 }
 
 impl Request {
+    /// Requests that need nothing besides, by the names that programs call them by.
+    pub const NAMED: [(&'static str, Self); 13] = [
+        ("build info", Self::BuildInfo),
+        ("device info", Self::DeviceInfo),
+        ("reboot", Self::Reboot),
+        ("trigger scope", Self::TriggerScope),
+        ("disable hall supply", Self::DisableHallSupply(true)),
+        ("enable hall supply", Self::DisableHallSupply(false)),
+        ("set position", Self::Run(Service::SetPosition)),
+        ("erase log", Self::Run(Service::EraseLog)),
+        ("store", Self::Run(Service::Store)),
+        ("store once", Self::Run(Service::StoreOnce)),
+        ("reset calibration", Self::Run(Service::ResetCalibration)),
+        ("auto-calibrate", Self::Run(Service::AutoCalibrate)),
+        ("calibrate hall", Self::Run(Service::CalibrateHall)),
+    ];
+
     /// Reads the parameter of that name; case does not matter.
     pub fn read(name: &str) -> Option<Self> {
         Some(Self::Read { number: Dictionary::find(name)?.number })

@@ -140,16 +140,17 @@ enum Stage {
     Confirm,
 }
 
-/// The update under way, and its end.
+/// The update, from its beginning until its end has been told.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Update {
-    under_way: Option<UnderWay>,
-    end: Option<Result<(), UpdateError>>,
-    abort: bool,
+pub(super) enum Update {
+    #[default]
+    None,
+    UnderWay(UnderWay),
+    Ended(Result<(), UpdateError>),
 }
 
 #[derive(Clone, Copy, Debug)]
-struct UnderWay {
+pub(super) struct UnderWay {
     image: Image,
     stage: Stage,
     /// When the stage's message is due, again.
@@ -166,6 +167,8 @@ struct UnderWay {
     limit: u32,
     /// The drive has been asked where it is.
     asked: bool,
+    /// The caller has had enough.
+    aborted: bool,
     /// When the next block may be sent.
     block_due: u64,
     /// When the drive must be back.
@@ -197,12 +200,11 @@ impl core::error::Error for UpdateError {}
 
 impl Update {
     pub(super) fn begin(&mut self, image: Image, attempts: u8, timeout: u64) -> Result<(), NotTaken> {
-        if self.under_way.is_some() || self.end.is_some() {
+        if !matches!(self, Self::None) {
             return Err(NotTaken::Full);
         }
         let attempts = attempts.max(1);
-        self.abort = false;
-        self.under_way = Some(UnderWay {
+        *self = Self::UnderWay(UnderWay {
             image,
             stage: Stage::Device,
             due: 0,
@@ -213,22 +215,27 @@ impl Update {
             next: 0,
             limit: 0,
             asked: false,
+            aborted: false,
             block_due: 0,
             back_by: u64::MAX,
         });
         Ok(())
     }
 
-    pub(super) const fn poll_end(&mut self) -> Option<Result<(), UpdateError>> {
-        self.end.take()
+    pub(super) fn poll_end(&mut self) -> Option<Result<(), UpdateError>> {
+        let Self::Ended(end) = *self else { return None };
+        *self = Self::None;
+        Some(end)
     }
 
     pub(super) const fn abort(&mut self) {
-        self.abort = self.under_way.is_some();
+        if let Self::UnderWay(under_way) = self {
+            under_way.aborted = true;
+        }
     }
 
     pub(super) fn progress(&self) -> Option<UpdateProgress> {
-        let UnderWay { image, stage, offset, .. } = self.under_way.as_ref()?;
+        let Self::UnderWay(UnderWay { image, stage, offset, .. }) = self else { return None };
         let stage = match stage {
             Stage::Device | Stage::Version | Stage::Begin => UpdateStage::Asking,
             Stage::Erasing => UpdateStage::Erasing,
@@ -241,9 +248,9 @@ impl Update {
 
     /// When there is something to send; never is the end of time.
     pub(super) fn due(&self) -> u64 {
-        let Some(under_way) = &self.under_way else { return u64::MAX };
+        let Self::UnderWay(under_way) = self else { return u64::MAX };
         match under_way.has_block() {
-            _ if self.abort => 0,
+            _ if under_way.aborted => 0,
             true => under_way.due.min(under_way.block_due),
             false => under_way.due,
         }
@@ -251,8 +258,8 @@ impl Update {
 
     /// The next message that is due; blocks are sent by [`Self::next_block`].
     pub(super) fn next(&mut self, now: u64) -> Option<ToDrive> {
-        let under_way = self.under_way.as_mut()?;
-        if self.abort {
+        let Self::UnderWay(under_way) = self else { return None };
+        if under_way.aborted {
             self.finish(Err(UpdateError::Aborted));
             return Some(ToDrive::Update(UpdateRequest::Abort));
         }
@@ -268,8 +275,8 @@ impl Update {
 
     /// The next block that is due, of the bytes of the image.
     pub(super) fn next_block(&mut self, now: u64, image: &[u8]) -> Option<ToDrive> {
-        let under_way = self.under_way.as_mut()?;
-        if self.abort || !under_way.has_block() || now < under_way.block_due {
+        let Self::UnderWay(under_way) = self else { return None };
+        if under_way.aborted || !under_way.has_block() || now < under_way.block_due {
             return None;
         }
         let rest = image.get(under_way.next as usize..)?;
@@ -285,7 +292,7 @@ impl Update {
 
     /// Takes what the drive says.
     pub(super) fn take(&mut self, message: &FromDrive, now: u64) {
-        let Some(under_way) = &mut self.under_way else { return };
+        let Self::UnderWay(under_way) = self else { return };
         let result = match message {
             FromDrive::Update(answer) => under_way.take(answer, now),
             FromDrive::Reboot if under_way.stage == Stage::Reboot => {
@@ -302,9 +309,7 @@ impl Update {
     }
 
     fn finish(&mut self, end: Result<(), UpdateError>) {
-        self.under_way = None;
-        self.abort = false;
-        self.end = Some(end);
+        *self = Self::Ended(end);
     }
 }
 

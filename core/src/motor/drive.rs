@@ -12,6 +12,7 @@ use super::commutation::Step;
 use super::commutator::Commutator;
 use super::control::{Control, Demand};
 use super::event::{Event, HallCalibration, Health, SlowMeasurements};
+use super::fault::Cause;
 use super::hall::HallEvents;
 use super::hall_calibration::HallCalibrator;
 use super::machine::Machine;
@@ -404,10 +405,16 @@ impl Drive {
             torque: self.applied.step != Step::Coast,
             torque_sign: self.machine.direction().sign() as i8,
             open_phase,
-            sensorless: self.sensorless.fault(),
+            sensorless: self.sensorless_fault(),
         };
         self.reports.stirred = true;
         self.protection.step(&self.coefficients.protection, &evidence)
+    }
+
+    /// What ended too many episodes. Once the bridge is off that is over, and the next start begins with an empty bucket.
+    fn sensorless_fault(&self) -> Option<Cause> {
+        let driven = self.machine.state().is_driving() && self.machine.is_sensorless();
+        if driven { self.sensorless.fault() } else { None }
     }
 
     /// Magnitude of the speed by the running mode, raw I16F16 electrical rev/s.

@@ -95,17 +95,6 @@ pub unsafe extern "C" fn narx_master_poll_answer(
     pointer::status(run())
 }
 
-/// The command parameters.
-const SERVICES: [Service; 7] = [
-    Service::SetPosition,
-    Service::EraseLog,
-    Service::Store,
-    Service::StoreOnce,
-    Service::ResetCalibration,
-    Service::AutoCalibrate,
-    Service::CalibrateHall,
-];
-
 use narx_request_kind_t as Kind;
 
 impl TryFrom<&narx_request_t> for Request {
@@ -117,7 +106,7 @@ impl TryFrom<&narx_request_t> for Request {
             kind if kind == Kind::Read as u8 => Self::Read { number },
             kind if kind == Kind::Write as u8 => Self::Write { number, raw: value },
             kind if kind == Kind::Run as u8 => {
-                let service = SERVICES.into_iter().find(|service| *service as u16 == number);
+                let service = Service::ALL.into_iter().find(|service| *service as u16 == number);
                 Self::Run(service.ok_or(NARX_ERROR_REQUEST)?)
             }
             kind if kind == Kind::BuildInfo as u8 => Self::BuildInfo,

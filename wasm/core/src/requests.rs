@@ -5,7 +5,7 @@ use crate::master::Master;
 use js_sys::{Error, Object};
 use narx_core::bus::narmotion::{DigitalOutputs, ParameterStatus};
 use narx_core::dictionary::Dictionary;
-use narx_core::master::{Answer, DownloadError, Refusal, Request, RequestError, Service};
+use narx_core::master::{Answer, DownloadError, Refusal, Request, RequestError};
 use narx_sim::engineering;
 use narx_wasm_values::error::{range_error, whole};
 use narx_wasm_values::options::{Options, set};
@@ -50,23 +50,6 @@ pub(crate) const NO_ANSWER: &str = "NoAnswerError";
 pub(crate) const REFUSED: &str = "RefusedError";
 pub(crate) const PARAMETER: &str = "ParameterError";
 
-/// Requests without a value by their names.
-const REQUESTS: [(&str, Request); 13] = [
-    ("build info", Request::BuildInfo),
-    ("device info", Request::DeviceInfo),
-    ("reboot", Request::Reboot),
-    ("trigger scope", Request::TriggerScope),
-    ("disable hall supply", Request::DisableHallSupply(true)),
-    ("enable hall supply", Request::DisableHallSupply(false)),
-    ("set position", Request::Run(Service::SetPosition)),
-    ("erase log", Request::Run(Service::EraseLog)),
-    ("store", Request::Run(Service::Store)),
-    ("store once", Request::Run(Service::StoreOnce)),
-    ("reset calibration", Request::Run(Service::ResetCalibration)),
-    ("auto-calibrate", Request::Run(Service::AutoCalibrate)),
-    ("calibrate hall", Request::Run(Service::CalibrateHall)),
-];
-
 #[wasm_bindgen]
 impl Master {
     /// Asks the drive for something. Answers come in the order of the requests. Throws a `MasterError` for a silent master, and while eight answers were not
@@ -75,7 +58,7 @@ impl Master {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "RequestName")] what: &JsValue,
     ) -> Result<(), JsValue> {
-        let request = choice("request", what, &REQUESTS)?;
+        let request = choice("request", what, &Request::NAMED)?;
         self.take(request)
     }
 

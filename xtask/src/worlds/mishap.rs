@@ -193,19 +193,10 @@ impl Fate {
     }
 
     fn request(&mut self) -> Request {
-        const SERVICES: [Service; 7] = [
-            Service::SetPosition,
-            Service::EraseLog,
-            Service::Store,
-            Service::StoreOnce,
-            Service::ResetCalibration,
-            Service::AutoCalibrate,
-            Service::CalibrateHall,
-        ];
         match self.below(20) {
             0..=8 => self.write(),
             9..=10 => Request::Read { number: self.below(400) as u16 },
-            11..=14 => Request::Run(self.one(&SERVICES)),
+            11..=14 => Request::Run(self.one(&Service::ALL)),
             15 => Request::Reboot,
             16 => Request::RestoreFactory { serial: self.one(&[0, 1, 0xFFFF]) },
             17 => Request::DigitalOutputs(DigitalOutputs::default()),
