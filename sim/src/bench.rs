@@ -181,10 +181,11 @@ impl Bench {
         self.slots.attach(&mut self.node);
         (self.scope, self.keeper) = (Scope::default(), Keeper::new(ScopeMemory::new()));
         self.event = self.node.poll_event();
-        self.recorder = self.record.then(|| self.begin_recording()).flatten();
+        self.recorder = self.record.then(|| self.recorder()).flatten();
     }
 
-    fn begin_recording(&self) -> Option<Recorder<RecordingBuffer>> {
+    /// A recording that begins with the drive as it is now.
+    fn recorder(&self) -> Option<Recorder<RecordingBuffer>> {
         let board = self.node.board();
         let header = Header {
             kind: Kind::Drive,
@@ -445,6 +446,19 @@ impl Bench {
     pub fn recording(&self) -> Vec<u8> {
         let finished = self.recorder.clone().and_then(|recorder| recorder.finish().ok());
         finished.unwrap_or_default().0
+    }
+
+    /// Forgets what was recorded, and begins anew with the drive as it is now. The next restart ends it, if the bench was made
+    /// [without a recording](Self::without_recording).
+    pub fn begin_recording(&mut self) {
+        self.recorder = self.recorder();
+    }
+
+    /// The recording that [`Self::begin_recording`] began; empty if the drive has restarted since then.
+    pub fn end_recording(&mut self) -> Vec<u8> {
+        let recording = self.recording();
+        self.recorder = None;
+        recording
     }
 
     /// Digest of the drive's outputs since it last booted.

@@ -6,7 +6,7 @@ use narx_core::recording::{Recording, Replayable, replay, replay_until};
 use narx_core::units::Duty;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use xtask::parity::{Answer, Native, Replay, compare, locate};
+use xtask::parity::{Answer, Native, Random, Replay, compare, locate};
 
 /// The drive on a target that gets one bit of one output wrong from its tick 3000 on.
 #[derive(Deserialize)]
@@ -101,6 +101,21 @@ fn the_table_is_green_only_if_every_target_is_the_same() {
     assert!(wrong.lines().all(|line| line.contains("faulty: differs first in tick 3000")), "{wrong}");
     let wrong = compare(&[&Native, &Broken], &files[..1]).unwrap_err();
     assert!(wrong.ends_with("broken: did not start"), "{wrong}");
+}
+
+#[test]
+fn recordings_that_nobody_has_chosen_have_every_state_and_find_the_faulty_one() {
+    let random = Random { count: 100, first: 7_000_001, ticks: 20_000 };
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("random-parity");
+    let closing = random.compare(&[&Native, &Native], &directory).unwrap();
+    assert!(closing[0].starts_with("202 digests equal: 101 recordings"), "{closing:?}");
+    // A window is a drive in the middle of its life.
+    let file = directory.join("random-0050.narxrec");
+    let window =
+        replay_until::<Drive>(&Recording::open(&std::fs::read(&file).unwrap()).unwrap(), 20).unwrap();
+    assert!(window.last.unwrap().status.is_none_or(|status| status.tick > 20));
+    let wrong = compare(&[&Native, &faulty::<false>()], &[directory.join("long.narxrec")]).unwrap_err();
+    assert!(wrong.contains("faulty: differs first in tick 3000"), "{wrong}");
 }
 
 #[test]

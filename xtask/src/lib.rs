@@ -1,6 +1,7 @@
 //! What the developer commands are made of.
 
 pub mod archive;
+pub mod audit;
 pub mod bench;
 pub mod board;
 pub mod callgrind;

@@ -4,6 +4,7 @@ use clap::{Parser, Subcommand};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 use xtask::archive;
+use xtask::audit;
 use xtask::bench;
 use xtask::callgrind;
 use xtask::coverage;
@@ -15,6 +16,7 @@ use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
+use xtask::parity;
 use xtask::proof;
 use xtask::sign;
 use xtask::steps::{Step, finish, run, run_all};
@@ -54,12 +56,16 @@ enum Job {
     },
     /// Build the C library for every target, and pack it with header, CMake package and examples
     Archive,
+    /// Check licences, sources and bans of every crate, with cargo-deny
+    Audit,
     /// Make tests/golden/callgrind.toml anew: instructions of a simulated tick on this machine
     Callgrind {
         /// Write nothing; fail if a figure is another one
         #[arg(long)]
         check: bool,
     },
+    /// Replay recordings that nobody has chosen on every target that `test` has built, and compare every digest
+    Conformance(parity::Random),
     /// Make tests/coverage.md anew: each row of the specification, its code and its tests
     Coverage {
         /// Write nothing; fail if the page is out of date or names what does not exist
@@ -134,6 +140,8 @@ fn main() -> ExitCode {
         Job::Worlds(arguments) => worlds::command(&arguments),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
+        Job::Audit => audit::command(root),
+        Job::Conformance(random) => parity::command(root, random),
         Job::Callgrind { check } => callgrind::command(root, check),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Dbc { check } => dbc::command(root, check),

@@ -5,17 +5,21 @@
 
 mod answer;
 mod difference;
+mod random;
 mod replayer;
 mod table;
 
 pub use answer::Answer;
 pub use difference::{Difference, locate};
+pub use random::Random;
 pub use replayer::{Native, Replay, Replayer};
 pub use table::Table;
 
 use crate::test::{self, Target};
-use crate::{steps, vectors};
+use crate::{install, steps, vectors};
+use clap::ValueEnum;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 /// Replays every vector on this machine and on what these targets have built, and prints the table.
 ///
@@ -23,6 +27,29 @@ use std::path::{Path, PathBuf};
 /// Every digest that is not the recorded one, with the first tick and output that differ.
 pub fn run(root: &Path, targets: &[Target]) -> steps::Outcome {
     let files = vectors::recordings(root)?;
+    on(root, targets, |all| compare(all, &files))
+}
+
+/// [`run_random`] as a command, on every target.
+pub fn command(root: &Path, random: Random) -> ExitCode {
+    steps::finish(run_random(root, Target::value_variants(), random))
+}
+
+/// The same of recordings that are made for it.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_random(root: &Path, targets: &[Target], random: Random) -> steps::Outcome {
+    let directory = install::target_directory(root).join("parity");
+    on(root, targets, |all| random.compare(all, &directory))
+}
+
+/// Gives `compare` this machine and what these targets have built.
+fn on(
+    root: &Path,
+    targets: &[Target],
+    compare: impl FnOnce(&[&dyn Replay]) -> steps::Outcome,
+) -> steps::Outcome {
     let programs: Vec<Replayer> = targets
         .iter()
         .flat_map(|target| match target {
@@ -36,7 +63,7 @@ pub fn run(root: &Path, targets: &[Target]) -> steps::Outcome {
     let native: [&dyn Replay; 1] = [&Native];
     let all: Vec<&dyn Replay> =
         native.into_iter().chain(programs.iter().map(|program| program as &dyn Replay)).collect();
-    compare(&all, &files)
+    compare(&all)
 }
 
 /// Replays `files` on every target; the first one is whom the others are compared with.

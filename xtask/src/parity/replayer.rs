@@ -49,6 +49,9 @@ fn native(file: &Path, ticks: Option<u64>) -> Result<Answer, String> {
 /// A program with its fixed arguments, given those of one run.
 type Start = dyn Fn(&[String]) -> Command;
 
+/// Recordings in one command line: an emulated board has little room for it.
+const AT_ONCE: usize = 200;
+
 /// A program of another target.
 pub struct Replayer {
     name: &'static str,
@@ -68,6 +71,12 @@ impl Replay for Replayer {
     }
 
     fn replay(&self, files: &[PathBuf], ticks: Option<u64>) -> Vec<Result<Answer, String>> {
+        files.chunks(AT_ONCE).flat_map(|files| self.replay_few(files, ticks)).collect()
+    }
+}
+
+impl Replayer {
+    fn replay_few(&self, files: &[PathBuf], ticks: Option<u64>) -> Vec<Result<Answer, String>> {
         let mut arguments: Vec<String> =
             ticks.map(|ticks| vec!["--ticks".into(), ticks.to_string()]).unwrap_or_default();
         arguments.extend(files.iter().map(|file| file.display().to_string()));

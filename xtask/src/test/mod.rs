@@ -6,7 +6,7 @@ pub mod python;
 pub mod rust;
 pub mod wasm;
 
-use crate::parity;
+use crate::parity::{self, Random};
 use crate::steps::{Step, run_all};
 use clap::ValueEnum;
 use std::path::Path;
@@ -43,7 +43,7 @@ pub fn run(root: &Path, target: Option<Target>) -> ExitCode {
             Target::Firmware => firmware::steps(root),
         })
         .collect();
-    let targets = targets.to_vec();
-    steps.push(Step::new("parity", move || parity::run(root, &targets)));
+    steps.push(Step::new("parity", || parity::run(root, targets)));
+    steps.push(Step::new("random parity", || parity::run_random(root, targets, Random::default())));
     run_all(steps)
 }

@@ -137,6 +137,7 @@ impl Mishap {
 }
 
 /// Draws what happens.
+#[derive(Clone)]
 pub(super) struct Fate(pub(super) Random);
 
 impl Fate {

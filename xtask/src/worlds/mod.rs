@@ -5,10 +5,13 @@
 
 mod mishap;
 mod never;
+mod peace;
+mod windows;
 mod world;
 
 pub use mishap::{KINDS, Kind};
 pub use never::Broken;
+pub use windows::{Window, long, windows};
 pub use world::{Story, run};
 
 use narx_core::motor::State;
@@ -64,6 +67,7 @@ pub fn command(arguments: &Arguments) -> ExitCode {
 struct Total {
     worlds: u64,
     broken: u64,
+    unable: u64,
     seconds: f64,
     boots: u64,
     frames: u64,
@@ -76,6 +80,7 @@ impl Total {
     fn add(&mut self, story: &Story) {
         self.worlds += 1;
         self.broken += u64::from(story.broken.is_some());
+        self.unable += u64::from(story.unable);
         self.seconds += story.seconds;
         self.boots += story.boots;
         self.frames += story.frames;
@@ -91,7 +96,7 @@ impl Total {
 
 impl std::fmt::Display for Total {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { worlds, broken, seconds, boots, frames, .. } = self;
+        let Self { worlds, broken, unable, seconds, boots, frames, .. } = self;
         writeln!(
             f,
             "{worlds} worlds, {:.2} simulated hours, {boots} boots, {frames} frames",
@@ -103,6 +108,10 @@ impl std::fmt::Display for Total {
         writeln!(f, "fault bits seen: {:#010x}", self.faults)?;
         let kinds = self.mishaps.iter().map(|(name, count)| format!("{name} {count}"));
         writeln!(f, "mishaps: {}", kinds.collect::<Vec<_>>().join(", "))?;
+        writeln!(
+            f,
+            "{unable} worlds whose motor does not start in a drive to which nothing has happened either"
+        )?;
         write!(f, "{broken} worlds in which something happened that may not")
     }
 }

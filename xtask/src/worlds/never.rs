@@ -9,10 +9,11 @@ use std::fmt;
 
 /// Boot takes half a second, and a start needs requests that the drive has not heard before: no drive turns a motor sooner after power-up, ticks.
 const REST: u64 = 5_000;
-/// Above this over-voltage qualifies at once, V: no drive drives on. What the windings hold then still goes into the capacitor (12 A in 2 mH: 0.14 J,
-/// 18 V), because no brake chopper takes it.
+/// Above this over-voltage qualifies at once, V: no drive drives on. What the windings hold then still goes into the capacitor, because no brake
+/// chopper takes it.
 const BUS_MAX: f64 = 62.0;
-const BUS_TOP: f64 = 82.0;
+/// As long as the windings' current lives, the turning rotor's EMF adds to what they give to the capacitor: half as much again.
+const EMF_SHARE: f64 = 1.5;
 /// A command that has expired, or a critical fault, may be seen beside a driving state in the report that tells of it, not in the next tick.
 const LATE: u32 = 1;
 /// A voltage above the limit is seen by the next sample, and by the one behind it if noise hides it.
@@ -78,15 +79,19 @@ impl Watch {
         Ok(())
     }
 
-    /// Looks at the physics, which changes less quickly than it costs to look.
-    pub(super) fn physics(bench: &Bench) -> Result<(), String> {
+    /// Looks at the physics, which changes less quickly than it costs to look. `stored` is the most that the windings have held, J.
+    pub(super) fn physics(bench: &Bench, stored: f64, capacitance: f64) -> Result<(), String> {
         let seen = bench.plant().observe();
         let [a, b, c] = seen.current;
         if !(a + b + c + seen.speed + seen.bus_voltage + seen.angle + seen.winding_temperature).is_finite() {
             return Err(format!("physics has left the numbers: {seen:?}"));
         }
-        if seen.bus_voltage > BUS_TOP {
-            return Err(format!("the bus has risen to {:.1} V", seen.bus_voltage));
+        let top = (BUS_MAX * BUS_MAX + 2.0 * EMF_SHARE * stored / capacitance).sqrt();
+        if seen.bus_voltage > top {
+            return Err(format!(
+                "the bus has risen to {:.1} V; the windings can lift it to {top:.1} V",
+                seen.bus_voltage
+            ));
         }
         Ok(())
     }

@@ -2,15 +2,11 @@
 
 use super::mishap::{Fate, KINDS, Mishap};
 use super::never::{Broken, Watch};
-use narx_core::bus::narmotion::DigitalOutputs;
-use narx_core::dictionary::{Access, Parameters, number};
-use narx_core::master::{Answer, Config, Master, Request};
+use narx_core::master::{Answer, Config, Master};
 use narx_core::motor::State;
-use narx_core::motor::event::Refusal;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::can::Attachment;
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
-use narx_sim::engineering;
 use narx_sim::plant::{LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use narx_sim::presets::PRESETS;
 use narx_sim::random::Random;
@@ -19,19 +15,11 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 /// One tick, s.
-const TICK: f64 = 1e-4;
-/// How long things go wrong, s.
-const TROUBLE: f64 = 20.0;
+pub(super) const TICK: f64 = 1e-4;
+/// How long things go wrong, ticks.
+pub(super) const TROUBLE: u64 = 200_000;
 /// Time between two mishaps, s, at least and at most: short ones come together, long ones let a motor start.
 const PAUSE: (f64, f64) = (0.002, 1.2);
-/// After the trouble: until a drive that was asked for Standby is there, and until one that was asked to turn does, s. A fault waits for its
-/// acknowledgement, Auto-restart tries for its time, and a rotor without friction turns for long.
-const CALM: f64 = 12.0;
-/// Two requests for Standby and the wait of a fault, s.
-const ACKNOWLEDGED: f64 = 1.0;
-const START: f64 = 20.0;
-/// A master repeats a request a few times before it gives up, s.
-const ANSWER: f64 = 5.0;
 /// Ticks between two looks at the physics.
 const LOOK: u64 = 10;
 
@@ -56,6 +44,8 @@ pub struct Story {
     pub peak: f64,
     /// Of state, step and duty of every tick.
     pub digest: u64,
+    /// In the end it did not start, and a drive to which nothing had happened did not either.
+    pub unable: bool,
     /// What happened that may not.
     pub broken: Option<Broken>,
 }
@@ -82,49 +72,55 @@ pub fn run(seed: u64, tell: bool) -> Story {
     Story { broken: broken.map(|what| Broken { time, what }), ..world.story() }
 }
 
-struct World {
-    seed: u64,
-    tell: bool,
-    fate: Fate,
-    config: BenchConfig,
-    mode: Mode,
-    commissioning: Commissioning,
-    rated_torque: f64,
-    bench: Bench,
-    master: Master,
-    watch: Watch,
-    ticks: u64,
-    silent_until: u64,
-    unplugged_until: u64,
-    cut_at: Option<u64>,
-    answer: Option<Answer>,
-    boots: u64,
-    frames: u64,
-    mishaps: [u64; KINDS.len()],
-    states: [u64; 8],
-    faults: u32,
-    peak: f64,
-    hasher: DefaultHasher,
+pub(super) struct World {
+    pub(super) seed: u64,
+    pub(super) tell: bool,
+    pub(super) fate: Fate,
+    pub(super) setting: Setting,
+    pub(super) bench: Bench,
+    pub(super) master: Master,
+    pub(super) watch: Watch,
+    pub(super) ticks: u64,
+    pub(super) silent_until: u64,
+    pub(super) unplugged_until: u64,
+    pub(super) cut_at: Option<u64>,
+    pub(super) answer: Option<Answer>,
+    pub(super) boots: u64,
+    pub(super) frames: u64,
+    pub(super) mishaps: [u64; KINDS.len()],
+    pub(super) states: [u64; 8],
+    pub(super) faults: u32,
+    pub(super) peak: f64,
+    /// Mechanical angle of the rotor at the last start, rad.
+    pub(super) begun_at: f64,
+    pub(super) unable: bool,
+    pub(super) hasher: DefaultHasher,
 }
 
 impl World {
-    fn new(seed: u64, tell: bool) -> Self {
+    pub(super) fn new(seed: u64, tell: bool) -> Self {
         let mut fate = Fate(Random::new(seed));
-        let (config, mode, commissioning, rated_torque) = loop {
-            if let Some(drawn) = draw(&mut fate, seed) {
+        let setting = loop {
+            if let Some(drawn) = Setting::draw(&mut fate, seed) {
                 break drawn;
             }
         };
-        let bench = Bench::new(&config).without_recording();
+        if tell {
+            let PlantConfig { motor, supply, angle_deg, .. } = &setting.config.plant;
+            println!("{:?}, {motor:?}, {supply:?}, rotor at {angle_deg:.0} degrees", setting.mode);
+        }
+        Self::of(seed, tell, fate, setting)
+    }
+
+    /// A drive at power-up to which nothing has happened yet.
+    pub(super) fn of(seed: u64, tell: bool, fate: Fate, setting: Setting) -> Self {
+        let bench = Bench::new(&setting.config).without_recording();
         let master = master(&bench);
         Self {
             seed,
             tell,
             fate,
-            config,
-            mode,
-            commissioning,
-            rated_torque,
+            setting,
             bench,
             master,
             watch: Watch::default(),
@@ -139,6 +135,8 @@ impl World {
             states: [0; 8],
             faults: 0,
             peak: 0.0,
+            begun_at: 0.0,
+            unable: false,
             hasher: DefaultHasher::new(),
         }
     }
@@ -158,25 +156,35 @@ impl World {
             faults: self.faults,
             peak: self.peak,
             digest: self.hasher.finish(),
+            unable: self.unable,
             broken: None,
         }
     }
 
-    fn say(&self, what: impl FnOnce() -> String) {
+    pub(super) fn say(&self, what: impl FnOnce() -> String) {
         if self.tell {
             println!("{:10.4} s  {:<24} {}", self.time(), self.bench.status().state.name(), what());
         }
     }
 
+    /// A change of state, and why.
+    fn tell_state(&self, before: State) {
+        let status = self.bench.status();
+        if status.state == before {
+            return;
+        }
+        self.say(|| match status.state {
+            State::Fault => {
+                format!("  from {}: {:?}, code {:04X}h", before.name(), status.faults, status.extended_code)
+            }
+            _ => format!("  from {}", before.name()),
+        });
+    }
+
     /// Trouble, then peace: and in peace it has to work.
     fn live(&mut self) -> Result<(), String> {
-        let end = (TROUBLE / TICK) as u64;
-        while self.ticks < end {
-            // Often soon, sometimes late: the square of an even draw.
-            let share = self.fate.between(0.0, 1.0);
-            let pause = PAUSE.0 + (PAUSE.1 - PAUSE.0) * share * share;
-            self.run(pause)?;
-            let mishap = self.fate.draw();
+        while self.ticks < TROUBLE {
+            let mishap = self.next()?;
             self.say(|| format!("{mishap:?}"));
             self.mishaps[mishap.kind() as usize] += 1;
             self.happen(mishap);
@@ -185,8 +193,16 @@ impl World {
         self.work()
     }
 
-    fn happen(&mut self, mishap: Mishap) {
-        let speed = |share: f64| share * self.commissioning.speed_max;
+    /// Waits for the next mishap.
+    pub(super) fn next(&mut self) -> Result<Mishap, String> {
+        // Often soon, sometimes late: the square of an even draw.
+        let share = self.fate.between(0.0, 1.0);
+        self.run(PAUSE.0 + (PAUSE.1 - PAUSE.0) * share * share)?;
+        Ok(self.fate.draw())
+    }
+
+    pub(super) fn happen(&mut self, mishap: Mishap) {
+        let speed = |share: f64| share * self.setting.commissioning.speed_max;
         let ticks = |seconds: f64| (seconds / TICK) as u64;
         match mishap {
             Mishap::Start(share) => self.master.start(speed(share) as i32),
@@ -208,12 +224,12 @@ impl World {
             Mishap::Break(injection) => self.bench.plant_mut().inject(injection),
             Mishap::Mend(Some(injection)) => self.bench.plant_mut().clear(injection),
             Mishap::Mend(None) => self.bench.plant_mut().clear_all(),
-            Mishap::Load(share) => self
-                .bench
-                .plant_mut()
-                .set_load(LoadConfig { constant: share * self.rated_torque, ..LoadConfig::default() }),
+            Mishap::Load(share) => self.bench.plant_mut().set_load(LoadConfig {
+                constant: share * self.setting.rated_torque,
+                ..LoadConfig::default()
+            }),
             Mishap::Source(resistance, may_sink) => {
-                let voltage = self.config.plant.supply.voltage;
+                let voltage = self.setting.config.plant.supply.voltage;
                 self.bench.plant_mut().set_supply(SupplyConfig { voltage, resistance, may_sink });
             }
             Mishap::Disturb(frames, bit) => self.bench.disturb_bus(frames, bit),
@@ -229,7 +245,7 @@ impl World {
         }
     }
 
-    fn run(&mut self, seconds: f64) -> Result<(), String> {
+    pub(super) fn run(&mut self, seconds: f64) -> Result<(), String> {
         let until = self.ticks + (seconds / TICK) as u64;
         while self.ticks < until {
             self.tick()?;
@@ -237,7 +253,7 @@ impl World {
         Ok(())
     }
 
-    fn tick(&mut self) -> Result<(), String> {
+    pub(super) fn tick(&mut self) -> Result<(), String> {
         self.ticks += 1;
         let now = self.bench.now_ns() / 1000;
         if self.ticks >= self.silent_until {
@@ -249,7 +265,9 @@ impl World {
         if self.ticks == self.unplugged_until {
             self.bench.set_host(Attachment::Normal);
         }
+        let before = self.bench.status().state;
         self.bench.step();
+        self.tell_state(before);
         let now = self.bench.now_ns() / 1000;
         while let Some(received) = self.bench.receive() {
             self.master.handle_frame(&received.frame, now);
@@ -268,7 +286,10 @@ impl World {
         self.keep();
         self.watch.tick(&self.bench)?;
         if self.ticks.is_multiple_of(LOOK) {
-            Watch::physics(&self.bench)?;
+            let PlantConfig { motor, inverter, .. } = &self.setting.config.plant;
+            // Two windings in series carry the most.
+            let stored = 0.5 * motor.inductance * self.peak * self.peak;
+            Watch::physics(&self.bench, stored, inverter.capacitance)?;
         }
         if self.cut_at.is_some_and(|tick| tick <= self.ticks) || self.bench.flash().is_off() {
             self.cut();
@@ -289,8 +310,8 @@ impl World {
         self.cut_at = None;
         let angle_deg = self.fate.between(0.0, 360.0);
         let config = BenchConfig {
-            plant: PlantConfig { angle_deg, ..self.config.plant.clone() },
-            ..self.config.clone()
+            plant: PlantConfig { angle_deg, ..self.setting.config.plant.clone() },
+            ..self.setting.config.clone()
         };
         let empty = Bench::new(&config).without_recording();
         let mut flash = std::mem::replace(&mut self.bench, empty).into_flash();
@@ -302,141 +323,52 @@ impl World {
         self.watch = Watch::default();
         self.unplugged_until = 0;
     }
-
-    /// Everything is mended, and the operator pulls himself together: Standby, and the parameters as they were commissioned.
-    fn make_peace(&mut self) -> Result<(), String> {
-        self.say(|| "peace".into());
-        self.cut_at = None;
-        self.bench.flash().restore_power();
-        self.silent_until = 0;
-        self.bench.disturb_bus(0, 0);
-        self.bench.set_host(Attachment::Normal);
-        self.bench.set_other(Attachment::Detached);
-        self.bench.plant_mut().clear_all();
-        self.bench.plant_mut().set_supply(self.config.plant.supply);
-        self.bench.plant_mut().set_load(self.config.plant.load);
-        self.master.abort_download();
-        // A new master: what the old one had still to ask for is nobody's wish any more.
-        self.master = master(&self.bench);
-        // A threshold that the operator has changed may keep a fault alive, and it can be written in Fault, too.
-        let rests = |state| state == State::Standby || state == State::Fault;
-        let is_standby = |state| state == State::Standby;
-        self.run(ACKNOWLEDGED)?;
-        if !self.until(CALM, rests)? {
-            return Err(format!("asked for Standby it is in {:?}", self.bench.status()));
-        }
-        self.ask(Request::DisableHallSupply(false))?;
-        self.ask(Request::DigitalOutputs(DigitalOutputs::default()))?;
-        let parameters = self.commissioning.parameters.clone();
-        self.write_all(&parameters)?;
-        if !self.until(CALM, is_standby)? {
-            return Err(format!("all is mended, and it is in {:?}", self.bench.status()));
-        }
-        Ok(())
-    }
-
-    /// Waits for a state; false if it does not come.
-    fn until(&mut self, seconds: f64, holds: impl Fn(State) -> bool) -> Result<bool, String> {
-        let until = self.ticks + (seconds / TICK) as u64;
-        while !holds(self.bench.status().state) && self.ticks < until {
-            self.tick()?;
-        }
-        Ok(holds(self.bench.status().state))
-    }
-
-    /// Writes every parameter that is another one; commands and what the drive alone writes stay.
-    fn write_all(&mut self, parameters: &Parameters) -> Result<(), String> {
-        for (row, raw) in parameters.iter() {
-            let now = self.bench.node().parameters().raw(row.number);
-            if row.access == Access::ReadOnly || row.command || now == raw {
-                continue;
-            }
-            self.write(row.number, raw)?;
-        }
-        Ok(())
-    }
-
-    fn write(&mut self, number: u16, raw: i32) -> Result<(), String> {
-        self.ask(Request::Write { number, raw })?;
-        if self.bench.node().parameters().raw(number) == raw {
-            return Ok(());
-        }
-        Err(format!("parameter {number} does not become {raw}"))
-    }
-
-    /// Asks, and waits for the answer.
-    fn ask(&mut self, request: Request) -> Result<(), String> {
-        self.answer = None;
-        self.master.request(request).map_err(|error| format!("{request:?}: {error:?}"))?;
-        for _ in 0..(ANSWER / TICK) as u32 {
-            self.tick()?;
-            if let Some(answer) = self.answer.take() {
-                return answer.result.map(drop).map_err(|error| format!("{request:?}: {error}"));
-            }
-        }
-        Err(format!("{request:?}: no end within {ANSWER} s"))
-    }
-
-    /// It has to start, and to turn as it was asked to.
-    fn work(&mut self) -> Result<(), String> {
-        let rpm = if self.mode == Mode::OpenLoop {
-            engineering::value(&self.commissioning.parameters, number::OPEN_LOOP_SPEED).unwrap_or(0.0)
-        } else {
-            0.5 * (self.commissioning.speed_min + self.commissioning.speed_max)
-        };
-        // The first start may be one that calibrates the hall sensors, because somebody has asked for it; it ends in Standby.
-        for _ in 0..2 {
-            self.say(|| format!("start {rpm:.0} rpm"));
-            self.master.start(rpm as i32);
-            let until = self.ticks + (START / TICK) as u64;
-            while self.ticks < until && self.bench.status().refusal != Refusal::NoFreshRequest {
-                self.tick()?;
-                let speed = self.bench.plant().observe().speed * 60.0 / std::f64::consts::TAU;
-                if (speed / rpm - 1.0).abs() < 0.05 {
-                    self.say(|| format!("turns at {speed:.0} rpm"));
-                    return Ok(());
-                }
-            }
-            self.master.stop();
-            self.run(ACKNOWLEDGED)?;
-        }
-        let speed = self.bench.plant().observe().speed;
-        Err(format!("all is mended, and it does not turn: {:?}, {speed:.0} rad/s", self.bench.status()))
-    }
 }
 
 /// The operator's master, who asks for Standby at first.
-fn master(bench: &Bench) -> Master {
+pub(super) fn master(bench: &Bench) -> Master {
     let addresses = bench.node().addresses();
     let mut master = Master::new(Config { addresses, read_parameters: false, ..Config::default() });
     master.stop();
     master
 }
 
-/// A motor of the market, a bit off its data sheet, in a mode that runs it on this supply.
-fn draw(fate: &mut Fate, seed: u64) -> Option<(BenchConfig, Mode, Commissioning, f64)> {
-    let preset = &PRESETS[fate.below(PRESETS.len())];
-    let mode = Mode::ALL[fate.below(Mode::ALL.len())];
-    let supply = fate.between(20.0, 58.0);
-    let plate = Nameplate {
-        motor: preset.motor,
-        rated_current: preset.data.rated_current,
-        supply,
-        open_loop_speed: None,
-    };
-    let commissioning = plate.commission(mode).ok()?;
-    let sheet = &preset.motor;
-    let motor = MotorConfig {
-        inertia: sheet.inertia * fate.between(0.7, 2.0),
-        static_friction: sheet.static_friction * fate.between(0.5, 2.0),
-        resistance: sheet.resistance * fate.between(0.9, 1.3),
-        torque_constant: sheet.torque_constant * fate.between(0.9, 1.05),
-        ..*sheet
-    };
-    let mut plant = PlantConfig::new(motor, supply);
-    plant.angle_deg = fate.between(0.0, 360.0);
-    plant.seed = seed;
-    let parameters = commissioning.parameters.clone();
-    let label = format!("world {seed}");
-    Some((BenchConfig { plant, parameters, label, trace: false }, mode, commissioning, preset.rated_torque()))
+/// What a world begins with.
+#[derive(Clone)]
+pub(super) struct Setting {
+    pub(super) config: BenchConfig,
+    pub(super) mode: Mode,
+    pub(super) commissioning: Commissioning,
+    pub(super) rated_torque: f64,
+}
+
+impl Setting {
+    /// A motor of the market, a bit off its data sheet, in a mode that runs it on this supply.
+    fn draw(fate: &mut Fate, seed: u64) -> Option<Self> {
+        let preset = &PRESETS[fate.below(PRESETS.len())];
+        let mode = Mode::ALL[fate.below(Mode::ALL.len())];
+        let supply = fate.between(20.0, 58.0);
+        let plate = Nameplate {
+            motor: preset.motor,
+            rated_current: preset.data.rated_current,
+            supply,
+            open_loop_speed: None,
+        };
+        let commissioning = plate.commission(mode).ok()?;
+        let sheet = &preset.motor;
+        let motor = MotorConfig {
+            inertia: sheet.inertia * fate.between(0.7, 2.0),
+            static_friction: sheet.static_friction * fate.between(0.5, 2.0),
+            resistance: sheet.resistance * fate.between(0.9, 1.3),
+            torque_constant: sheet.torque_constant * fate.between(0.9, 1.05),
+            ..*sheet
+        };
+        let mut plant = PlantConfig::new(motor, supply);
+        plant.angle_deg = fate.between(0.0, 360.0);
+        plant.seed = seed;
+        let parameters = commissioning.parameters.clone();
+        let label = format!("world {seed}");
+        let config = BenchConfig { plant, parameters, label, trace: false };
+        Some(Self { config, mode, commissioning, rated_torque: preset.rated_torque() })
+    }
 }

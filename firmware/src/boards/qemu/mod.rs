@@ -31,7 +31,7 @@ pub const CLOCK_HZ: u32 = 25_000_000;
 /// The motor on the board, unless another one is asked for.
 pub const MOTOR: &str = "bly172s-24v";
 /// Bytes of a recording that the images can hold.
-pub const RECORDING_MAX: usize = 2 << 20;
+pub const RECORDING_MAX: usize = 3 << 20;
 /// Bytes of arguments that they take.
 pub const ARGUMENTS_MAX: usize = 64 << 10;
 

@@ -1,0 +1,22 @@
+//! What comes from outside: licences, sources and bans of every crate.
+
+use crate::{install, steps};
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+/// The version whose verdict this is.
+const CARGO_DENY: &str = "0.20.2";
+
+/// Checks every crate of `Cargo.lock` against `deny.toml`.
+pub fn command(root: &Path) -> ExitCode {
+    steps::finish(audit(root))
+}
+
+fn audit(root: &Path) -> steps::Outcome {
+    install::cargo_program("cargo-deny", CARGO_DENY)?;
+    let mut deny = Command::new("cargo");
+    steps::run(
+        deny.args(["deny", "--workspace", "--log-level", "error", "check", "bans", "licenses", "sources"])
+            .current_dir(root),
+    )
+}

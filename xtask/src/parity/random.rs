@@ -1,0 +1,120 @@
+//! Conformance vectors that are made when they are needed: windows of worlds in which everything goes wrong, and one long life.
+
+use super::replayer::Replay;
+use super::table::Table;
+use crate::bench::map;
+use crate::steps;
+use crate::worlds::{Window, long, windows};
+use clap::Args;
+use narx_core::motor::State;
+use narx_core::recording::Recording;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// How many, of which worlds, and how long the long one is.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Random {
+    /// Number of recordings
+    #[arg(long, default_value_t = Self::default().count)]
+    pub count: usize,
+    /// The first world
+    #[arg(long, default_value_t = Self::default().first)]
+    pub first: u64,
+    /// Ticks of the long one
+    #[arg(long, default_value_t = Self::default().ticks)]
+    pub ticks: u64,
+}
+
+impl Default for Random {
+    fn default() -> Self {
+        Self { count: 1000, first: 1, ticks: 1_000_000 }
+    }
+}
+
+/// Worlds that are looked through at once, and how often at most.
+const WORLDS: u64 = 32;
+const BATCHES_MAX: u64 = 128;
+
+impl Random {
+    /// Makes the recordings in `directory` and replays them on every target; the first one is whom the others are compared with.
+    ///
+    /// # Errors
+    /// Every digest that differs, with the first tick and output, or a state in which no recording begins.
+    pub fn compare(&self, targets: &[&dyn Replay], directory: &Path) -> steps::Outcome {
+        let found = self.windows()?;
+        let mut recordings: Vec<(String, Vec<u8>)> = found
+            .into_iter()
+            .enumerate()
+            .map(|(index, window)| (format!("random-{index:04}"), window.recording))
+            .collect();
+        recordings.push(("long".into(), long(self.first, self.ticks)));
+        let files = write(directory, &recordings)?;
+        let table = Table::new(targets, &files);
+        let wrong = table.differences(targets, &files);
+        if !wrong.is_empty() {
+            return Err(format!("{}\nThe recordings are in {}", wrong.join("\n"), directory.display()));
+        }
+        let ticks: u64 = recordings
+            .iter()
+            .filter_map(|(_, bytes)| Recording::open(bytes).ok()?.verify().ok())
+            .map(|end| end.ticks)
+            .sum();
+        Ok(vec![format!(
+            "{} digests equal: {} recordings of worlds from {} on, {ticks} ticks, x {} targets",
+            table.len(),
+            files.len(),
+            self.first,
+            targets.len()
+        )])
+    }
+
+    /// Windows until there are enough and every state is among them, of each state the same number as far as there are.
+    fn windows(&self) -> Result<Vec<Window>, String> {
+        let mut found: Vec<Window> = Vec::new();
+        let misses = |found: &[Window]| {
+            State::ALL.into_iter().find(|state| !found.iter().any(|window| window.state == *state))
+        };
+        for batch in 0..BATCHES_MAX {
+            if found.len() >= self.count && misses(&found).is_none() {
+                break;
+            }
+            let first = self.first + batch * WORLDS;
+            let seeds: Vec<u64> = (first..first + WORLDS).collect();
+            found.extend(map(&seeds, |seed| windows(*seed)).into_iter().flatten());
+        }
+        if let Some(state) = misses(&found) {
+            return Err(format!("none of {} windows begins in {}", found.len(), state.name()));
+        }
+        let mut ranks = [0; State::ALL.len()];
+        let mut ranked: Vec<(usize, Window)> = found
+            .into_iter()
+            .map(|window| {
+                let rank = &mut ranks[window.state as usize];
+                *rank += 1;
+                (*rank, window)
+            })
+            .collect();
+        ranked.sort_by_key(|(rank, _)| *rank);
+        Ok(ranked.into_iter().take(self.count).map(|(_, window)| window).collect())
+    }
+}
+
+/// Writes the recordings into an empty directory.
+fn write(directory: &Path, recordings: &[(String, Vec<u8>)]) -> Result<Vec<PathBuf>, String> {
+    let fail = |path: &Path| {
+        let path = path.display().to_string();
+        move |error: std::io::Error| format!("{path}: {error}")
+    };
+    if directory.exists() {
+        fs::remove_dir_all(directory).map_err(fail(directory))?;
+    }
+    fs::create_dir_all(directory).map_err(fail(directory))?;
+    recordings
+        .iter()
+        .map(|(name, bytes)| {
+            let path = directory.join(format!("{name}.narxrec"));
+            fs::write(&path, bytes).map_err(fail(&path))?;
+            Ok(path)
+        })
+        .collect()
+}

@@ -1,0 +1,143 @@
+//! After the trouble: everything is mended, and it has to work.
+
+use super::world::{TICK, World, master};
+use narx_core::bus::narmotion::DigitalOutputs;
+use narx_core::dictionary::{Access, Parameters, number};
+use narx_core::master::Request;
+use narx_core::motor::State;
+use narx_core::motor::event::Refusal;
+use narx_sim::can::Attachment;
+use narx_sim::commissioning::Mode;
+use narx_sim::engineering;
+
+/// After the trouble: until a drive that was asked for Standby is there, and until one that was asked to turn does, s. A fault waits for its
+/// acknowledgement, Auto-restart tries for its time, and a rotor without friction turns for long.
+const CALM: f64 = 12.0;
+/// Two requests for Standby and the wait of a fault, or the boot, s.
+const ACKNOWLEDGED: f64 = 1.0;
+const START: f64 = 20.0;
+/// A master repeats a request a few times before it gives up, s.
+const ANSWER: f64 = 5.0;
+
+impl World {
+    /// Everything is mended, and the operator pulls himself together: Standby, and the parameters as they were commissioned.
+    pub(super) fn make_peace(&mut self) -> Result<(), String> {
+        self.say(|| "peace".into());
+        self.cut_at = None;
+        self.bench.flash().restore_power();
+        self.silent_until = 0;
+        self.bench.disturb_bus(0, 0);
+        self.bench.set_host(Attachment::Normal);
+        self.bench.set_other(Attachment::Detached);
+        self.bench.plant_mut().clear_all();
+        self.bench.plant_mut().set_supply(self.setting.config.plant.supply);
+        self.bench.plant_mut().set_load(self.setting.config.plant.load);
+        self.master.abort_download();
+        // A new master: what the old one had still to ask for is nobody's wish any more.
+        self.master = master(&self.bench);
+        // A threshold that the operator has changed may keep a fault alive, and it can be written in Fault, too.
+        let rests = |state| state == State::Standby || state == State::Fault;
+        let is_standby = |state| state == State::Standby;
+        self.run(ACKNOWLEDGED)?;
+        if !self.until(CALM, rests)? {
+            return Err(format!("asked for Standby it is in {:?}", self.bench.status()));
+        }
+        self.ask(Request::DisableHallSupply(false))?;
+        self.ask(Request::DigitalOutputs(DigitalOutputs::default()))?;
+        let parameters = self.setting.commissioning.parameters.clone();
+        self.write_all(&parameters)?;
+        if !self.until(CALM, is_standby)? {
+            return Err(format!("all is mended, and it is in {:?}", self.bench.status()));
+        }
+        Ok(())
+    }
+
+    /// Waits for a state; false if it does not come.
+    fn until(&mut self, seconds: f64, holds: impl Fn(State) -> bool) -> Result<bool, String> {
+        let until = self.ticks + (seconds / TICK) as u64;
+        while !holds(self.bench.status().state) && self.ticks < until {
+            self.tick()?;
+        }
+        Ok(holds(self.bench.status().state))
+    }
+
+    /// Writes every parameter that is another one; commands and what the drive alone writes stay.
+    fn write_all(&mut self, parameters: &Parameters) -> Result<(), String> {
+        for (row, raw) in parameters.iter() {
+            let now = self.bench.node().parameters().raw(row.number);
+            if row.access == Access::ReadOnly || row.command || now == raw {
+                continue;
+            }
+            self.write(row.number, raw)?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, number: u16, raw: i32) -> Result<(), String> {
+        self.ask(Request::Write { number, raw })?;
+        if self.bench.node().parameters().raw(number) == raw {
+            return Ok(());
+        }
+        Err(format!("parameter {number} does not become {raw}"))
+    }
+
+    /// Asks, and waits for the answer.
+    fn ask(&mut self, request: Request) -> Result<(), String> {
+        self.answer = None;
+        self.master.request(request).map_err(|error| format!("{request:?}: {error:?}"))?;
+        for _ in 0..(ANSWER / TICK) as u32 {
+            self.tick()?;
+            if let Some(answer) = self.answer.take() {
+                return answer.result.map(drop).map_err(|error| format!("{request:?}: {error}"));
+            }
+        }
+        Err(format!("{request:?}: no end within {ANSWER} s"))
+    }
+
+    /// It has to start, and to turn as it was asked to, if a drive that nothing has happened to does: some motors in a led field kick back more than
+    /// a source without a sink takes.
+    pub(super) fn work(&mut self) -> Result<(), String> {
+        if self.turns()? {
+            return Ok(());
+        }
+        let status = format!("{:?}", self.bench.status());
+        let mut setting = self.setting.clone();
+        let electrical = self.begun_at * f64::from(setting.config.plant.motor.pole_pairs);
+        setting.config.plant.angle_deg = electrical.to_degrees().rem_euclid(360.0);
+        let mut untouched = Self::of(self.seed, self.tell, self.fate.clone(), setting);
+        untouched.say(|| "another drive, to which nothing has happened".into());
+        untouched.run(ACKNOWLEDGED)?;
+        if untouched.turns()? {
+            return Err(format!("all is mended, and it does not turn: {status}"));
+        }
+        self.unable = true;
+        Ok(())
+    }
+
+    /// Whether it starts.
+    fn turns(&mut self) -> Result<bool, String> {
+        let rpm = if self.setting.mode == Mode::OpenLoop {
+            engineering::value(&self.setting.commissioning.parameters, number::OPEN_LOOP_SPEED).unwrap_or(0.0)
+        } else {
+            0.5 * (self.setting.commissioning.speed_min + self.setting.commissioning.speed_max)
+        };
+        // The first start may be one that calibrates the hall sensors, because somebody has asked for it; it ends in Standby.
+        for _ in 0..2 {
+            self.say(|| format!("start {rpm:.0} rpm"));
+            self.begun_at = self.bench.plant().observe().angle;
+            self.master.start(rpm as i32);
+            let until = self.ticks + (START / TICK) as u64;
+            while self.ticks < until && self.bench.status().refusal != Refusal::NoFreshRequest {
+                self.tick()?;
+                let speed = self.bench.plant().observe().speed * 60.0 / std::f64::consts::TAU;
+                if (speed / rpm - 1.0).abs() < 0.05 {
+                    self.say(|| format!("turns at {speed:.0} rpm"));
+                    return Ok(true);
+                }
+            }
+            self.master.stop();
+            self.run(ACKNOWLEDGED)?;
+        }
+        Ok(false)
+    }
+}

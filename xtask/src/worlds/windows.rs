@@ -1,0 +1,66 @@
+//! Recordings out of worlds: conformance vectors that nobody has chosen.
+
+use super::mishap::Mishap;
+use super::world::{TROUBLE, World};
+use narx_core::master::Request;
+use narx_core::motor::State;
+
+/// What is recorded: a mishap and the time after it, s.
+const WINDOW: f64 = 0.05;
+/// Mishaps from one window to the next where the drive rests, as it does for most of a world's time.
+const EVERY: usize = 10;
+
+/// A recording, and the state that it begins in.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// As a file.
+    pub recording: Vec<u8>,
+    /// As reported last before it.
+    pub state: State,
+}
+
+/// Windows of one world, some fifteen.
+pub fn windows(seed: u64) -> Vec<Window> {
+    let mut world = World::new(seed, false);
+    let mut windows = Vec::new();
+    let mut mishaps = 0;
+    while world.ticks < TROUBLE {
+        let Ok(mishap) = world.next() else { break };
+        mishaps += 1;
+        let state = world.bench.status().state;
+        if !state.is_driving() && mishaps % EVERY != 0 {
+            world.happen(mishap);
+            continue;
+        }
+        world.bench.begin_recording();
+        world.happen(mishap);
+        // What may never happen is looked for elsewhere.
+        if world.run(WINDOW).is_err() {
+            break;
+        }
+        let recording = world.bench.end_recording();
+        // A drive that has restarted has none.
+        if !recording.is_empty() {
+            windows.push(Window { recording, state });
+        }
+    }
+    windows
+}
+
+/// A world's recording from power-up on, so many ticks long: one in which nothing restarts the drive. The next world is tried where something does.
+pub fn long(first: u64, ticks: u64) -> Vec<u8> {
+    (first..)
+        .find_map(|seed| {
+            let mut world = World::new(seed, false);
+            world.bench.begin_recording();
+            while world.ticks < ticks {
+                match world.next().ok()? {
+                    Mishap::Cut(..) | Mishap::Request(Request::Reboot) => {}
+                    mishap => world.happen(mishap),
+                }
+            }
+            let recording = world.bench.end_recording();
+            (!recording.is_empty()).then_some(recording)
+        })
+        .unwrap_or_default()
+}
