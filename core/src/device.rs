@@ -43,6 +43,7 @@ impl<'m> Queues<'m> {
 
     /// A device at power-up with a stored parameter set. One that does not build leaves the drive with none: the node
     /// says so, and it refuses to start.
+    #[inline(never)]
     pub fn power_up(
         &mut self,
         identity: Identity,
@@ -89,6 +90,7 @@ pub struct ControlTick<'q, 'm> {
 
 impl ControlTick<'_, '_> {
     /// One control tick: takes at most one event, and reports if a report is due.
+    #[inline(never)]
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         self.heed_event();
         let command = self.drive.step(samples);
@@ -163,6 +165,7 @@ impl<'m> Background<'_, 'm> {
     /// Takes what the tick has reported, advances time to tick `now`, and hands over events. Call it once a period or
     /// more seldom, after the frames that have arrived were given to [`node`](Self::node) and before those that it
     /// sends are taken from there.
+    #[inline(never)]
     pub fn run(&mut self, now: u64) {
         while let Some(status) = dequeue(&mut self.statuses) {
             self.node.handle_status(status);
