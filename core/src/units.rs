@@ -135,7 +135,7 @@ impl ElectricalAngle {
 
 /// Raw I16F16 of a quotient, rounded to nearest, halves away from zero, saturating; a denominator of 0 counts as 1.
 #[inline(never)]
-const fn ratio(numerator: i64, denominator: i32) -> i32 {
+pub(crate) const fn ratio(numerator: i64, denominator: i32) -> i32 {
     let denominator = if denominator == 0 { 1 } else { denominator as i64 };
     let half = denominator.abs() / 2;
     // More than this saturates whatever it is divided by, and has no room to be shifted.
