@@ -19,7 +19,7 @@ use super::rails::RailCoefficients;
 use super::samples::Lines;
 use super::sensorless::SensorlessCoefficients;
 use crate::dictionary::{Decimal, Dictionary, Parameters, number};
-use crate::units::{ElectricalAngle, ratio, saturate64};
+use crate::units::{ElectricalAngle, quotient, ratio, saturate64};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
@@ -121,7 +121,7 @@ impl Coefficients {
             hall_mode: b.hall_mode(),
             sensorless_mode: b.sensorless_mode(),
             speed_of_turns: b.ratio(number::MOTOR_POLE_PAIRS, b.rate(), 65_536),
-            sample_settle: (b.rate() * 65_536 * 3 / 1_000_000).min(u16::MAX as i64) as u16,
+            sample_settle: quotient(b.rate() * 65_536 * 3, 1_000_000).min(u16::MAX as i64) as u16,
         };
         match b.misfit {
             Some(misfit) => Err(misfit),
@@ -222,7 +222,7 @@ impl Builder<'_> {
     /// Ticks of a time in milliseconds, at least 1.
     #[inline(never)]
     fn ticks(&self, milliseconds: i64) -> u32 {
-        (milliseconds * self.rate() / 1000).clamp(1, u32::MAX as i64) as u32
+        quotient(milliseconds * self.rate(), 1000).clamp(1, u32::MAX as i64) as u32
     }
 
     /// Ticks of a parameter in milliseconds, at least 1.
@@ -234,19 +234,19 @@ impl Builder<'_> {
     /// Raw I16F16 electrical rev/s of a parameter in mechanical rpm.
     #[inline(never)]
     fn speed(&self, number: u16) -> i32 {
-        saturate64((self.wide(number) << 16) * self.pole_pairs() / 60)
+        saturate64(quotient((self.wide(number) << 16) * self.pole_pairs(), 60))
     }
 
     /// Raw I16F16 volts of a duty parameter, of the nominal supply.
     #[inline(never)]
     fn nominal_share(&self, number: u16) -> i32 {
-        saturate64(self.quantity(number::NOMINAL_SUPPLY) as i64 * self.wide(number) / 10_000)
+        saturate64(quotient(self.quantity(number::NOMINAL_SUPPLY) as i64 * self.wide(number), 10_000))
     }
 
     /// u32 turn of an angle in 0.01 degree.
     #[inline(never)]
     fn angle32(&self, number: u16) -> u32 {
-        ((self.wide(number) << 32) / 36_000) as u32
+        quotient(self.wide(number) << 32, 36_000) as u32
     }
 
     /// 2^-32 turn a tick of raw rev/s.
@@ -261,7 +261,7 @@ impl Builder<'_> {
 
     /// Rules between parameters.
     fn check(&mut self) {
-        let fastest = saturate64(self.rate() * 60 / (TICKS_A_REVOLUTION_MIN * self.pole_pairs()));
+        let fastest = saturate64(quotient(self.rate() * 60, TICKS_A_REVOLUTION_MIN * self.pole_pairs()));
         for (low, high) in
             [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
         {
@@ -274,7 +274,7 @@ impl Builder<'_> {
         self.within(number::TEMPERATURE_WARNING, i32::MIN, self.raw(number::OVER_TEMPERATURE) - 1);
         // A rotor at the smallest set-point must pass a sector within the time-out, twice over.
         let slowest = self.raw(number::SPEED_MIN_HES).max(1) * self.raw(number::MOTOR_POLE_PAIRS).max(1);
-        self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest), 6_000);
+        self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest).max(1), 6_000);
         if self.is_set(number::SENSORLESS_ENABLE) {
             self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION));
         }
@@ -328,13 +328,13 @@ impl Builder<'_> {
     }
 
     fn back_emf(&mut self) -> BackEmfCoefficients {
-        let delay = |raw: i64| saturate64((raw << 16) / 100);
+        let delay = |raw: i64| saturate64(quotient(raw << 16, 100));
         let delays = self.wide(number::ZC_DELAY);
         let phase = self.board.front_end.phase_voltage;
         BackEmfCoefficients {
             terminal: ChannelScale::new(phase, 0),
             // Four codes: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
-            noise: saturate64(((phase.micro_per_code as i64) << 18) / 1_000_000),
+            noise: saturate64(quotient((phase.micro_per_code as i64) << 18, 1_000_000)),
             discard: (self.raw(number::ZC_DISCARD) as u32) << 16,
             earliest: self.board.earliest,
             comparator: self.board.comparator_capture,
@@ -361,8 +361,9 @@ impl Builder<'_> {
         let rest = self.ticks(5);
         let align = lock.saturating_sub(rest + self.ticks(2)).max(self.ticks(20));
         // E = k f <= R I: the current of shorted windings, raw rev/s. It has no ripple, for which the mean limit leaves room: a tenth more.
-        let fall = self.wide(ohm) * self.wide(number::PHASE_CURRENT_MAX) * 11 / 10 * self.pole_pairs();
-        let brake = (fall << 16).checked_div(self.wide(emf) * 60).unwrap_or(0);
+        let fall =
+            quotient(self.wide(ohm) * self.wide(number::PHASE_CURRENT_MAX) * 11, 10) * self.pole_pairs();
+        let brake = quotient(fall << 16, self.wide(emf) * 60);
         SensorlessCoefficients {
             back_emf,
             rails: self.rails(back_emf.back_emf),
@@ -421,7 +422,7 @@ impl Builder<'_> {
     fn control(&mut self) -> ControlCoefficients {
         let rate = self.rate();
         let ticks_per_ms = self.ticks(1).min(u16::MAX as u32) as u16;
-        let duty_of_ns = |ns: i64| (ns * rate * 32_768 / 1_000_000_000).clamp(0, 1 << 14) as u16;
+        let duty_of_ns = |ns: i64| quotient(ns * rate * 32_768, 1_000_000_000).clamp(0, 1 << 14) as u16;
         let (hot, warm) = (number::OVER_TEMPERATURE, number::TEMPERATURE_WARNING);
         let degrees = (self.quantity(hot) as i64 - self.quantity(warm) as i64).max(1);
         ControlCoefficients {
@@ -433,13 +434,13 @@ impl Builder<'_> {
             limits: LimitCoefficients {
                 soft_start: self.quantity(number::HV_CURRENT_SOFT_START),
                 maximum: self.quantity(number::HV_CURRENT_MAX).min(7 << 16),
-                rate: ((self.quantity(number::HV_CURRENT_RATE) as i64) << 16) / 1000,
+                rate: quotient((self.quantity(number::HV_CURRENT_RATE) as i64) << 16, 1000),
                 phase_current: self.quantity(number::PHASE_CURRENT_MAX),
                 derating_start: self.quantity(warm),
                 derating: self.ratio(hot, 65_536, degrees),
             },
             // No more than 10^7 rpm/s of 50 pole pairs: 2^29 and 32 bits.
-            speed_rate: ((self.wide(number::SPEED_RATE) * self.pole_pairs()) << 32) / 60_000,
+            speed_rate: quotient((self.wide(number::SPEED_RATE) * self.pole_pairs()) << 32, 60_000),
             slew: (self.duty(number::DUTY_SLEW) / ticks_per_ms.max(1)).max(1),
             duty_min: duty_of_ns(self.wide(number::ON_TIME_MIN)),
             dead_time: duty_of_ns(self.board.dead_time_ns as i64),
@@ -483,5 +484,5 @@ impl Builder<'_> {
 /// What a ramp adds in a tick that reaches a raw `level` in so many `ticks`, 16 extra bits.
 #[inline(never)]
 fn rise_a_tick(level: i32, ticks: u32) -> i64 {
-    ((level as i64) << 16) / (ticks as i64).max(1)
+    quotient((level as i64) << 16, (ticks as i64).max(1))
 }
