@@ -1,4 +1,4 @@
-//! Rows as they are written down, and how the compiler makes [`Parameter`]s of them: a number of ranges and factory values (there are some eighty) takes
+//! Rows as they are written down, and how the compiler makes [`Parameter`]s of them: a number of ranges and factory values (there are 71) takes
 //! its place once, a byte tells which.
 
 use super::category::Category;
