@@ -150,8 +150,8 @@ pub(crate) const fn ratio(numerator: i64, denominator: i32) -> i32 {
     saturate64(quotient(if numerator < 0 { numerator - half } else { numerator + half }, denominator))
 }
 
-/// `numerator / denominator`, rounded towards 0; 0 where that has no 64 bits or the denominator is 0. Without the feature `shortcuts` it goes bit by
-/// bit, because the compiler's own division takes 1.1 KB.
+/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. Nobody divides `i64::MIN` by -1, which has no 64 bits. Without the feature
+/// `shortcuts` it goes bit by bit, because the compiler's own division takes 1.1 KB.
 #[cfg_attr(feature = "shortcuts", inline)]
 #[cfg_attr(not(feature = "shortcuts"), inline(never))]
 pub(crate) const fn quotient(numerator: i64, denominator: i64) -> i64 {
