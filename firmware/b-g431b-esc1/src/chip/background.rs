@@ -1,12 +1,15 @@
 //! The background's side of the board.
 
+#[cfg(feature = "slots")]
 use super::memory::Region;
 use super::reset::Cause;
 use super::{converter, fdcan, ports, reset, tick, watchdog};
 use crate::analog::{pin, reference_tap, temperature};
 use heapless::spsc::Consumer;
+#[cfg(feature = "slots")]
 use narx_boot::Server;
 use narx_core::bus::{BusState, Frame};
+#[cfg(feature = "slots")]
 use narx_core::node::update::{Report, Request};
 use narx_core::node::{Outputs, SlowInputs};
 use narx_firmware::board::BackgroundSide;
@@ -19,6 +22,7 @@ pub struct Loop {
     /// Why the chip began anew.
     pub cause: Cause,
     /// Writes the slot of the bootloader.
+    #[cfg(feature = "slots")]
     pub server: Server<Region>,
     /// When the LED changes next, ticks.
     pub blink_due: u64,
@@ -81,6 +85,7 @@ impl BackgroundSide for Loop {
     /// Nothing to set: both lines are inputs, and the hall sensors' supply has no switch.
     fn apply(&mut self, _: Outputs) {}
 
+    #[cfg(feature = "slots")]
     fn serve_update(&mut self, request: &Request) -> Report {
         self.server.execute(request)
     }

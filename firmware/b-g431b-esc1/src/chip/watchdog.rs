@@ -18,7 +18,7 @@ pub(super) fn start() {
     run(Pr::DIVIDE_BY16, RELOAD);
 }
 
-/// For the bootloader: 32 s, because at 16 MHz a signature takes a second, and a swap of 23 pages three.
+/// For the bootloader: 32 s, because at 16 MHz a signature takes a second, and a swap of 25 pages three.
 pub(super) fn start_slow() {
     run(Pr::DIVIDE_BY256, 4000);
 }
