@@ -9,8 +9,9 @@ use narx_b_g431b_esc1::chip::background::Loop;
 use narx_b_g431b_esc1::chip::fdcan::{self, ARRIVING, WAITING};
 use narx_b_g431b_esc1::chip::memory::Region;
 use narx_b_g431b_esc1::chip::power_stage::{BRIDGE, Bridge};
+use narx_b_g431b_esc1::chip::self_test::Tests;
 use narx_b_g431b_esc1::chip::tick::Tick;
-use narx_b_g431b_esc1::chip::{self, reset, watchdog};
+use narx_b_g431b_esc1::chip::{self, reset};
 use narx_b_g431b_esc1::flash_map::MAP;
 #[cfg(feature = "slots")]
 use narx_b_g431b_esc1::flash_map::{HARDWARE, SIZE};
@@ -44,16 +45,17 @@ fn main() -> ! {
 
     let cause = reset::cause();
     chip::start();
-    let Some(mut core) = cortex_m::Peripherals::take() else { reset::reset() };
+    let tests = Some(Tests::boot());
+    let Some(mut core) = cortex_m::Peripherals::take() else { reset::fail() };
     let storage = STORAGE.init_with(|| CodeFlash::new(Region::new(MAP.parameters)));
-    let Some(opened) = open(storage) else { reset::reset() };
+    let Some(opened) = open(storage) else { reset::fail() };
     let mailbox: &'static Mailbox = MAILBOX.init_with(Mailbox::new);
     let (tick, mut device) = QUEUES.power_up(IDENTITY, BOARD, opened.parameters.clone());
     device.attach_scope(SCOPE.init_with(Memory::new));
     device.node().store_at_rest_only();
     #[cfg(feature = "slots")]
     let server = {
-        let Ok(slot) = Slot::new(Region::new(0..SIZE), MAP, HARDWARE) else { reset::reset() };
+        let Ok(slot) = Slot::new(Region::new(0..SIZE), MAP, HARDWARE) else { reset::fail() };
         let mut server = Server::new(slot);
         // A flash that cannot be read takes no update.
         if let Ok(slots) = server.slots() {
@@ -69,6 +71,7 @@ fn main() -> ! {
     let board = Loop {
         arriving,
         cause,
+        tests,
         #[cfg(feature = "slots")]
         server,
         blink_due: 0,
@@ -85,7 +88,6 @@ fn main() -> ! {
 fn open(storage: &mut CodeFlash<Region>) -> Option<Opened> {
     storage.begin(Request::Open);
     let report = loop {
-        watchdog::feed();
         if let Some(report) = storage.step() {
             break report;
         }
