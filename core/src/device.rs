@@ -14,7 +14,7 @@ use crate::dictionary::Parameters;
 use crate::motor::{Board, Coefficients, Drive, Event, PwmCommand, Samples, Status};
 use crate::node::{Identity, Node};
 use crate::queue::{dequeue, enqueue, has_room};
-use crate::scope::{Answer, Keeper, Memory, Order, Scope};
+use crate::scope::{Answer, Keeper, Memory, Order, SCOPE, Scope};
 #[cfg(not(thread_sanitizer))]
 use core::sync::atomic::{Ordering, fence};
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -43,6 +43,7 @@ impl<'m> Queues<'m> {
 
     /// A device at power-up with a stored parameter set. One that does not build leaves the drive with none: the node
     /// says so, and it refuses to start.
+    #[inline(never)]
     pub fn power_up(
         &mut self,
         identity: Identity,
@@ -89,6 +90,7 @@ pub struct ControlTick<'q, 'm> {
 
 impl ControlTick<'_, '_> {
     /// One control tick: takes at most one event, and reports if a report is due.
+    #[inline(never)]
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         self.heed_event();
         let command = self.drive.step(samples);
@@ -98,6 +100,14 @@ impl ControlTick<'_, '_> {
             // Room was just seen, and nobody else fills it.
             let _ = enqueue(&mut self.statuses, status);
         }
+        if SCOPE {
+            self.run_scope(samples);
+        }
+        command
+    }
+
+    #[inline]
+    fn run_scope(&mut self, samples: &Samples) {
         // What the scope did in the tick before is told in this one: a tick in which something happens is long enough.
         if self.scope.has_answer()
             && has_room(&self.answers)
@@ -110,7 +120,6 @@ impl ControlTick<'_, '_> {
             self.scope.handle(order);
         }
         self.scope.step(&self.drive, samples);
-        command
     }
 
     /// Takes the event that waits, where it lies: it is large.
@@ -163,10 +172,23 @@ impl<'m> Background<'_, 'm> {
     /// Takes what the tick has reported, advances time to tick `now`, and hands over events. Call it once a period or
     /// more seldom, after the frames that have arrived were given to [`node`](Self::node) and before those that it
     /// sends are taken from there.
+    #[inline(never)]
     pub fn run(&mut self, now: u64) {
         while let Some(status) = dequeue(&mut self.statuses) {
             self.node.handle_status(status);
         }
+        if SCOPE {
+            self.take_answers();
+        }
+        self.node.poll(now);
+        self.hand_over();
+        if SCOPE {
+            self.hand_over_order();
+        }
+    }
+
+    /// From the scope to the node.
+    fn take_answers(&mut self) {
         while let Some(answer) = dequeue(&mut self.answers) {
             self.keeper.take(answer);
         }
@@ -175,8 +197,6 @@ impl<'m> Background<'_, 'm> {
         {
             self.node.handle_scope(report);
         }
-        self.node.poll(now);
-        self.hand_over();
     }
 
     /// The node: its frames, inputs, outputs and actions. Its events are taken by [`run`](Self::run).
@@ -192,6 +212,10 @@ impl<'m> Background<'_, 'm> {
             // Room was just seen, and nobody else fills it.
             let _ = enqueue(&mut self.events, event);
         }
+    }
+
+    /// From the node to the scope.
+    fn hand_over_order(&mut self) {
         if !self.keeper.has_order()
             && let Some(request) = self.node.poll_scope()
         {

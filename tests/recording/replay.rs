@@ -75,7 +75,7 @@ fn recorded_run(ticks: u64) -> (Vec<u8>, Drive) {
     let Ok(coefficients) = Coefficients::build(&commissioned.parameters, &Board::BENCH) else {
         panic!("commissioned parameters do not build")
     };
-    let mut drive = Drive::new(coefficients.clone());
+    let mut drive = Drive::new(coefficients);
     let mut plant = Plant::new(&PlantConfig::new(motor, 24.0));
     let mut state = [0; 4_096];
     let state = postcard::to_slice(&drive, &mut state).unwrap();
@@ -85,7 +85,7 @@ fn recorded_run(ticks: u64) -> (Vec<u8>, Drive) {
     for k in 0..ticks {
         let samples = plant.sample();
         let event = match k {
-            8_000 => Some(Event::Coefficients(coefficients.clone())),
+            8_000 => Some(Event::Coefficients(coefficients)),
             _ if k % 500 != 0 => None,
             5_500.. => Some(Event::Command(Command { request: Request::Drive, speed })),
             _ => Some(Event::Command(Command::default())),

@@ -290,5 +290,7 @@ fn named(root: &Path, function: &str, place: &str) -> String {
     };
     // Types in the names differ in how they are written.
     let function = function.split('<').next().unwrap_or(function);
+    // What the compiler has outlined is numbered, and numbers move.
+    let function = if function.starts_with("OUTLINED_FUNCTION") { "outlined" } else { function };
     format!("{file} {function}").trim_end().to_owned()
 }

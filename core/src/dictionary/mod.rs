@@ -9,6 +9,7 @@ mod general;
 pub mod number;
 mod own;
 mod parameter;
+mod row;
 mod values;
 
 pub use category::Category;
@@ -17,10 +18,10 @@ pub use parameter::{Access, Effect, Kind, Parameter};
 pub use values::{ParameterError, Parameters};
 
 /// Parameters of the specification: numbers 0 to 121.
-pub const PRINTED_COUNT: usize = GENERAL.len() + CONTROL.len();
+pub const PRINTED_COUNT: usize = general::GENERAL.len() + control::CONTROL.len();
 
 /// All parameters.
-pub const PARAMETER_COUNT: usize = PRINTED_COUNT + OWN.len();
+pub const PARAMETER_COUNT: usize = PRINTED_COUNT + own::OWN.len();
 
 /// Our own parameters are numbered from here.
 pub const OWN_FIRST: u16 = 256;
@@ -31,24 +32,16 @@ pub struct Dictionary;
 
 impl Dictionary {
     /// Rows whose values are kept over a restart.
-    pub(crate) const STORED_COUNT: usize =
-        stored(&general::GENERAL) + stored(&control::CONTROL) + stored(&own::OWN);
+    pub(crate) const STORED_COUNT: usize = stored(&row::parameters());
 
     /// Every row in the order of the numbers.
     pub fn rows() -> impl Iterator<Item = &'static Parameter> {
-        GENERAL.iter().chain(&CONTROL).chain(&OWN)
+        ROWS.iter()
     }
 
     /// The row of a number.
     pub fn row(number: u16) -> Option<&'static Parameter> {
-        let index = Self::index(number)?;
-        if let Some(own) = index.checked_sub(PRINTED_COUNT) {
-            OWN.get(own)
-        } else if let Some(control) = index.checked_sub(GENERAL.len()) {
-            CONTROL.get(control)
-        } else {
-            GENERAL.get(index)
-        }
+        ROWS.get(Self::index(number)?)
     }
 
     /// The row with a printed name; case does not matter. None without the feature `names`.
@@ -66,9 +59,7 @@ impl Dictionary {
     }
 }
 
-static GENERAL: [Parameter; general::GENERAL.len()] = general::GENERAL;
-static CONTROL: [Parameter; control::CONTROL.len()] = control::CONTROL;
-static OWN: [Parameter; own::OWN.len()] = own::OWN;
+static ROWS: [Parameter; PARAMETER_COUNT] = row::parameters();
 
 const fn stored(rows: &[Parameter]) -> usize {
     let (mut count, mut at) = (0, 0);

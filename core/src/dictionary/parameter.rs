@@ -2,22 +2,23 @@
 
 use super::category::Category;
 use super::decimal::Decimal;
+use super::row::Place;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// Everything there is to know of one parameter but its value. Ranges lie in the 32 bits that go over the wire, texts only in a build that has
-/// use for them: the table is in the flash of every board.
+/// Everything there is to know of one parameter but its value. Of its range and factory value it knows the places among the few numbers that there
+/// are, and texts only in a build that has use for them: the table is in the flash of every board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
-    min: i32,
-    max: i32,
-    default: i32,
+    pub(super) min: Place,
+    pub(super) max: Place,
+    pub(super) default: Place,
     #[cfg(feature = "names")]
-    name: &'static str,
+    pub(super) name: &'static str,
     #[cfg(feature = "names")]
-    unit: &'static str,
+    pub(super) unit: &'static str,
     #[cfg(feature = "description")]
-    description: &'static str,
+    pub(super) description: &'static str,
     /// Number on the wire.
     pub number: u16,
     /// Category as printed.
@@ -77,7 +78,7 @@ impl Kind {
     }
 
     /// The 32 bits that mean a number of this kind; an error of the compiler for any other number in the table.
-    const fn narrow(self, number: i64) -> i32 {
+    pub(super) const fn narrow(self, number: i64) -> i32 {
         assert!(number >= self.smallest() && number <= self.largest());
         number as i32
     }
@@ -158,22 +159,22 @@ impl Parameter {
 
     /// Smallest raw value.
     pub const fn min(&self) -> i64 {
-        self.kind.widen(self.min)
+        self.kind.widen(self.min.number())
     }
 
     /// Largest raw value.
     pub const fn max(&self) -> i64 {
-        self.kind.widen(self.max)
+        self.kind.widen(self.max.number())
     }
 
     /// Raw factory value.
     pub const fn default(&self) -> i64 {
-        self.kind.widen(self.default)
+        self.kind.widen(self.default.number())
     }
 
     /// The factory value as 32 bits.
     pub const fn factory_raw(&self) -> i32 {
-        self.default
+        self.default.number()
     }
 
     /// Whether its value is kept over a restart: not that of a command, nor what the drive itself writes.
@@ -200,66 +201,6 @@ impl fmt::Display for Parameter {
         match self.name() {
             "" => write!(f, "parameter {number}"),
             name => write!(f, "parameter {number} \"{name}\""),
-        }
-    }
-}
-
-#[cfg_attr(
-    not(feature = "description"),
-    allow(unused_variables, reason = "texts that this build leaves out")
-)]
-impl Parameter {
-    pub(super) const fn new(number: u16, name: &'static str, category: Category, kind: Kind) -> Self {
-        Self {
-            min: 0,
-            max: 0,
-            default: 0,
-            #[cfg(feature = "names")]
-            name,
-            #[cfg(feature = "names")]
-            unit: "-",
-            #[cfg(feature = "description")]
-            description: "",
-            number,
-            category,
-            kind,
-            exponent: 0,
-            access: category.access(),
-            command: false,
-            effect: Effect::Immediately,
-        }
-    }
-    pub(super) const fn in_unit(self, unit: &'static str, exponent: i8) -> Self {
-        Self {
-            exponent,
-            #[cfg(feature = "names")]
-            unit,
-            ..self
-        }
-    }
-    pub(super) const fn range(self, min: i64, max: i64) -> Self {
-        Self { min: self.kind.narrow(min), max: self.kind.narrow(max), ..self }
-    }
-    pub(super) const fn factory(self, default: i64) -> Self {
-        Self { default: self.kind.narrow(default), ..self }
-    }
-    pub(super) const fn read_only(self) -> Self {
-        Self { access: Access::ReadOnly, ..self }
-    }
-    pub(super) const fn command(self) -> Self {
-        Self { command: true, ..self }
-    }
-    pub(super) const fn at_next_start(self) -> Self {
-        Self { effect: Effect::NextStart, ..self }
-    }
-    pub(super) const fn after_reboot(self) -> Self {
-        Self { effect: Effect::Reboot, ..self }
-    }
-    pub(super) const fn about(self, description: &'static str) -> Self {
-        Self {
-            #[cfg(feature = "description")]
-            description,
-            ..self
         }
     }
 }

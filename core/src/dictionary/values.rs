@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// the rows.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Raw", into = "Raw")]
-pub struct Parameters(Raw);
+pub struct Parameters([i32; PARAMETER_COUNT]);
 
 type Raw = Vec<i32, PARAMETER_COUNT>;
 
@@ -36,10 +36,9 @@ pub enum ParameterError {
 impl Parameters {
     /// Factory values.
     pub fn new() -> Self {
-        let mut values = Raw::new();
-        for row in Dictionary::rows() {
-            // There is room for every row; `collect` would carry a panic for the case that there is none.
-            let _ = values.push(row.factory_raw());
+        let mut values = [0; PARAMETER_COUNT];
+        for (value, row) in values.iter_mut().zip(Dictionary::rows()) {
+            *value = row.factory_raw();
         }
         Self(values)
     }
@@ -91,7 +90,7 @@ impl Default for Parameters {
 
 impl From<Parameters> for Raw {
     fn from(parameters: Parameters) -> Self {
-        parameters.0
+        Self::from_array(parameters.0)
     }
 }
 
@@ -100,12 +99,10 @@ impl TryFrom<Raw> for Parameters {
 
     /// Checks a set that comes from outside: its size and every range.
     fn try_from(raw: Raw) -> Result<Self, ParameterError> {
-        if raw.len() != PARAMETER_COUNT {
-            return Err(ParameterError::Layout);
-        }
-        match Dictionary::rows().zip(&raw).find(|(row, raw)| !row.accepts(**raw)) {
-            Some((parameter, &raw)) => Err(ParameterError::OutOfRange { parameter, raw }),
-            None => Ok(Self(raw)),
+        let values = raw.into_array().map_err(|_| ParameterError::Layout)?;
+        match Dictionary::rows().zip(values).find(|(row, raw)| !row.accepts(*raw)) {
+            Some((parameter, raw)) => Err(ParameterError::OutOfRange { parameter, raw }),
+            None => Ok(Self(values)),
         }
     }
 }

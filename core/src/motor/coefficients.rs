@@ -19,12 +19,12 @@ use super::rails::RailCoefficients;
 use super::samples::Lines;
 use super::sensorless::SensorlessCoefficients;
 use crate::dictionary::{Decimal, Dictionary, Parameters, number};
-use crate::units::{ElectricalAngle, saturate64};
+use crate::units::{ElectricalAngle, quotient, ratio, saturate64};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Everything configurable that the tick needs, in its own units.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Coefficients {
     /// Converter scales.
     pub measurement: MeasurementScales,
@@ -120,8 +120,8 @@ impl Coefficients {
             },
             hall_mode: b.hall_mode(),
             sensorless_mode: b.sensorless_mode(),
-            speed_of_turns: b.gain(number::MOTOR_POLE_PAIRS, b.rate(), 65_536),
-            sample_settle: (b.rate() * 65_536 * 3 / 1_000_000).min(u16::MAX as i64) as u16,
+            speed_of_turns: b.ratio(number::MOTOR_POLE_PAIRS, b.rate(), 65_536),
+            sample_settle: quotient(b.rate() * 65_536 * 3, 1_000_000).min(u16::MAX as i64) as u16,
         };
         match b.misfit {
             Some(misfit) => Err(misfit),
@@ -133,7 +133,7 @@ impl Coefficients {
 /// Speeds above this many electrical revolutions a second leave less than two ticks for a sector.
 const TICKS_A_REVOLUTION_MIN: i64 = 12;
 /// 2 pi x 10^9.
-const TWO_PI_E9: i128 = 6_283_185_307;
+const TWO_PI_E9: i64 = 6_283_185_307;
 /// The bus may rise to this much below its over-voltage threshold before rectification turns to diodes.
 const BUS_GUARD: i32 = (1 << 16) / 2;
 
@@ -144,15 +144,16 @@ struct Builder<'a> {
     misfit: Option<BuildError>,
 }
 
-/// What is asked for often stays out of line: 64 bits written out at every use would take half as much flash again. Raw values have 32 bits, which
-/// leaves room for every product.
+/// What is asked for often stays out of line: 64 bits written out at every use would take half as much flash again.
 impl Builder<'_> {
+    /// The raw value: none that is asked for here has more than 31 bits.
     #[inline(never)]
-    fn raw(&self, number: u16) -> i64 {
-        match Dictionary::row(number) {
-            Some(row) => row.kind.widen(self.parameters.raw(number)),
-            None => 0,
-        }
+    fn raw(&self, number: u16) -> i32 {
+        self.parameters.raw(number)
+    }
+
+    fn wide(&self, number: u16) -> i64 {
+        self.raw(number).into()
     }
 
     fn is_set(&self, number: u16) -> bool {
@@ -165,32 +166,39 @@ impl Builder<'_> {
 
     #[inline(never)]
     fn pole_pairs(&self) -> i64 {
-        self.raw(number::MOTOR_POLE_PAIRS).max(1)
+        self.raw(number::MOTOR_POLE_PAIRS).max(1).into()
     }
 
     #[inline(never)]
     fn note(&mut self, parameter: u16, min: i64, max: i64) {
-        let raw = self.parameters.raw(parameter);
+        let raw = self.raw(parameter);
         self.misfit.get_or_insert(BuildError { parameter, raw, min, max });
     }
 
     /// The raw value of `number` has to lie within `min..=max`.
     #[inline(never)]
-    fn within(&mut self, number: u16, min: i64, max: i64) {
+    fn within(&mut self, number: u16, min: i32, max: i32) {
         let value = self.raw(number);
         if value < min || value > max {
-            self.note(number, min, max);
+            self.note(number, min.into(), max.into());
         }
     }
 
     /// The gain `numerator / denominator`, for which the parameter may be too fine or too coarse.
     #[inline(never)]
-    fn gain(&mut self, number: u16, numerator: i64, denominator: i64) -> Gain {
-        self.wide_gain(number, numerator.into(), denominator.into())
+    fn ratio(&mut self, number: u16, numerator: i64, denominator: i64) -> Gain {
+        self.wide_ratio(number, numerator.into(), denominator.into())
+    }
+
+    /// The gain `factor / (10^decimals x divisor)` times the raw value.
+    #[inline(never)]
+    fn gain(&mut self, number: u16, factor: i64, decimals: u32, divisor: u32) -> Gain {
+        let denominator = u128::from(10_u64.pow(decimals)) * u128::from(divisor);
+        self.wide_ratio(number, (self.raw(number) as u64 * factor as u64).into(), denominator as i128)
     }
 
     #[inline(never)]
-    fn wide_gain(&mut self, number: u16, numerator: i128, denominator: i128) -> Gain {
+    fn wide_ratio(&mut self, number: u16, numerator: i128, denominator: i128) -> Gain {
         Gain::from_ratio(numerator, denominator).unwrap_or_else(|| {
             let (min, max) = Dictionary::row(number).map_or((0, 0), |row| (row.min(), row.max()));
             self.note(number, min, max);
@@ -198,13 +206,11 @@ impl Builder<'_> {
         })
     }
 
-    /// Raw I16F16 of a parameter in its unit, nearest.
+    /// Raw I16F16 of a parameter in its unit, nearest. Powers of ten up to 10^16 leave no half.
     #[inline(never)]
     fn quantity(&self, number: u16) -> i32 {
         let exponent = Dictionary::row(number).map_or(0, |row| row.exponent);
-        let denominator = 10_i64.pow(exponent.min(0).unsigned_abs() as u32);
-        let rounded = (self.raw(number) << 16) + denominator / 2;
-        saturate64(rounded.checked_div_euclid(denominator).unwrap_or(0))
+        ratio(self.wide(number), 10_i32.pow(exponent.min(0).unsigned_abs().into()))
     }
 
     /// Raw U1F15 of a percentage in 0.01 %.
@@ -216,47 +222,46 @@ impl Builder<'_> {
     /// Ticks of a time in milliseconds, at least 1.
     #[inline(never)]
     fn ticks(&self, milliseconds: i64) -> u32 {
-        (milliseconds * self.rate() / 1000).clamp(1, u32::MAX as i64) as u32
+        quotient(milliseconds * self.rate(), 1000).clamp(1, u32::MAX as i64) as u32
     }
 
     /// Ticks of a parameter in milliseconds, at least 1.
     #[inline(never)]
     fn duration(&self, number: u16) -> u32 {
-        self.ticks(self.raw(number))
+        self.ticks(self.wide(number))
     }
 
     /// Raw I16F16 electrical rev/s of a parameter in mechanical rpm.
     #[inline(never)]
     fn speed(&self, number: u16) -> i32 {
-        saturate64((self.raw(number) << 16) * self.pole_pairs() / 60)
+        saturate64(quotient((self.wide(number) << 16) * self.pole_pairs(), 60))
     }
 
     /// Raw I16F16 volts of a duty parameter, of the nominal supply.
     #[inline(never)]
     fn nominal_share(&self, number: u16) -> i32 {
-        saturate64(self.quantity(number::NOMINAL_SUPPLY) as i64 * self.raw(number) / 10_000)
+        saturate64(quotient(self.quantity(number::NOMINAL_SUPPLY) as i64 * self.wide(number), 10_000))
     }
 
     /// u32 turn of an angle in 0.01 degree.
     #[inline(never)]
     fn angle32(&self, number: u16) -> u32 {
-        ((self.raw(number) << 32) / 36_000) as u32
+        quotient(self.wide(number) << 32, 36_000) as u32
     }
 
     /// 2^-32 turn a tick of raw rev/s.
     fn turns(&mut self) -> Gain {
-        self.gain(number::MOTOR_POLE_PAIRS, 65_536, self.rate())
+        self.ratio(number::MOTOR_POLE_PAIRS, 65_536, self.rate())
     }
 
     /// Volts per electrical rev/s.
     fn back_emf_gain(&mut self) -> Gain {
-        let emf = number::BACK_EMF_CONSTANT;
-        self.gain(emf, self.raw(emf) * 60, 1_000_000 * self.pole_pairs())
+        self.gain(number::BACK_EMF_CONSTANT, 60, 6, self.pole_pairs() as u32)
     }
 
     /// Rules between parameters.
     fn check(&mut self) {
-        let fastest = self.rate() * 60 / (TICKS_A_REVOLUTION_MIN * self.pole_pairs()).max(1);
+        let fastest = saturate64(quotient(self.rate() * 60, TICKS_A_REVOLUTION_MIN * self.pole_pairs()));
         for (low, high) in
             [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
         {
@@ -266,9 +271,9 @@ impl Builder<'_> {
         self.within(number::OPEN_LOOP_SPEED, 0, fastest);
         self.within(number::HV_CURRENT_SOFT_START, 0, self.raw(number::HV_CURRENT_MAX));
         self.within(number::UNDER_VOLTAGE, 0, self.raw(number::OVER_VOLTAGE) - 1_500);
-        self.within(number::TEMPERATURE_WARNING, i32::MIN as i64, self.raw(number::OVER_TEMPERATURE) - 1);
+        self.within(number::TEMPERATURE_WARNING, i32::MIN, self.raw(number::OVER_TEMPERATURE) - 1);
         // A rotor at the smallest set-point must pass a sector within the time-out, twice over.
-        let slowest = self.raw(number::SPEED_MIN_HES).max(1) * self.pole_pairs();
+        let slowest = self.raw(number::SPEED_MIN_HES).max(1) * self.raw(number::MOTOR_POLE_PAIRS).max(1);
         self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest).max(1), 6_000);
         if self.is_set(number::SENSORLESS_ENABLE) {
             self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION));
@@ -317,33 +322,32 @@ impl Builder<'_> {
             rate: rise_a_tick(climb, self.duration(number::OPEN_LOOP_RAMP)),
             voltage_start,
             voltage,
-            slope: self.gain(number::OPEN_LOOP_DUTY, rise, (speed as i64).max(1)),
+            slope: self.ratio(number::OPEN_LOOP_DUTY, rise, (speed as i64).max(1)),
             turns: self.turns(),
         }
     }
 
     fn back_emf(&mut self) -> BackEmfCoefficients {
-        let delay = |raw: i64| saturate64((raw << 16) / 100);
-        let delays = self.raw(number::ZC_DELAY);
+        let delay = |raw: i64| saturate64(quotient(raw << 16, 100));
+        let delays = self.wide(number::ZC_DELAY);
         let phase = self.board.front_end.phase_voltage;
         BackEmfCoefficients {
             terminal: ChannelScale::new(phase, 0),
             // Four codes: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
-            noise: saturate64(((phase.micro_per_code as i64) << 18) / 1_000_000),
-            discard: (self.raw(number::ZC_DISCARD) << 16) as u32,
+            noise: saturate64(quotient((phase.micro_per_code as i64) << 18, 1_000_000)),
+            discard: (self.raw(number::ZC_DISCARD) as u32) << 16,
             earliest: self.board.earliest,
             comparator: self.board.comparator_capture,
             delay_rising: delay(delays),
-            delay_falling: delay(delays + self.raw(number::ZC_DELAY_FALLING)),
+            delay_falling: delay(delays + self.wide(number::ZC_DELAY_FALLING)),
             back_emf: self.back_emf_gain(),
         }
     }
 
     fn rails(&mut self, back_emf: Gain) -> RailCoefficients {
-        let (resistance, inductance) = (number::WINDING_RESISTANCE, number::WINDING_INDUCTANCE);
         RailCoefficients {
-            resistance: self.gain(resistance, self.raw(resistance), 1000),
-            commutation: self.gain(inductance, 3 * self.raw(inductance), 1_000_000),
+            resistance: self.gain(number::WINDING_RESISTANCE, 1, 3, 1),
+            commutation: self.gain(number::WINDING_INDUCTANCE, 3, 6, 1),
             back_emf,
             leak: 10_000,
         }
@@ -357,17 +361,14 @@ impl Builder<'_> {
         let rest = self.ticks(5);
         let align = lock.saturating_sub(rest + self.ticks(2)).max(self.ticks(20));
         // E = k f <= R I: the current of shorted windings, raw rev/s. It has no ripple, for which the mean limit leaves room: a tenth more.
-        let fall = self.raw(ohm) * self.raw(number::PHASE_CURRENT_MAX) * 11 / 10 * self.pole_pairs();
-        let brake = (fall << 16).checked_div(self.raw(emf) * 60).unwrap_or(0);
+        let fall =
+            quotient(self.wide(ohm) * self.wide(number::PHASE_CURRENT_MAX) * 11, 10) * self.pole_pairs();
+        let brake = quotient(fall << 16, self.wide(emf) * 60);
         SensorlessCoefficients {
             back_emf,
             rails: self.rails(back_emf.back_emf),
-            emf_of_turns: self.gain(
-                emf,
-                self.raw(emf) * 60 * self.rate(),
-                1_000_000 * 65_536 * self.pole_pairs(),
-            ),
-            timeout: (self.raw(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i64 / 2) as u32,
+            emf_of_turns: self.gain(emf, 60 * self.rate(), 6, 65_536 * self.pole_pairs() as u32),
+            timeout: (self.wide(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i64 / 2) as u32,
             rest,
             align,
             align_rate: rise_a_tick(lock_voltage, align / 4),
@@ -421,28 +422,27 @@ impl Builder<'_> {
     fn control(&mut self) -> ControlCoefficients {
         let rate = self.rate();
         let ticks_per_ms = self.ticks(1).min(u16::MAX as u32) as u16;
-        let duty_of_ns = |ns: i64| (ns * rate * 32_768 / 1_000_000_000).clamp(0, 1 << 14) as u16;
-        let (kp, ki) = (number::HV_CURRENT_KP, number::HV_CURRENT_KI);
+        let duty_of_ns = |ns: i64| quotient(ns * rate * 32_768, 1_000_000_000).clamp(0, 1 << 14) as u16;
         let (hot, warm) = (number::OVER_TEMPERATURE, number::TEMPERATURE_WARNING);
         let degrees = (self.quantity(hot) as i64 - self.quantity(warm) as i64).max(1);
         ControlCoefficients {
             ticks_per_ms,
             current: PiGains {
-                proportional: self.gain(kp, self.raw(kp), 1_000_000),
-                integral: self.gain(ki, self.raw(ki), 1_000 * self.rate()),
+                proportional: self.gain(number::HV_CURRENT_KP, 1, 6, 1),
+                integral: self.gain(number::HV_CURRENT_KI, 1, 3, rate as u32),
             },
             limits: LimitCoefficients {
                 soft_start: self.quantity(number::HV_CURRENT_SOFT_START),
                 maximum: self.quantity(number::HV_CURRENT_MAX).min(7 << 16),
-                rate: ((self.quantity(number::HV_CURRENT_RATE) as i64) << 16) / 1000,
+                rate: quotient((self.quantity(number::HV_CURRENT_RATE) as i64) << 16, 1000),
                 phase_current: self.quantity(number::PHASE_CURRENT_MAX),
                 derating_start: self.quantity(warm),
-                derating: self.gain(hot, 65_536, degrees),
+                derating: self.ratio(hot, 65_536, degrees),
             },
             // No more than 10^7 rpm/s of 50 pole pairs: 2^29 and 32 bits.
-            speed_rate: ((self.raw(number::SPEED_RATE) * self.pole_pairs()) << 32) / 60_000,
+            speed_rate: quotient((self.wide(number::SPEED_RATE) * self.pole_pairs()) << 32, 60_000),
             slew: (self.duty(number::DUTY_SLEW) / ticks_per_ms.max(1)).max(1),
-            duty_min: duty_of_ns(self.raw(number::ON_TIME_MIN)),
+            duty_min: duty_of_ns(self.wide(number::ON_TIME_MIN)),
             dead_time: duty_of_ns(self.board.dead_time_ns as i64),
             bus_guard: self.quantity(number::OVER_VOLTAGE) - BUS_GUARD,
             initial_voltage: self.nominal_share(number::INITIAL_DUTY),
@@ -452,12 +452,11 @@ impl Builder<'_> {
 
     fn hall_mode(&mut self) -> ModeCoefficients {
         // V/rpm x 10^-9 -> V per electrical rev/s: x 60 / pole pairs.
-        let (kp, ki) = (number::SPEED_KP_HES, number::SPEED_KI_HES);
-        let denominator = 1_000_000_000 * self.pole_pairs();
+        let pole_pairs = self.pole_pairs() as u32;
         ModeCoefficients {
             speed: PiGains {
-                proportional: self.gain(kp, self.raw(kp) * 60, denominator),
-                integral: self.gain(ki, self.raw(ki) * 60, denominator * 1000),
+                proportional: self.gain(number::SPEED_KP_HES, 60, 9, pole_pairs),
+                integral: self.gain(number::SPEED_KI_HES, 60, 12, pole_pairs),
             },
             speed_min: self.speed(number::SPEED_MIN_HES),
             speed_max: self.speed(number::SPEED_MAX_HES),
@@ -468,12 +467,11 @@ impl Builder<'_> {
 
     fn sensorless_mode(&mut self) -> ModeCoefficients {
         // V s/rad x 10^-6 -> V per electrical rev/s: x 2 pi / pole pairs.
-        let (kp, ki) = (number::SPEED_KP_SL, number::SPEED_KI_SL);
-        let denominator = 1_000_000 * 1_000_000_000 * i128::from(self.pole_pairs());
+        let pole_pairs = self.pole_pairs() as u32;
         ModeCoefficients {
             speed: PiGains {
-                proportional: self.wide_gain(kp, i128::from(self.raw(kp)) * TWO_PI_E9, denominator),
-                integral: self.wide_gain(ki, i128::from(self.raw(ki)) * TWO_PI_E9, denominator * 1000),
+                proportional: self.gain(number::SPEED_KP_SL, TWO_PI_E9, 15, pole_pairs),
+                integral: self.gain(number::SPEED_KI_SL, TWO_PI_E9, 18, pole_pairs),
             },
             speed_min: self.speed(number::SPEED_MIN_SL),
             speed_max: self.speed(number::SPEED_MAX_SL),
@@ -486,5 +484,5 @@ impl Builder<'_> {
 /// What a ramp adds in a tick that reaches a raw `level` in so many `ticks`, 16 extra bits.
 #[inline(never)]
 fn rise_a_tick(level: i32, ticks: u32) -> i64 {
-    ((level as i64) << 16) / (ticks as i64).max(1)
+    quotient((level as i64) << 16, (ticks as i64).max(1))
 }

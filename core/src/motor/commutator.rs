@@ -3,7 +3,7 @@
 use super::commutation::{Direction, Step, sector_of};
 use super::interval::{SIXTH, part_of};
 use super::pwm::{Commutation, Commutations};
-use crate::units::ElectricalAngle;
+use crate::units::{ElectricalAngle, quotient};
 use serde::{Deserialize, Serialize};
 
 /// A rotor that appears to have fallen back behind a boundary by less than this does not commutate back.
@@ -237,7 +237,10 @@ pub fn time_in(
     if ahead > u32::MAX / 2 {
         return Some(0);
     }
-    let time = (u64::from(ahead) << 16).checked_div(u64::from(speed.unsigned_abs()))?;
+    if speed == 0 {
+        return None;
+    }
+    let time = quotient(i64::from(ahead) << 16, speed.unsigned_abs().into());
     Some(time.min(u32::MAX.into()) as u32)
 }
 

@@ -153,7 +153,7 @@ impl Drive {
             Event::SetPoint(_) => {}
             Event::Coefficients(coefficients) => {
                 self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
-                self.coefficients.clone_from(coefficients);
+                self.coefficients = *coefficients;
                 self.parameters_fit = true;
                 self.settle();
             }

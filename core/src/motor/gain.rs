@@ -12,7 +12,7 @@ const SHIFT_MAX: u32 = 62;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Gain {
     mantissa: i32,
-    shift: u8,
+    shift: u32,
 }
 
 impl Gain {
@@ -26,7 +26,7 @@ impl Gain {
     /// to 62.
     pub const fn new(mantissa: i32, shift: u8) -> Option<Self> {
         let fits = mantissa >= 0 && mantissa <= Self::MANTISSA_MAX && shift as u32 <= SHIFT_MAX;
-        if fits { Some(Self { mantissa, shift }) } else { None }
+        if fits { Some(Self { mantissa, shift: shift as u32 }) } else { None }
     }
 
     /// The factor as an integer, in units of 2^-[`shift`](Self::shift).
@@ -36,7 +36,7 @@ impl Gain {
 
     /// Its fraction bits.
     pub const fn shift(self) -> u8 {
-        self.shift
+        self.shift as u8
     }
 
     /// The gain `numerator / denominator`, its last bit rounded down. `None` if negative, too large (2^30 and more) or too small
@@ -48,32 +48,27 @@ impl Gain {
         if numerator == 0 {
             return Some(Self::ZERO);
         }
-        // One bit after the other: dividing 128 bits at once takes more flash than the rest of building. The shift that gives the
-        // widest mantissa first.
-        let (mut rest, mut divisor) = (numerator as u128, denominator as u128);
-        if rest >> MANTISSA_BITS >= divisor {
+        // One bit of the quotient after the other, whole ones first: dividing 128 bits at once takes more flash than the rest of building.
+        let (mut rest, divisor) = (numerator as u128, (denominator as u128) << MANTISSA_BITS);
+        if rest >= divisor {
             return None;
         }
-        let mut shift = 0;
-        while shift < SHIFT_MAX && rest >> (MANTISSA_BITS - 1) < divisor {
+        let (mut mantissa, mut bits) = (0, 0);
+        while bits < MANTISSA_BITS
+            || (mantissa >> (MANTISSA_BITS - 1) == 0 && bits < MANTISSA_BITS + SHIFT_MAX)
+        {
             rest <<= 1;
-            shift += 1;
-        }
-        divisor <<= MANTISSA_BITS;
-        let mut mantissa = 0;
-        let mut bit = 1 << MANTISSA_BITS;
-        while bit > 1 {
-            bit >>= 1;
-            divisor >>= 1;
+            mantissa <<= 1;
             if rest >= divisor {
                 rest -= divisor;
-                mantissa |= bit;
+                mantissa |= 1;
             }
+            bits += 1;
         }
         if mantissa < 1 << (SIGNIFICANT_BITS - 1) {
             return None;
         }
-        Some(Self { mantissa, shift: shift as u8 })
+        Some(Self { mantissa, shift: bits - MANTISSA_BITS })
     }
 
     /// `self x value`, rounded down.

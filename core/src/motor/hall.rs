@@ -7,7 +7,7 @@
 use super::commutation::{Direction, SECTOR, sector_of};
 use super::interval::{SIXTH, TICK, part_of, speed_of};
 use super::samples::{EdgeSource, Samples};
-use crate::units::ElectricalAngle;
+use crate::units::{ElectricalAngle, quotient};
 use serde::{Deserialize, Serialize};
 
 /// How the three hall lines belong to the phases.
@@ -428,7 +428,7 @@ impl Hall {
         // Within the bound, by multiplication: the 64-bit division is for the edge that is overdue.
         let sixth = (SIXTH as u64) << 16;
         if self.speed.unsigned_abs() as u64 * self.since_edge as u64 > sixth {
-            let bound = (sixth / self.since_edge as u64).min(i32::MAX as u64) as i32;
+            let bound = quotient(sixth as i64, self.since_edge.into()).min(i32::MAX.into()) as i32;
             self.bounded = self.speed.clamp(-bound, bound);
         }
     }

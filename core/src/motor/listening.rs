@@ -10,7 +10,7 @@
 
 use super::commutation::Direction;
 use super::interval::TICK;
-use crate::units::Volts;
+use crate::units::{Volts, quotient};
 use serde::{Deserialize, Serialize};
 
 /// The highest terminal changed: the rotor was there.
@@ -96,7 +96,7 @@ impl Listening {
         let lag = (level(&before, last) - level(&before, top)).max(0);
         let whole = (lag + lead).max(1);
         let span = before_age - age;
-        let part = (i64::from(span) * i64::from(lag) / i64::from(whole)) as i32;
+        let part = quotient(i64::from(span) * i64::from(lag), whole.into()) as i32;
         let place = match direction {
             Direction::Forward => (4 * top + 1) % 12,
             Direction::Reverse => (4 * last + 7) % 12,

@@ -2,7 +2,7 @@
 
 use super::front_end::Channel;
 use super::samples::Samples;
-use crate::units::{Amps, Duty, Volts};
+use crate::units::{Amps, Duty, Volts, quotient};
 use serde::{Deserialize, Serialize};
 
 /// One converter channel: `value = (code - zero) x gain + offset`, as one multiplication and one sum.
@@ -26,7 +26,7 @@ impl ChannelScale {
             channel.micro_per_code
         };
         let micro = if micro > 0 { micro as i64 } else { 0 };
-        let gain = (micro << 32) / 1_000_000;
+        let gain = quotient(micro << 32, 1_000_000);
         let offset = if offset > OFFSET_MAX {
             OFFSET_MAX
         } else if offset < -OFFSET_MAX {

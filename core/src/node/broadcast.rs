@@ -7,7 +7,7 @@ use crate::motor::commutation::Direction;
 use crate::motor::event::Status;
 use crate::motor::front_end::Board;
 use crate::motor::state::State;
-use crate::units::{Amps, Celsius, Volts};
+use crate::units::{Amps, Celsius, Volts, quotient};
 use serde::{Deserialize, Serialize};
 
 /// Frames of one broadcast: STATUS_WORD, FAULT_WORD and six measurements.
@@ -58,13 +58,13 @@ impl Autosend {
 /// Broadcast period in ticks: parameter 111, at least the shortest one.
 fn period(parameters: &Parameters, board: &Board) -> u64 {
     let milliseconds = parameters.raw(number::AUTOSEND_PERIOD).unsigned_abs();
-    let ticks = u64::from(milliseconds) * u64::from(board.tick_rate) / 1000;
+    let ticks = quotient(i64::from(milliseconds) * i64::from(board.tick_rate), 1000) as u64;
     ticks.max(shortest(board)).max(1)
 }
 
 /// Shortest broadcast period in ticks.
 fn shortest(board: &Board) -> u64 {
-    (PERIOD_MIN_US * u64::from(board.tick_rate)).div_ceil(1_000_000)
+    quotient(PERIOD_MIN_US as i64 * i64::from(board.tick_rate) + 999_999, 1_000_000) as u64
 }
 
 impl Node {

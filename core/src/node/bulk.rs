@@ -26,6 +26,7 @@ impl Turn {
 impl Node {
     /// The next bulk frame: none while anything else waits. Give the controller a second one while the first is on the bus, and
     /// no third: whatever is sent later waits behind them.
+    #[inline(never)]
     pub fn poll_bulk_frame(&mut self) -> Option<Frame> {
         if self.link.state.is_off() || !self.outbox.is_empty() {
             return None;

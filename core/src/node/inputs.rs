@@ -2,7 +2,7 @@
 
 use crate::dictionary::{Parameters, number};
 use crate::motor::event::SlowMeasurements;
-use crate::units::{Celsius, Volts};
+use crate::units::{Celsius, Volts, quotient};
 use serde::{Deserialize, Serialize};
 
 /// Whether this build has use for an accelerometer.
@@ -85,7 +85,7 @@ impl SlowInputs {
 /// value * gain / 1 000 000 + offset / 1000, saturating.
 fn linear(value: Volts, gain: i32, offset: i32) -> Volts {
     // Both factors have 32 bits, so the product of bits and gain fits 64.
-    let product = i64::from(value.to_bits()) * i64::from(gain) / 1_000_000;
+    let product = quotient(i64::from(value.to_bits()) * i64::from(gain), 1_000_000);
     let bits = product.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
     Volts::from_bits(bits).saturating_add(Volts::from_milli(offset))
 }

@@ -17,6 +17,7 @@ impl Node {
     /// Takes the state of the CAN controller, whenever the shell looks. Off the bus the node hands out no frame, and whatever
     /// waits is dropped; the shell does the same with what waits in the controller. Back on the bus it begins with a
     /// broadcast of the present state. Control goes on meanwhile, and the command time-out is what ends it.
+    #[inline(never)]
     pub fn handle_bus_state(&mut self, state: BusState) {
         let was_off = self.link.state.is_off();
         self.link.state = state;

@@ -14,6 +14,9 @@
 //!
 //! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left; `poll_bulk_frame`
 //! only as far as the bus has taken what it gave before.
+//!
+//! What a shell calls stays out of line, and so do the halves of a [device](crate::device): written out among the variables of the shell's
+//! loop, a whole drive and its node, each field is two instructions away.
 
 mod broadcast;
 mod bulk;
@@ -198,6 +201,7 @@ impl Node {
     }
 
     /// Takes a report of the control tick.
+    #[inline(never)]
     pub fn handle_status(&mut self, status: Status) {
         let before = core::mem::replace(&mut self.status, status);
         let turned = status.sectors.wrapping_sub(before.sectors);
@@ -210,6 +214,7 @@ impl Node {
     }
 
     /// Takes a reading of the slow inputs, about every 10 ms.
+    #[inline(never)]
     pub fn handle_inputs(&mut self, inputs: SlowInputs) {
         self.inputs = Some(inputs);
         if ACCELEROMETER {
@@ -219,6 +224,7 @@ impl Node {
     }
 
     /// Takes the condition of the parameter store and of the self-tests, at boot and when it changes.
+    #[inline(never)]
     pub fn handle_health(&mut self, health: Health) {
         self.pending.health = Some(health);
         self.flash.note_health(health);
@@ -227,6 +233,7 @@ impl Node {
     }
 
     /// Advances time to the control tick `now`: queues the broadcasts that are due, and samples what is logged.
+    #[inline(never)]
     pub fn poll(&mut self, now: u64) {
         self.flash.advance(now);
         self.run_log(now);
@@ -247,6 +254,7 @@ impl Node {
     }
 
     /// The next event for the control tick.
+    #[inline(never)]
     pub fn poll_event(&mut self) -> Option<Event> {
         if let Some(health) = self.pending.health.take() {
             return Some(Event::Health(health));
@@ -264,6 +272,7 @@ impl Node {
     }
 
     /// The next thing that only the shell can do.
+    #[inline(never)]
     pub fn poll_action(&mut self) -> Option<Action> {
         // Who is off the bus waits for nobody.
         let due = self.pending.reboot && (self.outbox.is_empty() || self.link.state.is_off());

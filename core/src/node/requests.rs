@@ -14,6 +14,7 @@ pub(super) struct Refused;
 impl Node {
     /// Takes a frame from the bus. Only data frames of 8 bytes from the configured master to this drive are obeyed;
     /// what is malformed or not obeyed changes nothing and is counted.
+    #[inline(never)]
     pub fn handle_frame(&mut self, frame: &Frame) {
         let message = match self.accept(frame) {
             Ok(Some(message)) => message,

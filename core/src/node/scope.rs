@@ -7,6 +7,7 @@ use crate::bus::narmotion::FromDrive;
 use crate::dictionary::{Parameters, number};
 use crate::motor::signal::{Signal, SpeedScale};
 use crate::scope::{Block, Report, Request, SCOPE, Setup, State, Threshold, Trigger, period};
+use crate::units::quotient;
 use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
 
@@ -125,7 +126,7 @@ pub(super) fn sampling_time(parameters: &Parameters, tick_rate: u32) -> i32 {
     let signals = parameters.raw(number::SCOPE_CHANNELS).count_ones() as usize;
     let inputs = parameters.raw(number::SCOPE_INPUTS) != 0;
     let ticks = if inputs { 1 } else { period(signals, parameters.raw(number::SCOPE_PRESCALER) as u16) };
-    (i64::from(ticks) * 1_000_000 / i64::from(tick_rate.max(1))) as i32
+    quotient(i64::from(ticks) * 1_000_000, tick_rate.max(1).into()) as i32
 }
 
 /// What the parameters ask for; `None` if a signal is not known.

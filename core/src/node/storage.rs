@@ -106,6 +106,7 @@ impl Node {
     }
 
     /// The next thing to ask of the flash; at most one request is under way. Without a flash there is none.
+    #[inline(never)]
     pub fn poll_storage(&mut self) -> Option<Request> {
         if !self.flash.attached || self.flash.asked {
             return None;

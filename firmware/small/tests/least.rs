@@ -15,6 +15,33 @@ const CALIBRATES: bool = cfg!(feature = "hall-calibration");
 /// Vectors that begin with a hall calibration, which this build may leave out.
 const CALIBRATIONS: [&str; 3] = ["hall-calibration", "rotor-lock-fault", "rotor-lock-stop"];
 
+/// Without `shortcuts` 64 bits are divided by a loop.
+#[test]
+fn quotients_are_those_of_128_bits() {
+    // Nearest, halves away from zero, a denominator of 0 as 1, saturating beyond +-2^46.
+    let expected = |numerator: i64, denominator: i32| {
+        let denominator = if denominator == 0 { 1 } else { i128::from(denominator) };
+        let most = 1 << 46;
+        let doubled = i128::from(numerator.clamp(-most, most)) << 17;
+        let rounded = (doubled.abs() / denominator.abs() + 1) / 2 * doubled.signum() * denominator.signum();
+        rounded.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    };
+    let numerators =
+        [0, 1, 59, 60, 61, 1 << 15, 65_535, 1_000_003, 1 << 31, (1 << 46) - 1, 1 << 46, i64::MAX];
+    let denominators = [0, 1, 2, 3, 7, 60, 1000, 65_536, 99_991, 1 << 30, i32::MAX];
+    for (numerator, denominator) in numerators.iter().flat_map(|n| denominators.map(|d| (*n, d))) {
+        for (numerator, denominator) in [
+            (numerator, denominator),
+            (-numerator, denominator),
+            (numerator, -denominator),
+            (-numerator, -denominator),
+        ] {
+            let quotient = Volts::from_ratio(numerator, denominator).to_bits();
+            assert_eq!(quotient, expected(numerator, denominator), "{numerator} / {denominator}");
+        }
+    }
+}
+
 #[test]
 fn every_vector_replays_to_its_digest() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/vectors");

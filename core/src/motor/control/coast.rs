@@ -3,7 +3,7 @@
 use super::{Control, ControlCoefficients, MOTORING};
 use crate::motor::gain::Gain;
 use crate::motor::measurement::{Measured, Measurement};
-use crate::units::saturate64;
+use crate::units::{quotient, saturate64};
 use serde::{Deserialize, Serialize};
 
 /// Where a motor began to coast.
@@ -52,7 +52,7 @@ impl Control {
             }
             Some(from) if self.speed_error >= 0 => {
                 self.coasting = None;
-                let left = i64::from(from.voltage) * i64::from(speed) / i64::from(from.speed.max(1));
+                let left = quotient(i64::from(from.voltage) * i64::from(speed), from.speed.max(1).into());
                 self.take_over(saturate64(left.min(from.voltage.into())));
                 // No slew from 0: on the way up the switches would brake the motor.
                 self.output.duty = measurement.duty(self.speed_voltage);

@@ -3,7 +3,7 @@
 use super::{Limit, ProtectionCoefficients};
 use crate::motor::fault::Cause;
 use crate::motor::samples::Lines;
-use crate::units::saturate64;
+use crate::units::{quotient, saturate64};
 
 /// What trips the fault logic, raw I16F16 of the quantity's unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,12 +55,13 @@ impl ProtectionCoefficients {
     /// Limits at so many ticks a second.
     pub fn new(rate: u32, at: &Thresholds) -> Self {
         let ticks = |microseconds: u32| {
-            let ticks = (u64::from(microseconds) * u64::from(rate)).div_ceil(1_000_000);
+            let ticks = quotient(i64::from(microseconds) * i64::from(rate) + 999_999, 1_000_000);
             ticks.clamp(1, u16::MAX.into()) as u16
         };
         let limit =
             |microseconds: u32, trip: i32, clear: i32| Limit { trip, clear, ticks: ticks(microseconds) };
-        let overspeed = |most: i32| limit(times::OVERSPEED, saturate64(i64::from(most) * 13 / 10), most);
+        let overspeed =
+            |most: i32| limit(times::OVERSPEED, saturate64(quotient(i64::from(most) * 13, 10)), most);
         let Thresholds { over_voltage: over, under_voltage: under, over_current: current, .. } = *at;
         let (hot, warm, pressure) = (at.over_temperature, at.warning, at.over_pressure);
         Self {
