@@ -4,7 +4,8 @@ use std::path::Path;
 use std::{env, fs};
 
 /// What an image may use of the memory. The linker looks for `memory.x` in folders, so each has one of its own.
-const IMAGES: [(&str, &str); 3] = [("drive", "memory.x"), ("bare", "memory.x"), ("boot", "boot.x")];
+const IMAGES: [(&str, &str); 4] =
+    [("drive", "alone.x"), ("application", "slot.x"), ("bare", "slot.x"), ("boot", "boot.x")];
 
 fn main() -> std::io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
@@ -21,6 +22,8 @@ fn main() -> std::io::Result<()> {
         println!("cargo::rustc-link-arg-bin={image}=-L{}", folder.display());
         println!("cargo::rustc-link-arg-bin={image}=-Tlink.x");
         println!("cargo::rustc-link-arg-bin={image}=--nmagic");
+        // Functions of the same instructions are one: no address of a function is compared.
+        println!("cargo::rustc-link-arg-bin={image}=--icf=all");
     }
     Ok(())
 }

@@ -2,12 +2,12 @@
 
 mod bench;
 mod bulk;
+mod code_flash;
 mod cuts;
 mod device;
 mod flash;
 mod flips;
 mod log;
-mod maps;
 mod master;
 mod node;
 mod store;

@@ -41,20 +41,6 @@ fn the_size_is_the_devices_and_five_per_cent_are_fenced_off() {
 }
 
 #[test]
-fn a_memory_for_parameters_alone_is_two_maps() {
-    // Four pages of a microcontroller: two to write and to move to, and their mirror.
-    let layout = Layout::maps(8 << 10, 2 << 10).unwrap();
-    assert_eq!((layout.log.len(), layout.primary.label.len(), layout.mirror.label.len()), (0, 0, 0));
-    assert_eq!((layout.primary.map, layout.mirror.map), (0..4096, 4096..8192));
-    // An odd page is nobody's; less than four are too few.
-    assert_eq!(Layout::maps(10 << 10, 2 << 10).unwrap().mirror.map, 4096..8192);
-    assert_eq!(
-        [Layout::maps(6 << 10, 2 << 10), Layout::maps(0, 2 << 10), Layout::maps(8 << 10, 0)],
-        [None, None, None]
-    );
-}
-
-#[test]
 fn both_parts_come_back_on_every_size() {
     for identification in [KBYTE_512, MBIT_256, MBYTE_256] {
         let chip = formatted(identification, &set(1));

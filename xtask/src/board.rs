@@ -18,12 +18,13 @@ pub const PACKAGE: &str = "narx-b-g431b-esc1";
 pub const PROFILE: &str = "board";
 const GOLDEN: &str = "tests/golden/b-g431b-esc1.toml";
 const HEAD: &str = "\
-# The images of the board B-G431B-ESC1 (profile `board`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application, whose
+# The images of the board B-G431B-ESC1 (profile `board`), bytes: flash with constants and initial values, and RAM without the stack. `drive` is the application alone in the
+# flash, with all that the board has use for; `application` the same in a slot, with programming over CAN and without scope, hall calibration and the tick's short ways, whose
 # flash counts the header of 512 bytes that signing puts before it; `boot` the bootloader; `bare` what the board takes beside the core: start-up, vector table, drivers, both
-# ends of the flash, around a core that answers every tick with Coast. `room` is what there is: the slots of narx_boot::Map::B_G431B_ESC1, and 24 KiB of RAM, of which the stack
-# needs what is left. `fits` is false as long as an image does not.
+# ends of the flash, around a core that answers every tick with Coast. `room` is what there is: the flash up to the parameters, the slots of narx_boot::Map::B_G431B_ESC1, and
+# 24 KiB of RAM, of which the stack needs what is left. `fits` is false as long as an image does not.
 #
-# panics: places from which a panic can be reached in `drive`, by the function that they were written in: bounds that the compiler could not see
+# panics: places from which a panic can be reached in `drive` or `application`, by the function that they were written in: bounds that the compiler could not see
 # are kept. On this board a panic turns the gates off and resets.
 #
 # Made anew by `cargo xtask firmware --board b-g431b-esc1 --golden`, compared within 1 % (panics exactly) by `cargo xtask test firmware`.
@@ -42,11 +43,29 @@ struct Image {
     room: u32,
 }
 
-const IMAGES: [Image; 3] = [
-    Image { name: "drive", before: HEADER, room: 46 << 10 },
-    Image { name: "boot", before: 0, room: 24 << 10 },
+const IMAGES: [Image; 4] = [
+    Image { name: "drive", before: 0, room: 120 << 10 },
+    Image { name: "application", before: HEADER, room: 50 << 10 },
+    Image { name: "boot", before: 0, room: 16 << 10 },
     // The goal of what is not the core's.
     Image { name: "bare", before: 0, room: 10 << 10 },
+];
+
+/// A way to fill the flash.
+struct Layout {
+    what: &'static str,
+    /// Features of the package that its images are built with.
+    features: &'static str,
+    images: &'static [&'static str],
+}
+
+const LAYOUTS: [Layout; 2] = [
+    Layout {
+        what: "a bootloader and two slots, programmed over CAN",
+        features: "slots",
+        images: &["boot", "application"],
+    },
+    Layout { what: "the application alone, programmed by a debugger", features: "alone", images: &["drive"] },
 ];
 
 /// What was measured.
@@ -67,22 +86,32 @@ pub fn path(root: &Path, image: &str) -> PathBuf {
     target_directory(root).join(EMBEDDED).join(PROFILE).join(image)
 }
 
-/// Builds and measures; with `golden` the golden file is written, else an image that does not fit its memory is a failure.
+/// Builds and measures, and says which layouts fit; with `golden` the golden file is written, else it is a failure if none does.
 pub fn command(root: &Path, golden: bool) -> ExitCode {
     let done = build(root).and_then(|_| measure(root)).and_then(|measured| {
         measured.iter().for_each(|(name, figures)| println!("{}", line(name, figures)));
-        if golden {
-            return regenerate(root, false);
+        let verdicts = LAYOUTS.map(|layout| (layout.what, short(&layout, &measured)));
+        for (what, short) in &verdicts {
+            let verdict =
+                if short.is_empty() { "fits".into() } else { format!("too large: {}", short.join(", ")) };
+            println!("{what}: {verdict}");
         }
-        let short: Vec<_> =
-            measured.iter().filter(|(_, figures)| !figures.fits()).map(|(name, _)| *name).collect();
-        if short.is_empty() {
-            Ok(Vec::new())
-        } else {
-            Err(format!("too large for the board: {}", short.join(", ")))
+        match () {
+            () if golden => regenerate(root, false),
+            () if verdicts.iter().any(|(_, short)| short.is_empty()) => Ok(Vec::new()),
+            () => Err("no layout fits the board".into()),
         }
     });
     steps::finish(done)
+}
+
+/// The images of a layout that do not fit, with what they have and what there is.
+fn short(layout: &Layout, measured: &[(&str, Measured)]) -> Vec<String> {
+    let images = measured.iter().filter(|(name, figures)| layout.images.contains(name) && !figures.fits());
+    let shown = |(name, Measured { flash, ram, room }): &(&str, Measured)| {
+        format!("{name} ({flash} bytes of flash of {room}, {ram} of RAM of {RAM_ROOM})")
+    };
+    images.map(shown).collect()
 }
 
 /// Builds all images. The bootloader takes those of the key that the environment names, else of the one for tests.
@@ -91,15 +120,22 @@ pub fn command(root: &Path, golden: bool) -> ExitCode {
 /// What rustup or cargo said.
 pub fn build(root: &Path) -> Outcome {
     install::rust_target(EMBEDDED)?;
-    let mut cargo = Command::new("cargo");
-    cargo.args(["build", "--profile", PROFILE, "-p", PACKAGE, "--bins", "--target", EMBEDDED]);
-    if env::var_os("NARX_UPDATE_KEY").is_none() {
+    let key = if env::var_os("NARX_UPDATE_KEY").is_none() {
         println!(
             "the bootloader takes images of the test key, which everybody has: NARX_UPDATE_KEY names another"
         );
-        cargo.args(["--features", "test-key"]);
+        ",test-key"
+    } else {
+        ""
+    };
+    let mut lines = Vec::new();
+    for layout in LAYOUTS {
+        let mut cargo = Command::new("cargo");
+        cargo.args(["build", "--profile", PROFILE, "-p", PACKAGE, "--bins", "--target", EMBEDDED]);
+        cargo.args(["--features", &format!("{}{key}", layout.features)]);
+        lines.extend(steps::run(cargo.current_dir(root))?);
     }
-    steps::run(cargo.current_dir(root))
+    Ok(lines)
 }
 
 fn measure(root: &Path) -> Result<Vec<(&'static str, Measured)>, String> {
@@ -119,7 +155,7 @@ fn line(name: &str, figures: &Measured) -> String {
     };
     let stack = (32_u32 << 10).saturating_sub(*ram);
     format!(
-        "{name:<6} {flash:>7} bytes of flash of {room}, {verdict}; {ram:>6} of RAM, {stack} for the stack"
+        "{name:<11} {flash:>7} bytes of flash of {room}, {verdict}; {ram:>6} of RAM, {stack} for the stack"
     )
 }
 
@@ -192,16 +228,26 @@ fn misses(golden: &str, now: &str) -> Vec<String> {
 /// Calls of what ends in the panic handler, by the file and function of ours, or of a library, that they were written in.
 fn panics(root: &Path) -> Result<BTreeMap<String, usize>, String> {
     install::debian(&cross::PACKAGES)?;
-    let image = path(root, "drive");
+    let mut all = BTreeMap::new();
+    for image in ["drive", "application"] {
+        for (place, count) in panics_of(root, &path(root, image))? {
+            let most = all.entry(place).or_insert(0);
+            *most = count.max(*most);
+        }
+    }
+    Ok(all)
+}
+
+fn panics_of(root: &Path, image: &Path) -> Result<BTreeMap<String, usize>, String> {
     let code =
-        output(Command::new("arm-none-eabi-objdump").args(["-d", "-C", "--no-show-raw-insn"]).arg(&image))?;
+        output(Command::new("arm-none-eabi-objdump").args(["-d", "-C", "--no-show-raw-insn"]).arg(image))?;
     let calls: Vec<&str> = code.lines().filter_map(call_of_panic).collect();
     let mut table = BTreeMap::new();
     if calls.is_empty() {
         return Ok(table);
     }
     let frames = output(
-        Command::new("arm-none-eabi-addr2line").args(["-a", "-f", "-i", "-C", "-e"]).arg(&image).args(calls),
+        Command::new("arm-none-eabi-addr2line").args(["-a", "-f", "-i", "-C", "-e"]).arg(image).args(calls),
     )?;
     // An address, and then function and place of each frame, innermost first.
     for frames in frames.split("0x").skip(1) {
@@ -244,5 +290,7 @@ fn named(root: &Path, function: &str, place: &str) -> String {
     };
     // Types in the names differ in how they are written.
     let function = function.split('<').next().unwrap_or(function);
+    // What the compiler has outlined is numbered, and numbers move.
+    let function = if function.starts_with("OUTLINED_FUNCTION") { "outlined" } else { function };
     format!("{file} {function}").trim_end().to_owned()
 }

@@ -21,7 +21,7 @@ const MAP_MIN: u32 = 2;
 /// The regions of one flash, in bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// The log: the first 95 %, or nothing.
+    /// The log: the first 95 %.
     pub log: Range<u32>,
     /// The parameters.
     pub primary: Copy,
@@ -32,7 +32,7 @@ pub struct Layout {
 /// One copy of the parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Copy {
-    /// Says that a map of this layout follows; empty where the whole memory is the maps'.
+    /// Says that a map of this layout follows.
     pub label: Range<u32>,
     /// The map.
     pub map: Range<u32>,
@@ -52,20 +52,6 @@ impl Layout {
             map: (first + 1) * subsector..(first + 1 + map) * subsector,
         };
         Some(Self { log: 0..log * subsector, primary: copy(log), mirror: copy(log + 1 + map) })
-    }
-
-    /// The layout of a memory that is made for the parameters and holds nothing else, as some pages of a processor's own flash: one half is a map, the
-    /// other its mirror. `None` if it is too small.
-    pub fn maps(capacity: u32, subsector: u32) -> Option<Self> {
-        let map = (capacity.checked_div(subsector)? / 2).min(MAP_MAX);
-        if map < MAP_MIN {
-            return None;
-        }
-        let copy = |first: u32| Copy {
-            label: first * subsector..first * subsector,
-            map: first * subsector..(first + map) * subsector,
-        };
-        Some(Self { log: 0..0, primary: copy(0), mirror: copy(map) })
     }
 }
 

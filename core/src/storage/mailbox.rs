@@ -39,10 +39,21 @@ impl Mailbox {
     }
 
     /// Serves requests for ever. The future wakes nobody: whoever runs it polls it again.
-    pub async fn serve<F: NorFlash, const LOG: bool>(&self, storage: &mut Storage<F, LOG>) -> ! {
+    pub async fn serve<F: NorFlash>(&self, storage: &mut Storage<F>) -> ! {
         loop {
             let request = poll_fn(|_| self.take_request().map_or(Poll::Pending, Poll::Ready)).await;
             let report = storage.execute(request).await;
+            self.put(Letter::Report(report));
+        }
+    }
+
+    /// Takes a request, or goes on with the last one by a step: for a loop that calls it in every pass.
+    #[cfg(feature = "code-flash")]
+    pub fn serve_step<F: embedded_storage::nor_flash::NorFlash>(&self, storage: &mut super::CodeFlash<F>) {
+        if let Some(request) = self.take_request() {
+            storage.begin(request);
+        }
+        if let Some(report) = storage.step() {
             self.put(Letter::Report(report));
         }
     }

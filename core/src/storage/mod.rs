@@ -1,14 +1,16 @@
-//! The flash: parameters, their mirror, and the log, over any NOR flash.
+//! The flash: parameters, their mirror, and the log, over any NOR flash; or the parameters alone, in pages of the code's own flash.
 //!
 //! ```text
 //!  Node --- Request --> Storage::execute --> flash        one request at a time, each of bounded length
-//!       <-- Report ---
+//!       <-- Report ---  CodeFlash::step
 //! ```
 //!
 //! [`Storage`] waits for the flash where the shell lets it: in an executor, or in a future that the background loop polls. The
-//! node never waits: it hands out a request, and is told later what has become of it.
+//! node never waits: it hands out a request, and is told later what has become of it. `CodeFlash` (feature `code-flash`) has nothing to wait for, because the processor stands still while its flash is written.
 
 mod blank;
+#[cfg(feature = "code-flash")]
+mod code_flash;
 pub mod layout;
 pub mod log;
 mod mailbox;
@@ -16,6 +18,8 @@ mod pair;
 pub mod parameters;
 pub mod record;
 
+#[cfg(feature = "code-flash")]
+pub use code_flash::CodeFlash;
 pub use layout::Layout;
 pub use log::Memory;
 pub use mailbox::Mailbox;
@@ -83,9 +87,9 @@ pub struct Opened {
     pub log: Memory,
 }
 
-/// The storage on one flash. Without `LOG` there are the maps of the parameters and nothing else: no log, and no label before a map.
+/// The storage on one flash.
 #[derive(Clone, Debug)]
-pub struct Storage<F, const LOG: bool = true> {
+pub struct Storage<F> {
     flash: F,
     place: Option<Place>,
     buffers: Buffers,
@@ -115,14 +119,7 @@ impl<F> Storage<F> {
     }
 }
 
-impl<F> Storage<F, false> {
-    /// The same on a memory for the parameters alone ([`Layout::maps`]).
-    pub const fn of_maps(flash: F) -> Self {
-        Self { flash, place: None, buffers: Buffers::new() }
-    }
-}
-
-impl<F: NorFlash, const LOG: bool> Storage<F, LOG> {
+impl<F: NorFlash> Storage<F> {
     /// Gives the flash back.
     pub fn into_flash(self) -> F {
         self.flash
@@ -143,7 +140,7 @@ impl<F: NorFlash, const LOG: bool> Storage<F, LOG> {
             }
             Request::Append(entry) => {
                 let done = match &mut self.place {
-                    Some(Place { log, pair, .. }) if LOG => {
+                    Some(Place { log, pair, .. }) => {
                         log.append(&mut self.flash, pair, &mut self.buffers, &entry).await
                     }
                     _ => Err(Failed),
@@ -152,14 +149,14 @@ impl<F: NorFlash, const LOG: bool> Storage<F, LOG> {
             }
             Request::Read(index) => {
                 let found = match &self.place {
-                    Some(place) if LOG => place.log.read(&mut self.flash, index).await,
+                    Some(place) => place.log.read(&mut self.flash, index).await,
                     _ => Err(Failed),
                 };
                 Report::Record(found.unwrap_or(None))
             }
             Request::Erase => {
                 let done = match &mut self.place {
-                    Some(Place { log, pair, labelled: true, .. }) if LOG => {
+                    Some(Place { log, pair, labelled: true, .. }) => {
                         log.erase(&mut self.flash, pair, &mut self.buffers).await
                     }
                     _ => Err(Failed),
@@ -174,14 +171,11 @@ impl<F: NorFlash, const LOG: bool> Storage<F, LOG> {
         self.open().await;
         let stored = self.store(parameters, Part::Set).await.is_ok();
         let Some(place) = &mut self.place else { return false };
-        if !LOG {
-            return stored;
-        }
         stored && place.log.begin(&mut self.flash, &place.pair, &mut self.buffers).await.is_ok()
     }
 
     fn memory(&self) -> Memory {
-        self.place.as_ref().filter(|_| LOG).map_or_else(Memory::default, |place| place.log.memory())
+        self.place.as_ref().map_or_else(Memory::default, |place| place.log.memory())
     }
 
     async fn open(&mut self) -> Opened {
@@ -203,16 +197,10 @@ impl<F: NorFlash, const LOG: bool> Storage<F, LOG> {
         let Self { flash, place, buffers } = self;
         let capacity = u32::try_from(flash.capacity()).map_err(|_| Failed)?;
         let subsector = F::ERASE_SIZE as u32;
-        let layout = if LOG { Layout::of } else { Layout::maps };
-        let layout = layout(capacity, subsector).ok_or(Failed)?;
+        let layout = Layout::of(capacity, subsector).ok_or(Failed)?;
         let pair = Pair::of(&layout);
         let log = Log::new(layout.log.clone(), subsector);
         let place = place.insert(Place { layout, pair, log, labelled: false, unfit: false });
-        if !LOG {
-            // Where nobody has stored yet, the first store makes the maps.
-            place.labelled = place.load_maps(flash, buffers, opened).await?;
-            return Ok(());
-        }
         opened.log = place.log.memory();
         let labels = [
             is_label(flash, &place.layout.primary.label, capacity).await?,
@@ -252,7 +240,7 @@ impl<F: NorFlash, const LOG: bool> Storage<F, LOG> {
             let key = if *part == Part::Set { Key::Set } else { Key::Once };
             pair.write(flash, key, buffers, |body| part.encode(parameters, body)).await?;
         }
-        if !*labelled && LOG {
+        if !*labelled {
             let capacity = u32::try_from(flash.capacity()).map_err(|_| Failed)?;
             write_label(flash, &layout.primary.label, capacity).await?;
             write_label(flash, &layout.mirror.label, capacity).await?;
@@ -263,27 +251,25 @@ impl<F: NorFlash, const LOG: bool> Storage<F, LOG> {
 }
 
 impl Place {
-    /// The stored parameters, and whether there is a set.
+    /// The stored parameters.
     async fn load_maps<F: NorFlash>(
         &mut self,
         flash: &mut F,
         buffers: &mut Buffers,
         opened: &mut Opened,
-    ) -> Result<bool, Failed> {
-        let mut is_set = false;
+    ) -> Result<(), Failed> {
         for (key, part) in [(Key::Set, Part::Set), (Key::Once, Part::Once)] {
             let found = self.pair.read(flash, key, buffers).await?;
             opened.repaired |= found.repaired;
-            is_set |= found.present && part == Part::Set;
+            if !found.present && part == Part::Set {
+                opened.faults |= FaultWord::STORE_MISMATCH;
+            }
             if found.present && part.decode(buffers.body(), &mut opened.parameters).is_err() {
                 opened.faults |= FaultWord::STORE_VERSION;
                 self.unfit = true;
             }
         }
-        if !is_set {
-            opened.faults |= FaultWord::STORE_MISMATCH;
-        }
-        Ok(is_set)
+        Ok(())
     }
 }
 

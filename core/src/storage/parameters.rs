@@ -9,7 +9,7 @@ use crate::dictionary::{Category, Dictionary, Parameter, Parameters, number};
 use serde::{Deserialize, Serialize};
 
 /// The form that is written, and the newest that is understood.
-const FORMAT: u16 = 1;
+pub(super) const FORMAT: u16 = 1;
 const HEAD: usize = 4;
 const PAIR: usize = 6;
 

@@ -1,9 +1,10 @@
 //! The flash: who stands where is the bootloader's to say ([`MAP`]); where it is in the address space, and how it is written, the chip's.
 //!
 //! ```text
-//!  0        24 K           70 K              118 K   120 K      128 K
-//!  | boot   | active       | dfu             | state | parameters |
-//!  | loader | header, code | its successor   |       | map, map   |
+//!  0        16 K           66 K              118 K   120 K      128 K
+//!  | boot   | active       | dfu             | state | parameters |      with a bootloader
+//!  | loader | header, code | its successor   |       | four pages |
+//!  | the application alone                           |            |      without
 //! ```
 
 use narx_boot::Map;

@@ -45,7 +45,7 @@ const ST_PAGE: u32 = 2 << 10;
 
 impl Map {
     /// STM32G431CB of the B-G431B-ESC1: 128 KiB in pages of 2 KiB (RM0440, section 3.3).
-    pub const B_G431B_ESC1: Self = Self::stacked([24 << 10, 46 << 10, 48 << 10, ST_PAGE, 8 << 10]);
+    pub const B_G431B_ESC1: Self = Self::stacked([16 << 10, 50 << 10, 52 << 10, ST_PAGE, 8 << 10]);
 
     /// Bootloader, active, dfu, state and parameters of these lengths behind one another, from 0 on.
     pub const fn stacked(lengths: [u32; 5]) -> Self {

@@ -10,7 +10,7 @@ fn the_st_board_has_its_map() {
     let flash: InternalFlash<Sparse> = InternalFlash::new(Sparse::new(), 128 << 10, 0);
     let map = Map::B_G431B_ESC1;
     assert_eq!(map.check(&flash), Ok(()));
-    assert_eq!((map.parameters.end, map.entry() % 512, map.room()), (128 << 10, 0, 46 << 10));
+    assert_eq!((map.parameters.end, map.entry() % 512, map.room()), (128 << 10, 0, 50 << 10));
 }
 
 #[test]

@@ -34,7 +34,7 @@ const BOARD_LINTS: [&str; 14] = [
     board::PACKAGE,
     "--bins",
     "--features",
-    "test-key",
+    "alone,slots,test-key",
     "--target",
     EMBEDDED,
     "--",

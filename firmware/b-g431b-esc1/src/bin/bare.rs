@@ -33,15 +33,15 @@ mod image {
 
         let cause = reset::cause();
         chip::start();
-        let Some(mut core) = cortex_m::Peripherals::take() else { reset::reset() };
+        let Some(mut core) = cortex_m::Peripherals::take() else { reset::fail() };
         let (arriving_in, arriving) = ARRIVING_FRAMES.split();
         ARRIVING.give(arriving_in);
         BRIDGE.give(Bridge::default());
         TICK.give(Tick::default());
         chip::listen(&mut core.NVIC);
-        let Ok(slot) = Slot::new(Region::new(0..SIZE), MAP, HARDWARE) else { reset::reset() };
+        let Ok(slot) = Slot::new(Region::new(0..SIZE), MAP, HARDWARE) else { reset::fail() };
         let mut parameters = Region::new(MAP.parameters);
-        let mut side = Loop { arriving, cause, server: Server::new(slot), blink_due: 0 };
+        let mut side = Loop { arriving, cause, tests: None, server: Server::new(slot), blink_due: 0 };
         loop {
             side.wait();
             let mut page = [0; 8];

@@ -1,14 +1,17 @@
 //! The background's side of the board.
 
+#[cfg(feature = "slots")]
 use super::memory::Region;
-use super::reset::Cause;
+use super::self_test::Tests;
 use super::{converter, fdcan, ports, reset, tick, watchdog};
 use crate::analog::{pin, reference_tap, temperature};
 use heapless::spsc::Consumer;
+#[cfg(feature = "slots")]
 use narx_boot::Server;
 use narx_core::bus::{BusState, Frame};
+#[cfg(feature = "slots")]
 use narx_core::node::update::{Report, Request};
-use narx_core::node::{Outputs, SlowInputs};
+use narx_core::node::{Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_firmware::board::BackgroundSide;
 use stm32_metapac::VREFINTCAL;
 
@@ -17,8 +20,11 @@ pub struct Loop {
     /// From the interrupt.
     pub arriving: Consumer<'static, Frame>,
     /// Why the chip began anew.
-    pub cause: Cause,
+    pub cause: ResetCause,
+    /// Tests that go on; without any nothing fails.
+    pub tests: Option<Tests>,
     /// Writes the slot of the bootloader.
+    #[cfg(feature = "slots")]
     pub server: Server<Region>,
     /// When the LED changes next, ticks.
     pub blink_due: u64,
@@ -81,6 +87,12 @@ impl BackgroundSide for Loop {
     /// Nothing to set: both lines are inputs, and the hall sensors' supply has no switch.
     fn apply(&mut self, _: Outputs) {}
 
+    fn self_test(&mut self) -> SelfTests {
+        let ticks = self.now();
+        self.tests.as_mut().map_or(SelfTests::empty(), |tests| tests.step(ticks))
+    }
+
+    #[cfg(feature = "slots")]
     fn serve_update(&mut self, request: &Request) -> Report {
         self.server.execute(request)
     }
@@ -88,7 +100,7 @@ impl BackgroundSide for Loop {
     fn feed_watchdog(&mut self) {
         watchdog::feed();
         if self.now() >= self.blink_due {
-            let after_watchdog = self.cause == Cause::Watchdog;
+            let after_watchdog = self.cause == ResetCause::Watchdog;
             self.blink_due = self.now() + if after_watchdog { BLINK_AFTER_WATCHDOG } else { BLINK };
             ports::toggle_led();
         }

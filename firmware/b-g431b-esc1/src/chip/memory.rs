@@ -1,13 +1,10 @@
 //! The chip's own flash as memory. While a page is erased (22 ms) or a word is programmed (0.1 ms) the processor stands still, because its code is in the same flash: it is for a drive at
 //! rest.
 
-use super::{wait_for, watchdog};
+use super::wait_for;
 use crate::flash_map::{PAGE, START, WORD};
-use core::future::poll_fn;
 use core::ops::Range;
-use core::task::Poll;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
-use embedded_storage_async::nor_flash as in_turns;
 use stm32_metapac::FLASH;
 use stm32_metapac::flash::regs::Sr;
 
@@ -141,55 +138,5 @@ impl NorFlash for Region {
             erase_page(page)?;
         }
         Ok(())
-    }
-}
-
-// The same for the storage of parameters: between two pages the background loop has its turn.
-
-impl in_turns::ReadNorFlash for Region {
-    const READ_SIZE: usize = <Self as ReadNorFlash>::READ_SIZE;
-
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Error> {
-        ReadNorFlash::read(self, offset, bytes)
-    }
-
-    fn capacity(&self) -> usize {
-        ReadNorFlash::capacity(self)
-    }
-}
-
-impl in_turns::NorFlash for Region {
-    const WRITE_SIZE: usize = <Self as NorFlash>::WRITE_SIZE;
-    const ERASE_SIZE: usize = <Self as NorFlash>::ERASE_SIZE;
-
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
-        NorFlash::write(self, offset, bytes)
-    }
-
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), Error> {
-        for page in (from..to).step_by(PAGE as usize) {
-            NorFlash::erase(self, page, page + PAGE)?;
-            turn().await;
-        }
-        Ok(())
-    }
-}
-
-/// Lets the background loop have a pass, in which it sees to everybody else.
-async fn turn() {
-    let mut passed = false;
-    poll_fn(|_| if core::mem::replace(&mut passed, true) { Poll::Ready(()) } else { Poll::Pending }).await;
-}
-
-/// Runs `work` to its end before the background loop runs, and puts off the watchdog in every turn.
-pub fn finish<T>(work: impl Future<Output = T>) -> T {
-    let mut work = core::pin::pin!(work);
-    loop {
-        watchdog::feed();
-        if let Poll::Ready(value) =
-            work.as_mut().poll(&mut core::task::Context::from_waker(core::task::Waker::noop()))
-        {
-            return value;
-        }
     }
 }

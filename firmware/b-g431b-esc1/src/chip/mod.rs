@@ -9,6 +9,7 @@ pub mod memory;
 pub mod ports;
 pub mod power_stage;
 pub mod reset;
+pub mod self_test;
 pub mod tick;
 pub mod watchdog;
 
@@ -21,7 +22,7 @@ const URGENCY: [(Interrupt, u8); 3] =
 
 /// Clocks, pins, peripherals, with the gates off. Interrupts come with [`listen`].
 pub fn start() {
-    watchdog::start();
+    watchdog::start_slow();
     clock::start();
     ports::start();
     power_stage::start();
@@ -46,8 +47,9 @@ pub fn stay() -> ! {
     }
 }
 
-/// Lets the interrupts in: what they own has been given to them.
+/// Lets the interrupts in: what they own has been given to them. From here on the watchdog waits for nobody.
 pub fn listen(nvic: &mut NVIC) {
+    watchdog::start();
     for (interrupt, urgency) in URGENCY {
         reset::enable(nvic, interrupt, urgency);
     }

@@ -4,35 +4,43 @@ use super::power_stage;
 use core::panic::PanicInfo;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::exception;
+use narx_core::node::ResetCause;
 use stm32_metapac::rcc::regs::Csr;
-use stm32_metapac::{FLASH, Interrupt, RCC, UID};
+use stm32_metapac::tamp::regs::Bkpr;
+use stm32_metapac::{FLASH, Interrupt, PWR, RCC, TAMP, UID};
 
-/// Why the chip began anew.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// Supply, reset pin, or a programmer.
-    PowerUp,
-    /// A request of the software: REBOOT, a panic, a fault.
-    Software,
-    /// The watchdog: control, CAN or background had stood still.
-    Watchdog,
-}
+/// What stands in a register that outlives a reset when the program has come to where it must not.
+const PROGRAM: u32 = u32::from_be_bytes(*b"fail");
 
-/// Why the chip began anew; the next call answers `PowerUp`.
-pub fn cause() -> Cause {
+/// Why the chip began anew (RM0440, section 7.4.28); the next call does not know.
+pub fn cause() -> ResetCause {
     let flags = RCC.csr().read();
     RCC.csr().write_value({
         let mut clear = Csr(flags.0);
         clear.set_rmvf(true);
         clear
     });
-    if flags.iwdgrstf() {
-        Cause::Watchdog
-    } else if flags.sftrstf() {
-        Cause::Software
-    } else {
-        Cause::PowerUp
+    open_note();
+    let by_program = TAMP.bkpr(0).read().0 == PROGRAM;
+    TAMP.bkpr(0).write_value(Bkpr(0));
+    // Every reset pulls the pin, too.
+    match () {
+        () if flags.iwdgrstf() => ResetCause::Watchdog,
+        () if flags.sftrstf() && by_program => ResetCause::Program,
+        () if flags.sftrstf() => ResetCause::Requested,
+        () if flags.borrstf() => ResetCause::PowerUp,
+        () if flags.pinrstf() => ResetCause::Pin,
+        () => ResetCause::Unknown,
     }
+}
+
+/// Lets the backup registers be written.
+fn open_note() {
+    RCC.apb1enr1().modify(|enable| {
+        enable.set_pwren(true);
+        enable.set_rtcapben(true);
+    });
+    PWR.cr1().modify(|control| control.set_dbp(true));
 }
 
 /// 16 bits of the chip's own number that differ between boards of one batch, never 0.
@@ -44,21 +52,29 @@ pub fn serial() -> u16 {
     ((mixed >> 16 ^ mixed) as u16).max(1)
 }
 
-/// Resets the chip with the gates off.
+/// Resets the chip with the gates off, because somebody asks for it.
 pub fn reset() -> ! {
     power_stage::off();
     SCB::sys_reset()
 }
 
+/// The same because the program cannot go on; the next start tells so.
+pub fn fail() -> ! {
+    power_stage::off();
+    open_note();
+    TAMP.bkpr(0).write_value(Bkpr(PROGRAM));
+    SCB::sys_reset()
+}
+
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
-    reset()
+    fail()
 }
 
 // SAFETY: reached once at most, and it touches registers alone.
 #[exception]
 unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-    reset()
+    fail()
 }
 
 // SAFETY: as above; it returns from a double bit error of the flash alone, whose reader sees by his own checks that the bytes are wrong. A store that
@@ -70,13 +86,13 @@ unsafe fn NonMaskableInt() {
         return;
     }
     // The crystal has stopped: TIM1 is broken already.
-    reset()
+    fail()
 }
 
 // SAFETY: an interrupt that nobody has asked for.
 #[exception]
 unsafe fn DefaultHandler(_: i16) {
-    reset()
+    fail()
 }
 
 /// Enters the image whose vector table stands at `vectors`.

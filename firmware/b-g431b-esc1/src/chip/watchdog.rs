@@ -13,12 +13,12 @@ fn key(key: Key) {
     IWDG.kr().write_value(word);
 }
 
-/// For the application: see [`RELOAD`].
+/// For the application's loop: see [`RELOAD`].
 pub(super) fn start() {
     run(Pr::DIVIDE_BY16, RELOAD);
 }
 
-/// For the bootloader: 32 s, because at 16 MHz a signature takes a second, and a swap of 23 pages three.
+/// For what comes before: 32 s. RAM and program are tested in it; in the bootloader, at 16 MHz, a signature takes a second, and a swap of 25 pages three.
 pub(super) fn start_slow() {
     run(Pr::DIVIDE_BY256, 4000);
 }

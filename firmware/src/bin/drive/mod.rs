@@ -13,6 +13,7 @@ use narx_core::motor::{Board, PwmCommand, Samples};
 use narx_core::node::{Identity, ResetCause};
 use narx_core::scope::{self, Memory};
 use narx_core::storage::{Mailbox, Opened, Report, Request, Storage};
+use narx_firmware::boards::cortex_m as image;
 use narx_firmware::boards::qemu::flash::{self, Chip};
 use narx_firmware::boards::qemu::pace::{Pace, count_millisecond, look_for_millisecond};
 use narx_firmware::boards::qemu::slots::{MAP, Slots};
@@ -45,7 +46,7 @@ fn main() -> ! {
     static mut SCOPE: Memory<[u16; scope::WORDS]> = Memory::new();
 
     // Before anything else is in RAM that could not bear it.
-    let is_ram_sound = program::is_ram_sound();
+    let is_ram_sound = image::is_ram_sound();
     let cause = kept::take_cause();
     let Some(Options { preset, supply, watchdog_ms, trouble }) = choose(semihosting::arguments(ARGUMENTS))
     else {

@@ -19,20 +19,6 @@ pub(super) fn high_water() -> usize {
     high as usize - at as usize
 }
 
-/// Words at the end of the stack that nobody ever writes.
-const CANARY: usize = 16;
-
-/// Whether the end of the stack is as start-up has painted it.
-pub(super) fn is_end_untouched() -> bool {
-    unsafe extern "C" {
-        static _stack_end: u32;
-    }
-    let end = &raw const _stack_end;
-    // SAFETY: the lowest words of the stack, which are RAM that start-up has painted; they are only read.
-    (0..CANARY)
-        .all(|word| unsafe { ptr::read_volatile(end.wrapping_add(word)) } == cortex_m_rt::STACK_PAINT_VALUE)
-}
-
 /// Writes the last word of the stack, as a stack that is too small would.
 pub(super) fn spoil() {
     unsafe extern "C" {

@@ -7,6 +7,7 @@ use super::uart::Uart;
 use super::watchdog::Watchdog;
 use super::{kept, pace, program, stack};
 use crate::board::{BackgroundSide, TickSide};
+use crate::boards::cortex_m as image;
 use crate::self_test::clock::{TickMonitor, Tolerance};
 use crate::self_test::walk::Walk;
 use cortex_m::peripheral::SCB;
@@ -102,15 +103,17 @@ impl Tests {
         const TOLERANCE: Tolerance = Tolerance { slow: 1000, fast: 20 };
         Self {
             failed: if is_ram_sound { SelfTests::empty() } else { SelfTests::RAM },
-            walk: Walk::new(program::program()),
+            walk: Walk::new(image::program()),
             monitor: TickMonitor::new(TICK_RATE, 1000, TOLERANCE, 1000, pace::milliseconds()),
         }
     }
 
     fn step(&mut self, ticks: u64) -> SelfTests {
-        self.failed
-            .set(SelfTests::STACK, self.failed.contains(SelfTests::STACK) || !stack::is_end_untouched());
-        self.failed.set(SelfTests::FLASH, !self.walk.step(program::program(), WALK_BYTES));
+        self.failed.set(
+            SelfTests::STACK,
+            self.failed.contains(SelfTests::STACK) || !image::is_stack_end_untouched(),
+        );
+        self.failed.set(SelfTests::FLASH, !self.walk.step(image::program(), WALK_BYTES));
         self.failed.set(SelfTests::TICK, !self.monitor.step(ticks, pace::milliseconds()));
         self.failed
     }

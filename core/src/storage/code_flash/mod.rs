@@ -1,0 +1,292 @@
+//! The parameters in a few pages of the flash that the code runs from.
+//!
+//! ```text
+//!  page 0              page 1              page 2              page 3
+//!  | first           | its twin          | older or blank    | older or blank    |
+//! ```
+//!
+//! Two pages hold the same words. A store appends what has changed and a commit to the first, and only then copies that to its twin; where there is no
+//! room, or a word does not come out right, everything in force goes into the next page that is neither. So a power cut strikes one page at most, a damaged
+//! page is made anew from its twin, and pages are erased in turn. Nothing here waits: each [`step`](CodeFlash::step) erases one page at most.
+
+mod page;
+
+use super::{Memory, Opened, Part, Report, Request, parameters::FORMAT};
+use crate::dictionary::{Dictionary, PARAMETER_COUNT, Parameters, number::SOFTWARE_RELEASE};
+use crate::motor::fault::FaultWord;
+use core::cmp::Ordering;
+use embedded_storage::nor_flash::NorFlash;
+use page::{COMMIT, HEAD, Page};
+
+/// Two pages with the parameters, and one to move to.
+const PAGES_MIN: u32 = 3;
+
+/// The flash does not do what it is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Failed;
+
+/// Serves a node's requests on such a flash. There is no log: its requests fail.
+#[derive(Clone, Debug)]
+pub struct CodeFlash<F> {
+    flash: F,
+    request: Option<Request>,
+    /// It has been looked at, and has the size for it.
+    is_open: bool,
+    /// The newest page that is whole.
+    first: Option<Page>,
+    /// The same once more, or what is there of it.
+    twin: Option<Page>,
+    /// Count of the last store that was committed anywhere.
+    count: u32,
+    /// A stored value did not fit its parameter: the next store writes both parts.
+    unfit: bool,
+    /// How far the request has come.
+    stage: Stage,
+    /// Places that have been tried in this stage.
+    tries: u32,
+    repaired: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Begin,
+    Copy,
+}
+
+/// The value that a page has for each row of the dictionary.
+type Table = [Option<i32>; PARAMETER_COUNT];
+
+impl<F> CodeFlash<F> {
+    /// Nothing is looked at before the first request, which is [`Request::Open`].
+    pub const fn new(flash: F) -> Self {
+        Self {
+            flash,
+            request: None,
+            is_open: false,
+            first: None,
+            twin: None,
+            count: 0,
+            unfit: false,
+            stage: Stage::Begin,
+            tries: 0,
+            repaired: false,
+        }
+    }
+
+    /// Gives the flash back.
+    pub fn into_flash(self) -> F {
+        self.flash
+    }
+
+    /// The flash.
+    pub const fn flash(&mut self) -> &mut F {
+        &mut self.flash
+    }
+
+    /// Takes a request; [`step`](Self::step) does it. One at a time, as a node asks.
+    pub fn begin(&mut self, request: Request) {
+        (self.request, self.stage, self.tries, self.repaired) = (Some(request), Stage::Begin, 0, false);
+    }
+}
+
+impl<F: NorFlash> CodeFlash<F> {
+    /// Goes on with the request by one page; a report once it is done.
+    pub fn step(&mut self) -> Option<Report> {
+        let request = self.request.take()?;
+        match self.advance(&request) {
+            Ok(None) => {
+                self.request = Some(request);
+                None
+            }
+            Ok(report) => report,
+            Err(Failed) => Some(self.failed(&request)),
+        }
+    }
+
+    fn advance(&mut self, request: &Request) -> Result<Option<Report>, Failed> {
+        match (request, self.stage) {
+            (Request::Open, Stage::Begin) => self.look()?,
+            (Request::Store(parameters, part), Stage::Begin) if self.is_open => {
+                let is_written = self.write(parameters, *part).is_ok();
+                self.go_on(is_written)?;
+            }
+            (Request::Open | Request::Store(..), Stage::Copy) if self.first.is_some() && self.is_alone() => {
+                let is_copied = self.copy().is_ok();
+                self.go_on(is_copied)?;
+                self.repaired = true;
+            }
+            (Request::Open, Stage::Copy) => return self.opened().map(|opened| Some(Report::Opened(opened))),
+            (Request::Store(..), Stage::Copy) => {
+                return Ok(Some(Report::Stored { done: true, log: Memory::default() }));
+            }
+            _ => return Err(Failed),
+        }
+        Ok(None)
+    }
+
+    /// The next stage, or another place.
+    fn go_on(&mut self, is_done: bool) -> Result<(), Failed> {
+        self.tries = if is_done { 0 } else { self.tries + 1 };
+        if is_done {
+            self.stage = Stage::Copy;
+        }
+        if self.tries > pages(&self.flash) { Err(Failed) } else { Ok(()) }
+    }
+
+    fn failed(&mut self, request: &Request) -> Report {
+        let log = Memory::default();
+        match request {
+            Request::Open => {
+                self.is_open = false;
+                Report::Opened(Opened {
+                    parameters: Parameters::new(),
+                    faults: FaultWord::STORE_ABSENT,
+                    repaired: false,
+                    log,
+                })
+            }
+            Request::Store(..) => Report::Stored { done: false, log },
+            Request::Append(_) | Request::Erase => Report::Log { done: false, memory: log },
+            Request::Read(_) => Report::Record(None),
+        }
+    }
+
+    /// Finds the newest page and its twin. Where the newest commit stands in no page that is whole, what was stored last is lost, and nothing older is brought back for it.
+    fn look(&mut self) -> Result<(), Failed> {
+        let room = page::words::<F>() as usize;
+        if pages(&self.flash) < PAGES_MIN || room < Dictionary::STORED_COUNT + 2 {
+            return Err(Failed);
+        }
+        (self.first, self.twin, self.count, self.stage) = (None, None, 0, Stage::Copy);
+        for index in 0..pages(&self.flash) {
+            let page = page::scan(&mut self.flash, index, &mut |_, _| {})?;
+            let Some(count) = page.count else { continue };
+            match (count.wrapping_sub(self.count) as i32).cmp(&0) {
+                Ordering::Greater => {
+                    (self.first, self.twin) = (Some(page).filter(|page| page.is_whole), None);
+                    self.count = count;
+                }
+                Ordering::Equal if page.is_whole && self.first.is_none() => self.first = Some(page),
+                Ordering::Equal if page.is_whole => {
+                    self.twin =
+                        Some(page).filter(|page| self.first.is_some_and(|first| page.is_equal(&first)));
+                }
+                _ => {}
+            }
+        }
+        self.is_open = true;
+        Ok(())
+    }
+
+    /// The twin is not the first page's equal.
+    fn is_alone(&self) -> bool {
+        !matches!((self.first, self.twin), (Some(first), Some(twin)) if twin.is_equal(&first))
+    }
+
+    fn opened(&mut self) -> Result<Opened, Failed> {
+        let mut opened = Opened {
+            parameters: Parameters::new(),
+            faults: FaultWord::empty(),
+            repaired: self.repaired,
+            log: Memory::default(),
+        };
+        let table = self.table()?;
+        let mut fits = self.first.is_none_or(|page| page.form <= FORMAT);
+        for (row, value) in Dictionary::rows().zip(table) {
+            if let Some(value) = value.filter(|_| row.is_stored()) {
+                fits &= opened.parameters.set(row.number, value).is_ok();
+            }
+        }
+        self.unfit = !fits;
+        opened.faults.set(FaultWord::STORE_VERSION, !fits);
+        opened.faults.set(FaultWord::STORE_MISMATCH, self.first.is_none());
+        Ok(opened)
+    }
+
+    /// What the first page says. Of a form to come nothing is known.
+    fn table(&mut self) -> Result<Table, Failed> {
+        let mut table = [None; PARAMETER_COUNT];
+        if let Some(first) = self.first.filter(|page| page.form <= FORMAT) {
+            page::scan(&mut self.flash, first.index, &mut |number, value| {
+                if let Some(place) = Dictionary::index(number).and_then(|index| table.get_mut(index)) {
+                    *place = Some(value);
+                }
+            })?;
+        }
+        Ok(table)
+    }
+
+    /// Writes what is new behind the first page's words; everything in force into the next page if there is no room, and where nothing is known.
+    fn write(&mut self, parameters: &Parameters, part: Part) -> Result<(), Failed> {
+        let table = self.table()?;
+        let both = self.first.is_none() || self.unfit;
+        let (index, from) = match self.first {
+            Some(first) if self.tries == 0 && first.form == FORMAT => (first.index, first.end),
+            _ => (self.begin_page()?, 1),
+        };
+        let is_new = from == 1;
+        if is_new {
+            let release = parameters.raw(SOFTWARE_RELEASE) as u16;
+            page::put(&mut self.flash, index, 0, HEAD, i32::from(FORMAT) << 16 | i32::from(release))?;
+        }
+        let mut place = from;
+        for ((row, raw), kept) in parameters.iter().zip(table) {
+            let is_given = part.contains(row) || both && row.is_stored();
+            let value = if is_given { Some(raw) } else { kept };
+            if let Some(value) = value.filter(|value| is_new || kept != Some(*value)) {
+                page::put(&mut self.flash, index, place, row.number, value)?;
+                place += 1;
+            }
+        }
+        if place == from {
+            return Ok(());
+        }
+        let count = self.count.wrapping_add(1);
+        page::put(&mut self.flash, index, place, COMMIT, count as i32)?;
+        let page = page::scan(&mut self.flash, index, &mut |_, _| {})?;
+        if !page.is_whole || page.count != Some(count) {
+            return Err(Failed);
+        }
+        (self.first, self.count, self.unfit) = (Some(page), count, false);
+        if is_new {
+            self.twin = None;
+        }
+        Ok(())
+    }
+
+    /// Makes the twin equal: the words that it lacks, or all of them in the next page.
+    fn copy(&mut self) -> Result<(), Failed> {
+        let first = self.first.ok_or(Failed)?;
+        let (index, from) = match self.twin.take() {
+            Some(twin) => (twin.index, twin.end),
+            None => (self.begin_page()?, 0),
+        };
+        for place in from..first.end {
+            let word = page::read(&mut self.flash, first.index, place)?;
+            page::write(&mut self.flash, index, place, word)?;
+        }
+        let page = page::scan(&mut self.flash, index, &mut |_, _| {})?;
+        self.twin = Some(page).filter(|page| page.is_whole && page.is_equal(&first));
+        if self.twin.is_some() { Ok(()) } else { Err(Failed) }
+    }
+
+    /// Erases the page behind the first that is neither it nor its twin; later tries take later ones.
+    fn begin_page(&mut self) -> Result<u32, Failed> {
+        let pages = pages(&self.flash);
+        let mut index = self.first.map_or(pages - 1, |first| first.index);
+        let mut others = self.tries.saturating_sub(1);
+        for _ in 0..pages {
+            index = (index + 1) % pages;
+            let is_used = [self.first, self.twin].iter().flatten().any(|page| page.index == index);
+            if !is_used && others == 0 {
+                return page::erase(&mut self.flash, index).map(|()| index);
+            }
+            others -= u32::from(!is_used);
+        }
+        Err(Failed)
+    }
+}
+
+fn pages<F: NorFlash>(flash: &F) -> u32 {
+    (flash.capacity() / F::ERASE_SIZE) as u32
+}
