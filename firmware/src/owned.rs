@@ -14,7 +14,11 @@ impl<T> Owned<T> {
 
     /// Leaves `value` for the interrupt.
     pub fn give(&self, value: T) {
-        critical_section::with(|section| self.0.borrow(section).replace(Some(value)));
+        critical_section::with(|section| {
+            if let Ok(mut place) = self.0.borrow(section).try_borrow_mut() {
+                *place = Some(value);
+            }
+        });
     }
 
     /// The interrupt's work with what it owns; nothing happens before it was given.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -317,7 +318,7 @@ class Drive:
         finally:
             self._link.close()
             if self._own_bus is not None:
-                self._own_bus.shutdown()
+                let_go(self._own_bus)
 
     def __enter__(self) -> Self:
         return self
@@ -438,6 +439,14 @@ def is_there(drive: Drive, silent: bool) -> bool:
     if drive._master.last_heard is None:
         return False
     return silent or drive.state not in (None, State.INITIALIZATION)
+
+
+def let_go(bus: can.BusABC) -> None:
+    """Shuts a bus down. One that does not work any more cannot be told, and whoever waited for it has heard so."""
+    import can
+
+    with suppress(can.CanError):
+        bus.shutdown()
 
 
 def devices(*interfaces: str) -> list[dict[str, Any]]:

@@ -110,7 +110,8 @@ class BusLink(FreeLink):
         known = can.Notifier.find_instances(bus)
         self._own_notifier = not known
         self._notifier = known[0] if known else can.Notifier(bus, [], timeout=0.1)
-        self._notifier.add_listener(self._hear)
+        self._listener = listener(self._hear, self._fail)
+        self._notifier.add_listener(self._listener)
         self._thread = threading.Thread(target=self._talk, name="narx master", daemon=True)
         self._thread.start()
 
@@ -143,7 +144,7 @@ class BusLink(FreeLink):
         if self._own_notifier:
             self._notifier.stop()
         else:
-            self._notifier.remove_listener(self._hear)
+            self._notifier.remove_listener(self._listener)
 
     def _check(self) -> None:
         if self._error is not None:
@@ -158,18 +159,39 @@ class BusLink(FreeLink):
             handle(self.master, message, self.now)
             self._changed.notify_all()
 
+    def _fail(self, error: Exception) -> None:
+        """Whatever the adapter raises is for who waits next."""
+        with self._changed:
+            self._error = self._error or error
+            self._changed.notify_all()
+
     def _talk(self) -> None:
         with self._changed:
             while not self._closed:
                 try:
                     self._starter.poll(self.now)
                     send_due(self.master, self._bus, self.now)
-                except Exception as error:  # Whatever the adapter raises is for who waits next.
-                    self._error = error
-                    self._changed.notify_all()
+                except Exception as error:
+                    self._fail(error)
                     return
                 due = self.master.next_poll(self.now) - self.now
                 self._changed.wait(min(max(due, 0.0005), 0.05))
+
+
+def listener(hear: Callable[[can.Message], None], fail: Callable[[Exception], None]) -> can.Listener:
+    """What a notifier calls."""
+    import can
+
+    class Listener(can.Listener):
+        def on_message_received(self, msg: can.Message) -> None:
+            hear(msg)
+
+        def on_error(self, exc: Exception) -> None:
+            fail(exc)
+            # The notifier tries again at once, and an adapter that is gone will say the same.
+            time.sleep(0.1)
+
+    return Listener()
 
 
 class SteppedLink(FreeLink):

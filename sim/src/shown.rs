@@ -1,7 +1,7 @@
 //! Numbers in texts. The standard formatting of floating-point numbers is exact to the last digit, which nobody reads here, and costs the browser
 //! 8 KB. (So does `f64::clamp`, whose panic shows its bounds: the plant takes `max` and `min`.)
 
-use core::fmt;
+use core::fmt::{self, Write};
 
 /// A number as a reader wants it.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +56,8 @@ fn plain(f: &mut fmt::Formatter<'_>, value: f64) -> fmt::Result {
 
 /// With `decimals`; `short` leaves out zeros at the end.
 fn fixed(f: &mut fmt::Formatter<'_>, value: f64, decimals: u32, short: bool) -> fmt::Result {
-    let unit = 10_u64.pow(decimals);
+    // Not zero for the compiler either, which would else look for it in every division.
+    let unit = 10_u64.saturating_pow(decimals).max(1);
     let scaled = libm::round(value.abs() * unit as f64) as u64;
     if value < 0.0 && scaled > 0 {
         f.write_str("-")?;
@@ -65,7 +66,15 @@ fn fixed(f: &mut fmt::Formatter<'_>, value: f64, decimals: u32, short: bool) -> 
     while short && width > 0 && rest % 10 == 0 {
         (rest, width) = (rest / 10, width - 1);
     }
-    if width == 0 { write!(f, "{whole}") } else { write!(f, "{whole}.{rest:0width$}") }
+    write!(f, "{whole}")?;
+    if width > 0 {
+        f.write_str(".")?;
+    }
+    // Digit by digit: a width that is known only here could be too large for `write!`, and it would panic.
+    (0..width as u32).rev().try_for_each(|place| {
+        let digit = rest / 10_u64.saturating_pow(place).max(1) % 10;
+        f.write_char(char::from(b'0' + digit as u8))
+    })
 }
 
 #[cfg(test)]

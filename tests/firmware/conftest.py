@@ -4,9 +4,11 @@ import contextlib
 import os
 import socket
 import subprocess
+import tempfile
 import time
 
 import can
+import narx
 import pytest
 
 WALL_SECONDS = 300
@@ -119,36 +121,91 @@ def pytest_configure(config):
 
 
 def virtual_drive(*arguments):
+    return running(with_arguments(*arguments))
+
+
+def with_arguments(*arguments):
     # They stand behind the image's own name in an option of the emulator.
-    return running(os.environ["NARX_QEMU"].replace(",arg=qemu", ",arg=".join([",arg=qemu", *arguments])))
+    return os.environ["NARX_QEMU"].replace(",arg=qemu", ",arg=".join([",arg=qemu", *arguments]))
+
+
+def with_bootloader(flash):
+    """The command for the emulator on this flash, from power-up until it is killed."""
+    return os.environ["NARX_QEMU_BOOTLOADER"].replace("{flash}", str(flash))
+
+
+class Emulator:
+    """An image that a developer command knows how to start, one word a line with {port} in it: under power until it is cut."""
+
+    def __init__(self, command):
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        self.bus = {
+            "interface": "slcan",
+            "channel": f"socket://127.0.0.1:{port}",
+            "bitrate": 500_000,
+            "sleep_after_open": 0.0,
+        }
+        """How python-can finds its bus."""
+        self._output = tempfile.TemporaryFile()
+        words = command.replace("{port}", str(port)).split("\n")
+        self._process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=self._output)
+
+    def connect(self, opened, **options):
+        """A bus or a drive, as soon as the port is open."""
+        deadline = time.monotonic() + 30
+        while True:
+            try:
+                return opened(**self.bus, **options)
+            except can.CanInitializationError:
+                assert self._process.poll() is None, f"the emulator ended with {self._process.returncode}"
+                assert time.monotonic() < deadline, "the emulator opens no port"
+                time.sleep(0.05)
+
+    def said(self):
+        """What the image has printed."""
+        self._output.seek(0)
+        return self._output.read().decode()
+
+    def cut(self):
+        """Cuts the power."""
+        self._process.kill()
+        self._process.wait()
+
+
+@contextlib.contextmanager
+def powered(command):
+    """An emulator; what its image has said is shown with a test that fails."""
+    emulator = Emulator(command)
+    try:
+        yield emulator
+    finally:
+        emulator.cut()
+        print(emulator.said())
 
 
 @contextlib.contextmanager
 def running(command):
-    """A bus of the image that a developer command knows how to start: one word a line, with {port} in it. It is killed at the end."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    words = command.replace("{port}", str(port)).split("\n")
-    emulator = subprocess.Popen(words, stdin=subprocess.DEVNULL)
-    try:
-        bus = connect(port, emulator)
+    """The bus of an image."""
+    with powered(command) as emulator:
+        bus = emulator.connect(can.Bus)
         try:
             yield bus
         finally:
             bus.shutdown()
-    finally:
-        emulator.kill()
-        emulator.wait()
 
 
-def connect(port, emulator):
-    deadline = time.monotonic() + 30
-    while True:
-        try:
-            channel = f"socket://127.0.0.1:{port}"
-            return can.Bus(interface="slcan", channel=channel, bitrate=500_000, sleep_after_open=0.0)
-        except can.CanInitializationError:
-            assert emulator.poll() is None, f"the emulator ended with {emulator.returncode}"
-            assert time.monotonic() < deadline, "the emulator opens no port"
-            time.sleep(0.05)
+@contextlib.contextmanager
+def operated(command):
+    """A drive of the Python package and the emulator that it runs in."""
+    # A host that is busy may let the drive's self-tests take long.
+    with powered(command) as emulator, emulator.connect(narx.connect, timeout=60.0) as drive:
+        assert drive.wait_for(lambda: drive.state is narx.State.STANDBY, 60.0)
+        yield drive, emulator
+
+
+def spin(drive, rpm):
+    """Starts the motor of the Python package's drive, however much slower than the wall's its time passes."""
+    drive.start(rpm, wait=False)
+    assert drive.wait_for(lambda: drive.state is narx.State.HALL_CLOSED_LOOP, 60.0)

@@ -8,7 +8,7 @@ import time
 
 import pytest
 import updater
-from conftest import REBOOT, Master, running
+from conftest import REBOOT, Master, running, with_bootloader
 from test_safety import STANDBY, STANDBY_REQUEST, drive
 
 IMAGES = pathlib.Path(os.environ["NARX_QEMU_SLOTS"])
@@ -29,7 +29,7 @@ def make_board(path, name="old"):
 
 def started(flash):
     """The emulator on this flash, from power-up until it is killed."""
-    return running(os.environ["NARX_QEMU_BOOTLOADER"].replace("{flash}", str(flash)))
+    return running(with_bootloader(flash))
 
 
 def standby(master):

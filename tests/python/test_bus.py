@@ -166,6 +166,22 @@ def test_a_lost_adapter_is_told() -> None:
             drive.close()
 
 
+def test_an_adapter_that_cannot_be_read_any_more_is_told() -> None:
+    class Broken(VirtualBus):
+        broken = False
+
+        def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+            if self.broken:
+                raise can.CanOperationError("unplugged")
+            return super()._recv_internal(timeout)
+
+    with Broken(channel="unplugged") as bus, narx.Drive(bus, silent=True) as drive:
+        drive.wait(0.01)
+        bus.broken = True
+        with pytest.raises(narx.BusError, match="the bus does not work any more: unplugged"):
+            drive.wait(5.0)
+
+
 def decoded(bus: can.BusABC, seconds: float) -> list[narx.Message]:
     """What passes for so long."""
     end = time.monotonic() + seconds

@@ -70,19 +70,16 @@ fn shortest(board: &Board) -> u64 {
 impl Node {
     /// Status and fault words always; measurements while the master is heard.
     pub(super) fn broadcast(&mut self) {
-        let [status, faults] = [FromDrive::Status(self.status_word()), FromDrive::Faults(self.status.faults)];
-        let stale = [status, faults].map(|word| word.encode(self.addresses).id());
-        self.outbox.discard_words(|frame| stale.contains(&frame.id()));
-        self.send(status);
+        self.outbox.discard_words();
+        self.send(FromDrive::Status(self.status_word()));
         self.forget_log_end();
-        self.send(faults);
+        self.send(FromDrive::Faults(self.status.faults));
         self.outbox.discard_measurements();
         if self.status.command_expired {
             return;
         }
         for measurement in self.measurements() {
-            let frame = FromDrive::Measurement(measurement).encode(self.addresses);
-            self.outbox.push_measurement(frame);
+            self.outbox.push_measurement(FromDrive::Measurement(measurement));
         }
     }
 
@@ -99,7 +96,7 @@ impl Node {
 
     /// Queues an answer, a status or a fault word.
     pub(super) fn send(&mut self, message: FromDrive) {
-        self.outbox.push(message.encode(self.addresses));
+        self.outbox.push(message);
     }
 
     /// Mechanical position, 0.01 degrees, without its calibration: resolution one sector.

@@ -13,6 +13,7 @@ use crate::dictionary::{Dictionary, number};
 use crate::motor::state::State;
 use crate::storage::record::VALUES;
 use crate::storage::{Entry, Memory, Record, Request};
+use core::num::NonZeroU64;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -57,8 +58,8 @@ pub(super) struct Log {
     sampled: u64,
     /// No slot was chosen when that was last looked at, nor has one been since.
     empty: bool,
-    /// Tick of the next record; none while nothing is logged.
-    due: Option<u64>,
+    /// Tick of the next record, which is never the first of all; none while nothing is logged.
+    due: Option<NonZeroU64>,
     /// A record that waits for the flash.
     entry: Option<Entry>,
     /// A record is being written.
@@ -244,9 +245,9 @@ impl Node {
             return;
         }
         let period = self.ticks(self.parameters.raw_u32(number::LOG_PERIOD).into());
-        let Some(due) = self.log.due else {
+        let Some(due) = self.log.due.map(NonZeroU64::get) else {
             self.log.restart();
-            (self.log.due, self.log.sampled) = (Some(now.saturating_add(period)), now);
+            (self.log.due, self.log.sampled) = (NonZeroU64::new(now.saturating_add(period)), now);
             return;
         };
         if now.saturating_sub(self.log.sampled) < self.ticks(1) && now < due {
@@ -258,7 +259,7 @@ impl Node {
             return;
         }
         let next = due.saturating_add(period);
-        self.log.due = Some(if next > now { next } else { now.saturating_add(period) });
+        self.log.due = NonZeroU64::new(if next > now { next } else { now.saturating_add(period) });
         // A flash that is still busy with the record before misses this one.
         if self.log.entry.is_none() && !self.log.writing {
             self.log.entry = Some(self.entry(now));

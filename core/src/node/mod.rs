@@ -250,7 +250,7 @@ impl Node {
         if self.link.state.is_off() {
             return None;
         }
-        self.outbox.pop()
+        Some(self.outbox.pop()?.frame(self.addresses))
     }
 
     /// The next event for the control tick.

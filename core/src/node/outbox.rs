@@ -1,6 +1,6 @@
-//! Frames waiting for the bus: two bounded queues, the urgent one first.
+//! Messages waiting for the bus: two bounded queues, the urgent one first.
 
-use crate::bus::Frame;
+use crate::bus::narmotion::{Addressless, FromDrive, Opcode};
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
@@ -9,25 +9,25 @@ const URGENT: usize = 32;
 /// Measurements that may wait: more than one broadcast.
 const MEASUREMENTS: usize = 8;
 
-/// The output queue. A frame that finds no room is dropped and counted.
+/// The output queue. A message that finds no room is dropped and counted.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Outbox {
-    urgent: Deque<Frame, URGENT>,
-    measurements: Deque<Frame, MEASUREMENTS>,
+    urgent: Deque<Addressless, URGENT>,
+    measurements: Deque<Addressless, MEASUREMENTS>,
     lost: u32,
 }
 
 impl Outbox {
     /// Queues an answer, a status or a fault word.
-    pub(super) fn push(&mut self, frame: Frame) {
-        if self.urgent.push_back(frame).is_err() {
+    pub(super) fn push(&mut self, message: FromDrive) {
+        if self.urgent.push_back(message.addressless()).is_err() {
             self.lost = self.lost.saturating_add(1);
         }
     }
 
     /// Queues a measurement.
-    pub(super) fn push_measurement(&mut self, frame: Frame) {
-        if self.measurements.push_back(frame).is_err() {
+    pub(super) fn push_measurement(&mut self, message: FromDrive) {
+        if self.measurements.push_back(message.addressless()).is_err() {
             self.lost = self.lost.saturating_add(1);
         }
     }
@@ -39,14 +39,14 @@ impl Outbox {
     }
 
     /// Drops the status and fault words that were not sent: newer ones follow.
-    pub(super) fn discard_words(&mut self, is_word: impl Fn(&Frame) -> bool) {
+    pub(super) fn discard_words(&mut self) {
         for _ in 0..self.urgent.len() {
-            if let Some(frame) = self.urgent.pop_front() {
-                if is_word(&frame) {
+            if let Some(message) = self.urgent.pop_front() {
+                if [Opcode::STATUS_WORD, Opcode::FAULT_WORD].contains(&message.opcode()) {
                     self.lost = self.lost.saturating_add(1);
                 } else {
                     // It has just left this place.
-                    let _ = self.urgent.push_back(frame);
+                    let _ = self.urgent.push_back(message);
                 }
             }
         }
@@ -59,8 +59,8 @@ impl Outbox {
         self.discard_measurements();
     }
 
-    /// The next frame for the bus.
-    pub(super) fn pop(&mut self) -> Option<Frame> {
+    /// The next message for the bus.
+    pub(super) fn pop(&mut self) -> Option<Addressless> {
         self.urgent.pop_front().or_else(|| self.measurements.pop_front())
     }
 
@@ -69,7 +69,7 @@ impl Outbox {
         self.urgent.is_empty() && self.measurements.is_empty()
     }
 
-    /// Frames dropped since power-up, saturating.
+    /// Messages dropped since power-up, saturating.
     pub(super) const fn lost(&self) -> u32 {
         self.lost
     }

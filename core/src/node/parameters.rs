@@ -254,10 +254,14 @@ impl Node {
         let nominal = self.parameters.raw(number::NOMINAL_SUPPLY);
         let current_error = self.status.bus_current.scaled(1000);
         let voltage_error = self.status.bus_voltage.scaled(1000).saturating_sub(nominal);
-        let mut calibrated = self.parameters.clone();
-        calibrated.set(number::HV_CURRENT_OFFSET, current.saturating_sub(current_error))?;
-        calibrated.set(number::HV_VOLTAGE_OFFSET, voltage.saturating_sub(voltage_error))?;
-        self.parameters = calibrated;
+        self.parameters.set(number::HV_CURRENT_OFFSET, current.saturating_sub(current_error))?;
+        if let Err(error) =
+            self.parameters.set(number::HV_VOLTAGE_OFFSET, voltage.saturating_sub(voltage_error))
+        {
+            // Both or none.
+            self.put(number::HV_CURRENT_OFFSET, current);
+            return Err(error);
+        }
         self.after_change();
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::Node;
 use super::description::SERVES;
 use crate::bus::Frame;
 use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
-use crate::dictionary::{Category, Parameters, number};
+use crate::dictionary::{Category, Dictionary, number};
 use crate::motor::state::State;
 use crate::scope::SCOPE;
 
@@ -100,19 +100,17 @@ impl Node {
         if self.parameters.raw(number::DEVICE_NUMBER) != i32::from(serial) || !self.can_store_factory() {
             return Err(Refused);
         }
-        let mut restored = Parameters::new();
-        for (row, raw) in self.parameters.iter() {
-            let own_fact = row.category == Category::Calibration || row.category == Category::Identification;
-            let own_number = [number::DEVICE_NUMBER, number::HARDWARE_RELEASE, number::MEMORY_MAPPING_FLAG];
-            if own_fact || own_number.contains(&row.number) {
-                // The value was accepted by the same row before.
-                let _ = restored.set(row.number, raw);
-            }
-        }
         if self.parameters.raw(number::HALL_CALIBRATE) != 0 {
             self.pending.calibrate = Some(false);
         }
-        self.parameters = restored;
+        // In its place: a second set would be most of the stack that a frame takes.
+        for row in Dictionary::rows() {
+            let own_fact = row.category == Category::Calibration || row.category == Category::Identification;
+            let own_number = [number::DEVICE_NUMBER, number::HARDWARE_RELEASE, number::MEMORY_MAPPING_FLAG];
+            if !own_fact && !own_number.contains(&row.number) {
+                self.put(row.number, row.factory_raw());
+            }
+        }
         self.after_change();
         self.log.restart();
         self.store_factory();

@@ -115,12 +115,10 @@ pub(super) struct Update {
     code: UpdateCode,
     length: u32,
     crc: u32,
-    /// Bytes erased, then bytes read back.
-    done: u32,
-    received: u32,
-    written: u32,
-    /// Received and not written.
-    held: Vec<u8, HELD>,
+    /// Bytes erased, then received, then read back.
+    offset: u32,
+    /// The last that were received, which are not written yet.
+    held: Vec<u8, HELD, u8>,
     asked: Option<Asked>,
     /// What is asked for belongs to an update that is over.
     stale: bool,
@@ -140,7 +138,7 @@ enum Asked {
     Clear,
     Erase,
     Write,
-    Sum(u32),
+    Sum,
     Mark,
     Confirm,
 }
@@ -158,8 +156,8 @@ impl Update {
 
     fn status(&self, code: UpdateCode) -> UpdateStatus {
         let (window, offset) = match self.state {
-            UpdateState::Erasing | UpdateState::Verifying => (0, self.done.min(self.length)),
-            UpdateState::Receiving => ((self.room() / BLOCK) as u16, self.received),
+            UpdateState::Erasing | UpdateState::Verifying => (0, self.offset.min(self.length)),
+            UpdateState::Receiving => ((self.room() / BLOCK) as u16, self.offset),
             UpdateState::Marked => (0, self.length),
             UpdateState::Idle | UpdateState::Trial => (0, 0),
         };
@@ -196,26 +194,26 @@ impl Update {
 
     /// Takes a block. True if its sender must know that one before it is missing.
     fn take_block(&mut self, block: u16, data: [u8; BLOCK]) -> bool {
-        let expected = (self.received / BLOCK as u32) as u16;
+        let expected = (self.offset / BLOCK as u32) as u16;
         // Behind: it was here before.
         if (block.wrapping_sub(expected) as i16) < 0 {
             return false;
         }
-        let bytes = data.get(..BLOCK.min((self.length - self.received) as usize)).unwrap_or(&data);
+        let bytes = data.get(..BLOCK.min((self.length - self.offset) as usize)).unwrap_or(&data);
         if block != expected || bytes.is_empty() || self.held.extend_from_slice(bytes).is_err() {
             return !core::mem::replace(&mut self.gap_told, true);
         }
-        self.received += bytes.len() as u32;
+        self.offset += bytes.len() as u32;
         self.gap_told = false;
         false
     }
 
     /// The next request of an update under way.
     fn next(&mut self) -> Option<(Asked, Request)> {
-        let is_complete = self.received == self.length;
+        let is_complete = self.received() == self.length;
         match self.state {
             UpdateState::Erasing if !self.cleared => Some((Asked::Clear, Request::Clear)),
-            UpdateState::Erasing => Some((Asked::Erase, Request::Erase { offset: self.done })),
+            UpdateState::Erasing => Some((Asked::Erase, Request::Erase { offset: self.offset })),
             UpdateState::Receiving | UpdateState::Verifying
                 if self.held.len() >= PIECE || (is_complete && !self.held.is_empty()) =>
             {
@@ -224,11 +222,10 @@ impl Update {
                 let _ = data.extend_from_slice(piece);
                 // A piece has room for it.
                 let _ = data.resize(data.len().next_multiple_of(32), 0xFF);
-                Some((Asked::Write, Request::Write { offset: self.written, data }))
+                Some((Asked::Write, Request::Write { offset: self.written(), data }))
             }
-            UpdateState::Verifying if self.done < self.length => {
-                let length = SUMMED.min(self.length - self.done);
-                Some((Asked::Sum(length), Request::Sum { offset: self.done, length }))
+            UpdateState::Verifying if self.offset < self.length => {
+                Some((Asked::Sum, Request::Sum { offset: self.offset, length: self.summed() }))
             }
             UpdateState::Verifying => Some((Asked::Mark, Request::Mark { length: self.length })),
             _ => match self.wanted.take()? {
@@ -238,10 +235,24 @@ impl Update {
         }
     }
 
+    /// Bytes received: all of them, once they are verified.
+    fn received(&self) -> u32 {
+        if self.state == UpdateState::Verifying { self.length } else { self.offset }
+    }
+
+    /// Bytes written.
+    fn written(&self) -> u32 {
+        self.received().saturating_sub(self.held.len() as u32)
+    }
+
+    /// Bytes that are read back next.
+    fn summed(&self) -> u32 {
+        SUMMED.min(self.length.saturating_sub(self.offset))
+    }
+
     /// A piece was written.
     fn drop_piece(&mut self) {
         let piece = self.held.len().min(PIECE);
-        self.written += piece as u32;
         self.held.rotate_left(piece);
         self.held.truncate(self.held.len() - piece);
     }
@@ -283,7 +294,7 @@ impl Node {
         match (report, asked) {
             (Report::Failed(code), Asked::Confirm) => self.tell_update(code),
             (Report::Failed(code), _) => self.end_update(code),
-            (Report::Sum(crc), Asked::Sum(length)) => self.note_sum(crc, length),
+            (Report::Sum(crc), Asked::Sum) => self.note_sum(crc),
             (_, Asked::Clear) if self.update.state == UpdateState::Erasing => self.update.cleared = true,
             (_, Asked::Clear) => self.end_update(UpdateCode::Aborted),
             (_, Asked::Erase) => self.note_erased(),
@@ -298,7 +309,7 @@ impl Node {
                 self.tell_update(UpdateCode::Done);
             }
             (_, Asked::Confirm) => self.end_update(UpdateCode::Done),
-            (_, Asked::Sum(_)) => self.end_update(UpdateCode::Flash),
+            (_, Asked::Sum) => self.end_update(UpdateCode::Flash),
         }
     }
 
@@ -342,9 +353,9 @@ impl Node {
     }
 
     fn begin_update(&mut self, slots: &Slots, length: u32, hardware: u32) -> UpdateCode {
-        let Update { state, received, .. } = self.update;
+        let Update { state, offset, .. } = self.update;
         // Asked again, because the answer was lost.
-        let is_begun = state == UpdateState::Erasing || (state == UpdateState::Receiving && received == 0);
+        let is_begun = state == UpdateState::Erasing || (state == UpdateState::Receiving && offset == 0);
         match state {
             UpdateState::Trial => UpdateCode::Trial,
             _ if !self.is_stopped() => UpdateCode::WrongState,
@@ -374,9 +385,9 @@ impl Node {
 
     fn end_of_image(&mut self, crc: u32) -> UpdateCode {
         match self.update.state {
-            UpdateState::Receiving if self.update.received < self.update.length => UpdateCode::Sequence,
+            UpdateState::Receiving if self.update.offset < self.update.length => UpdateCode::Sequence,
             UpdateState::Receiving => {
-                (self.update.state, self.update.crc, self.update.done) = (UpdateState::Verifying, crc, 0);
+                (self.update.state, self.update.crc, self.update.offset) = (UpdateState::Verifying, crc, 0);
                 UpdateCode::Done
             }
             // Asked again, because the answer was lost.
@@ -415,16 +426,17 @@ impl Node {
 
     fn note_erased(&mut self) {
         let page = self.update.slots.map_or(0, |slots| slots.page);
-        self.update.done = self.update.done.saturating_add(page);
-        if self.update.done >= self.update.length {
-            (self.update.state, self.update.due) = (UpdateState::Receiving, self.update_tick(SILENCE_MS));
+        self.update.offset = self.update.offset.saturating_add(page);
+        if self.update.offset >= self.update.length {
+            (self.update.state, self.update.offset) = (UpdateState::Receiving, 0);
+            self.update.due = self.update_tick(SILENCE_MS);
             self.tell_update(UpdateCode::Done);
         }
     }
 
-    fn note_sum(&mut self, crc: u32, length: u32) {
-        self.update.done += length;
-        if self.update.done >= self.update.length && crc != self.update.crc {
+    fn note_sum(&mut self, crc: u32) {
+        self.update.offset += self.update.summed();
+        if self.update.offset >= self.update.length && crc != self.update.crc {
             self.end_update(UpdateCode::Checksum);
         }
     }

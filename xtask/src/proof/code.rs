@@ -17,6 +17,8 @@ pub(super) struct Function {
     pub(super) calls: BTreeSet<u32>,
     /// It calls what a register points at.
     pub(super) calls_any: bool,
+    /// It calls itself.
+    pub(super) calls_itself: bool,
     /// Numbers in its code that may be addresses.
     pub(super) addresses: BTreeSet<u32>,
     /// Bytes by which it lowers the stack pointer at most; `None` if that depends on a register.
@@ -49,19 +51,20 @@ impl Code {
         if code.functions.is_empty() { Err(format!("{}: no functions", elf.display())) } else { Ok(code) }
     }
 
-    fn parse(text: &str) -> Self {
+    pub(super) fn parse(text: &str) -> Self {
         let mut functions = BTreeMap::new();
         let mut at = None;
         for line in text.lines() {
             if let Some((start, name)) = head(line) {
                 let function = Function { name: name.to_owned(), frame: Some(0), ..Function::default() };
                 functions.insert(start, function);
-                at = Some((start, BTreeMap::new()));
-            } else if let Some((start, halves)) = &mut at
+                at = Some((start, Held::default()));
+            } else if let Some((start, held)) = &mut at
                 && let Some((operation, operands)) = instruction(line)
                 && let Some(function) = functions.get_mut(start)
             {
-                function.take(operation, operands, halves);
+                function.take(operation, operands, held);
+                function.calls_itself |= is_call(operation) && target(operands) == Some(*start);
             }
         }
         let mut code = Self { functions, tables: BTreeSet::new() };
@@ -80,7 +83,7 @@ impl Code {
     }
 
     /// The function that a pointer of this value enters: its lowest bit says that it is Thumb code.
-    fn entry(&self, pointer: u32) -> Option<u32> {
+    pub(super) fn entry(&self, pointer: u32) -> Option<u32> {
         (pointer & 1 == 1 && self.functions.contains_key(&(pointer - 1))).then(|| pointer - 1)
     }
 
@@ -116,49 +119,38 @@ impl Code {
         }
         reached
     }
+}
 
-    /// Most bytes of stack below the caller of the function at `root`.
-    ///
-    /// # Errors
-    /// There is no bound: a name that calls itself, a pointer, or lowers the stack by a register.
-    pub(super) fn stack(&self, root: u32, ends: &dyn Fn(&str) -> bool) -> Result<u32, String> {
-        self.stack_below(root, ends, &mut BTreeMap::new(), &mut Vec::new())
-    }
+/// What registers hold, by their names.
+#[derive(Default)]
+struct Held {
+    /// Lower halves of numbers.
+    halves: BTreeMap<String, u32>,
+    /// Values for the stack pointer: bytes by which they lower it at most.
+    pointers: BTreeMap<String, u32>,
+}
 
-    fn stack_below(
-        &self,
-        at: u32,
-        ends: &dyn Fn(&str) -> bool,
-        known: &mut BTreeMap<u32, u32>,
-        path: &mut Vec<u32>,
-    ) -> Result<u32, String> {
-        if let Some(bytes) = known.get(&at) {
-            return Ok(*bytes);
-        }
-        let Some(function) = self.functions.get(&at).filter(|function| !ends(&function.name)) else {
-            return Ok(0);
+impl Held {
+    /// Takes an instruction.
+    fn take(&mut self, kind: &str, operands: &str) {
+        let register = operands.split([',', ' ']).next().unwrap_or_default().to_owned();
+        let lowers = match kind {
+            // Lowest bits of a copy of the stack pointer cleared: a frame that begins at a multiple of more than 8.
+            "bfc" => immediate(operands).map(|bits| 1 << bits),
+            // The end of such a function counts from its frame's pointer and raises it.
+            "sub" | "subw" if operands.contains(", r7, #") => Some(0),
+            _ => None,
         };
-        if path.contains(&at) {
-            return Err(format!("{} may come back to itself", function.name));
+        match lowers {
+            Some(bytes) => drop(self.pointers.insert(register, bytes)),
+            None => drop(self.pointers.remove(&register)),
         }
-        if function.calls_any {
-            return Err(format!("{} calls what a register points at", function.name));
-        }
-        let frame = function.frame.ok_or_else(|| format!("{}: a frame of no fixed size", function.name))?;
-        path.push(at);
-        let mut deepest = 0;
-        for called in &function.calls {
-            deepest = deepest.max(self.stack_below(*called, ends, known, path)?);
-        }
-        path.pop();
-        known.insert(at, frame + deepest);
-        Ok(frame + deepest)
     }
 }
 
 impl Function {
-    /// Takes an instruction; `halves` are the lower halves of numbers that registers hold.
-    fn take(&mut self, operation: &str, operands: &str, halves: &mut BTreeMap<String, u32>) {
+    /// Takes an instruction; `held` is what registers hold.
+    fn take(&mut self, operation: &str, operands: &str, held: &mut Held) {
         let kind = operation.split('.').next().unwrap_or(operation);
         let register = operands.split([',', ' ']).next().unwrap_or_default();
         if is_branch(kind) {
@@ -170,9 +162,9 @@ impl Function {
         } else if operation == ".word" {
             self.addresses.extend(number(register));
         } else if kind == "movw" {
-            halves.extend(immediate(operands).map(|low| (register.to_owned(), low)));
+            held.halves.extend(immediate(operands).map(|low| (register.to_owned(), low)));
         } else if kind == "movt" {
-            let low = halves.get(register).copied().unwrap_or(0);
+            let low = held.halves.get(register).copied().unwrap_or(0);
             self.addresses.extend(immediate(operands).map(|high| high << 16 | low));
         } else if kind.starts_with('v') {
             self.float.get_or_insert_with(|| format!("{operation} {operands}"));
@@ -180,9 +172,14 @@ impl Function {
         if loads_the_counter(kind, operands) {
             self.calls_any = true;
         }
-        if let Some(bytes) = lowered(kind, operands) {
+        let copied = operands.strip_prefix("sp, ").and_then(|from| held.pointers.get(from));
+        let lowered = copied
+            .filter(|_| kind == "mov")
+            .map_or_else(|| lowered(kind, operands), |bytes| Some(Some(*bytes)));
+        if let Some(bytes) = lowered {
             self.frame = self.frame.zip(bytes).map(|(frame, bytes)| frame + bytes);
         }
+        held.take(kind, operands);
     }
 }
 
@@ -198,6 +195,12 @@ fn instruction(line: &str) -> Option<(&str, &str)> {
     let operation = columns.next()?.trim();
     let operands = columns.next().unwrap_or_default();
     Some((operation, operands.split(" @").next().unwrap_or_default().trim()))
+}
+
+/// A branch that is come back from.
+fn is_call(operation: &str) -> bool {
+    let kind = operation.split('.').next().unwrap_or(operation);
+    is_branch(kind) && kind.starts_with("bl") && !["ble", "bls", "blt"].contains(&kind)
 }
 
 /// Branches with and without condition, link and change of state.
@@ -332,14 +335,15 @@ mod tests {
     }
 
     #[test]
-    fn frames_add_up_and_what_has_no_bound_is_named() {
+    fn frames_add_up() {
         let code = Code::parse(TEXT);
         assert_eq!(code.functions[&0x400].frame, Some(4 * 4 + 16));
-        assert_eq!(code.stack(0x500, &|_| false), Ok(8));
-        assert_eq!(code.stack(0x400, &|name| name == "rest"), Ok(32 + 8));
-        assert_eq!(code.stack(0x400, &|_| false), Err("rest calls what a register points at".into()));
         assert_eq!(code.functions[&0x700].frame, Some(16));
-        assert_eq!(code.stack(0x700, &|_| false), Err("pointed may come back to itself".into()));
+        let aligned = "00000400 <aligned>:\n 400:\tsub.w\tsp, sp, #572\t@ 0x23c\n 404:\tmov\tr4, sp\n 406:\tbfc\tr4, #0, #5\n \
+                       40a:\tmov\tsp, r4\n 40c:\tsub.w\tr4, r7, #28\n 410:\tmov\tsp, r4\n";
+        assert_eq!(Code::parse(aligned).functions[&0x400].frame, Some(572 + 32));
+        let unknown = aligned.replace("bfc\tr4, #0, #5", "sub.w\tr4, r4, r1");
+        assert_eq!(Code::parse(&unknown).functions[&0x400].frame, None);
     }
 
     #[test]

@@ -2,6 +2,8 @@
 //! panics elsewhere is a golden list in `tests/golden/proof.toml`.
 
 mod code;
+mod depth;
+mod stack;
 mod unsafe_files;
 
 use crate::cross::{self, Processor};
@@ -24,9 +26,24 @@ const HEAD: &str = "\
 # tick    the control interrupt of the image qemu. Proven: neither a panic nor core::fmt can be reached, nothing is called by a pointer, and no
 #         instruction and no call of the compiler's library is one of floating point. stack: bytes on the longest path, with the registers that the
 #         processor saves for the interrupt; functions: how many there are on all paths.
-# core    every call of narx.h but narx_storage_*, linked for the Cortex-M4F. Proven: the program has no panic in it. storage_panics: what can
-#         panic once narx_storage_* are linked, too; resumed after its end is what the compiler writes into every async function.
-# qemu    what runs in the image qemu after boot, its simulated motor included, and can panic; and what asks for texts.
+# stack   bytes on the longest path of calls, in the image qemu of the background loop with flash, motor and texts (loop) and of all from reset on with
+#         every interrupt at once (program); in the image stack of the calls that tests/golden/instructions.toml measures (stack_NAME_bytes), which are
+#         never more. Where calls by a pointer go, and what is on a path more than once, xtask/src/proof/stack.rs names.
+# core    every call of narx.h but narx_storage_*, linked for the Cortex-M4F. Proven: the program has no panic in it. storage_NAME: the same lists as of
+#         the image qemu, once narx_storage_* are linked, too.
+# qemu    what runs in the image qemu after boot, its simulated motor included, and can panic; and what asks for texts. All of it is reached on paper
+#         only, for these reasons:
+#         resumed   The compiler writes into every async function a panic for who polls it once more after its end. `.await` never does. Who polls by
+#                   hand: the loop (`Background::run_with`), a task that has no end (`Mailbox::serve` returns `!`); `finish` and narx_storage_*, which
+#                   poll a future of their own until it is ready and drop it.
+#         embassy_boot, hstdout_fmt     A RefCell that is borrowed for the length of one call which calls nobody back, in the background alone. The one
+#                                       interrupt that nobody can mask prints without it.
+#         World::serve_update           embassy-boot's partitions must be whole pages: `Map` is a constant, and `Slot::new` has checked it at boot.
+#         narx_sim::plant               Arrays of the motor's three legs, by numbers that come from `0..3` and from arrays of such, which the compiler
+#                                       forgets where they are kept in an `Event`.
+#         sequential_storage            An item's length was compared with its buffer before the buffer is cut (`read_item`); a key of one byte is in
+#                                       every buffer, and who writes a value behind it asks for room; the buffer that `ItemIter::next` takes comes
+#                                       back in every turn of its loop; what is asserted of the cache holds for one that keeps nothing.
 # unsafe  files that contain the word.
 ";
 /// The processor saves 8 words for an interrupt, and 18 of floating point where that was in use (ARMv7-M Architecture Reference Manual, B1.5.6).
@@ -51,20 +68,33 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     let storage = Code::read(&sizes::link(root, Processor::CortexM4F, |_| true)?)?;
     let mut text = String::from(HEAD);
     let _ = writeln!(text, "\n[tick]\nfunctions = {}\nstack = {}", tick.functions, tick.stack);
+    let _ = writeln!(text, "\n[stack]");
+    let bounds = stack::bounds(root, &image, &Code::read(&Image::Stack.path(root))?)?;
+    for (name, bytes) in &bounds {
+        let _ = writeln!(text, "{name} = {bytes}");
+    }
     let _ = writeln!(text, "\n[core]");
     let calls = storage.named(|name| name.starts_with("narx_"));
-    list(&mut text, "storage_panics", &callers(&storage, &calls, is_panic));
+    list(&mut text, "storage_resumed", &callers(&storage, &calls, is_resumed));
+    list(&mut text, "storage_panics", &callers(&storage, &calls, is_other_panic));
     let _ = writeln!(text, "\n[qemu]");
     let roots = image.named(|name| AFTER_BOOT.iter().any(|root| name.contains(root)));
-    list(&mut text, "panics", &callers(&image, &roots, is_panic));
+    list(&mut text, "resumed", &callers(&image, &roots, is_resumed));
+    list(&mut text, "panics", &callers(&image, &roots, is_other_panic));
     list(&mut text, "texts", &callers(&image, &roots, is_text));
     let _ = writeln!(text, "\n[unsafe]");
     list(&mut text, "files", &unsafe_files::find(root)?);
     let path = root.join(GOLDEN);
-    let closing = vec![format!(
-        "the control interrupt: {} functions, {} bytes of stack at most, no panic, no float, no text",
-        tick.functions, tick.stack
-    )];
+    let closing = vec![
+        format!(
+            "the control interrupt: {} functions, {} bytes of stack at most, no panic, no float, no text",
+            tick.functions, tick.stack
+        ),
+        bounds
+            .iter()
+            .map(|(name, bytes)| format!("{name} {bytes}"))
+            .fold("bytes of stack:".into(), |line, row| line + " " + &row),
+    ];
     if !check {
         fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
         return Ok(closing);
@@ -111,7 +141,7 @@ impl Tick {
         refuse("whatever a register points at", &|function| {
             function.calls_any.then(|| function.name.clone())
         })?;
-        let stack = image.stack(root, &|_| false)? + EXCEPTION_FRAME;
+        let stack = depth::depth(image, root, &depth::Known::NOTHING, |_| false)? + EXCEPTION_FRAME;
         Ok(Self { functions: reached.len(), stack })
     }
 }
@@ -153,6 +183,15 @@ fn is_panic(name: &str) -> bool {
         "slice_error_fail",
     ];
     PARTS.iter().any(|part| name.contains(part)) && !name.starts_with('<')
+}
+
+/// What the compiler writes into every async function: that it is polled once more after its end.
+fn is_resumed(name: &str) -> bool {
+    name.contains("core::panicking::panic_const::panic_const_async_fn_resumed")
+}
+
+fn is_other_panic(name: &str) -> bool {
+    is_panic(name) && !is_resumed(name)
 }
 
 /// What makes texts.

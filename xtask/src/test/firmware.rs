@@ -4,8 +4,9 @@ use crate::board;
 use crate::firmware::{self, Image};
 use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
+use crate::test::python;
 use crate::test::rust::EMBEDDED;
-use crate::{hangs, install, instructions, proof, qemu, slots, small};
+use crate::{hangs, instructions, proof, qemu, slots, small};
 use std::path::Path;
 use std::process::Command;
 
@@ -70,8 +71,8 @@ pub fn replayers(root: &Path) -> Vec<Replayer> {
 /// Spins the motor of the real image through python-can.
 fn drive(root: &Path) -> Outcome {
     let tests = root.join("tests/firmware");
-    let environment = install::target_directory(root).join("firmware-python");
-    let python = install::python_environment(&environment, &tests.join("requirements.txt"))?;
+    // Some of them operate it by our own package.
+    let python = python::prepare(root)?;
     // The tests choose the port, and start and end the emulator themselves.
     let emulator = qemu::with_serial_port(&Image::Drive.path(root), &[] as &[&str], "{port}");
     let words = |command: &Command| -> Vec<String> {

@@ -10,6 +10,7 @@ use super::words::{DecodeError, Words, long};
 use crate::bus::Frame;
 use crate::motor::fault::FaultWord;
 use core::fmt;
+use serde::{Deserialize, Serialize};
 
 /// A message of the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,6 +138,11 @@ impl FromDrive {
 
     /// The frame, as the drive sends it.
     pub fn encode(self, addresses: Addresses) -> Frame {
+        self.addressless().frame(addresses)
+    }
+
+    /// What is sent, whoever sends it to whom.
+    pub(crate) fn addressless(self) -> Addressless {
         let words = match self {
             Self::BuildInfo { number, modified, date } => {
                 Words([number, u16::from(modified), (date >> 16) as u16, date as u16])
@@ -160,7 +166,7 @@ impl FromDrive {
             Self::Update(answer) => answer.encode(),
             Self::Measurement(measurement) => measurement.encode(),
         };
-        words.frame(addresses.from_drive(self.opcode()))
+        Addressless { opcode: self.opcode(), words }
     }
 
     /// What a frame says, and from whom to whom.
@@ -203,6 +209,25 @@ impl FromDrive {
             opcode => Self::Measurement(Measurement::decode(opcode, words)?),
         };
         Ok((id, message))
+    }
+}
+
+/// A message of a drive without the addresses, which are the same in all of them: 10 bytes where a frame has 16, and dozens wait in a queue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Addressless {
+    opcode: Opcode,
+    words: Words,
+}
+
+impl Addressless {
+    /// The opcode.
+    pub(crate) const fn opcode(self) -> Opcode {
+        self.opcode
+    }
+
+    /// The frame.
+    pub(crate) fn frame(self, addresses: Addresses) -> Frame {
+        self.words.frame(addresses.from_drive(self.opcode))
     }
 }
 

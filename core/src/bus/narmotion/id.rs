@@ -51,7 +51,8 @@ pub enum MessageKind {
 }
 
 /// Bits 8 to 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "u16", into = "u16")]
 pub struct Opcode(u16);
 
 impl Opcode {
@@ -119,6 +120,20 @@ impl Opcode {
     /// The number, 0..=511.
     pub const fn raw(self) -> u16 {
         self.0
+    }
+}
+
+impl From<Opcode> for u16 {
+    fn from(opcode: Opcode) -> Self {
+        opcode.raw()
+    }
+}
+
+impl TryFrom<u16> for Opcode {
+    type Error = DecodeError;
+
+    fn try_from(raw: u16) -> Result<Self, DecodeError> {
+        Self::new(raw).ok_or(DecodeError::Opcode)
     }
 }
 

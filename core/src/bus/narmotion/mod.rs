@@ -13,6 +13,7 @@ pub mod update;
 mod word;
 mod words;
 
+pub(crate) use from_drive::Addressless;
 pub use from_drive::{FromDrive, ParameterStatus};
 pub use id::{Addresses, MessageId, MessageKind, Opcode, Priority};
 pub use measurement::Measurement;

@@ -3,9 +3,10 @@
 use super::id::MessageId;
 use crate::bus::Frame;
 use core::fmt;
+use serde::{Deserialize, Serialize};
 
 /// The data of a frame: words 0 to 3.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Words(pub [u16; 4]);
 
 /// Why a frame is no message.

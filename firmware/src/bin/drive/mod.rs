@@ -9,6 +9,7 @@ use cortex_m_semihosting::hprintln;
 use heapless::spsc::Queue;
 use narx_boot::{Server, Slot, hardware};
 use narx_core::device::Queues;
+use narx_core::dictionary::Decimal;
 use narx_core::motor::{Board, PwmCommand, Samples};
 use narx_core::node::{Identity, ResetCause};
 use narx_core::scope::{self, Memory};
@@ -89,7 +90,9 @@ fn main() -> ! {
     ));
     RECEIVER.give(receiver);
     uart.listen();
-    hprintln!("narx on mps2-an386: {} at {} V, hall closed loop, slcan on UART0", preset.name, supply);
+    // Formatting of floating point can panic, and nothing else here needs it.
+    let volts = Decimal { digits: (supply * 10.0) as i64, exponent: -1 };
+    hprintln!("narx on mps2-an386: {} at {} V, hall closed loop, slcan on UART0", preset.name, volts);
     // It takes its time, for which no watchdog waits.
     let tests = Tests::boot(is_ram_sound);
     let world = World {
@@ -167,7 +170,8 @@ unsafe fn DefaultHandler(number: i16) {
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     kept::note_cause(ResetCause::Watchdog);
-    hprintln!("watchdog: control, CAN or background has stood still");
+    // It comes in the middle of anything, of a line of `hprintln!` too, whose output is taken then.
+    semihosting::print(c"watchdog: control, CAN or background has stood still\n");
     loop {
         look_for_millisecond();
     }

@@ -1,6 +1,7 @@
 //! The host of the emulator, seen from the image: arguments, files, output and exit code.
 //! (Arm, *Semihosting for AArch32 and AArch64*, operations of the same names.)
 
+use core::ffi::CStr;
 use core::fmt;
 use cortex_m_semihosting::{debug, nr, syscall1};
 use heapless::Vec;
@@ -48,6 +49,12 @@ pub fn arguments(line: &mut [u8]) -> impl Iterator<Item = &str> {
     let length = if failed { 0 } else { block[1] };
     let text = line.get(..length).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("");
     text.split(['\0', ' ']).filter(|word| !word.is_empty()).skip(1)
+}
+
+/// Prints a text by nothing but the host's operation: from an interrupt that nobody can mask, too.
+pub fn print(text: &CStr) {
+    // SAFETY: WRITE0 reads from there to the zero behind the text.
+    unsafe { syscall1!(WRITE0, text.as_ptr()) };
 }
 
 /// Reads a whole file into `buffer`.

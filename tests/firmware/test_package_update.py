@@ -1,0 +1,157 @@
+"""The emulated board with its bootloader, programmed by the Python package and by the command `narx`."""
+
+import contextlib
+import os
+import random
+import subprocess
+import sys
+import time
+
+import can
+import narx
+import pytest
+import updater
+from conftest import Master, operated, powered, running, spin, with_bootloader
+from narx import State
+from test_update import NEW, OLD, SEED, image, make_board, standby
+
+LONG = bool(os.environ.get("NARX_LONG"))
+"""Also what takes minutes."""
+STAGES = ["asking", "erasing", "sending", "verifying", "restarting"]
+
+
+@pytest.fixture
+def flash(tmp_path):
+    path = tmp_path / "flash"
+    make_board(path)
+    return path
+
+
+@pytest.fixture
+def drive(flash):
+    with operated(with_bootloader(flash)) as (drive, _):
+        yield drive
+
+
+class Progress:
+    """Remembers what it is told, and then does something."""
+
+    def __init__(self, length, then=lambda stage, done: None):
+        self.told, self._length, self._then = [], length, then
+
+    def __call__(self, stage, done, total):
+        assert 0 <= done <= total == self._length
+        self.told.append((STAGES.index(stage), done))
+        self._then(stage, done)
+
+    @property
+    def stages(self):
+        assert self.told == sorted(self.told), "it never goes back"
+        return [STAGES[place] for place in sorted({place for place, _ in self.told})]
+
+
+def version_that_runs(flash):
+    """After a power cut, asked by who shares no code with the package."""
+    with running(with_bootloader(flash)) as bus:
+        master = Master(bus)
+        standby(master)
+        return updater.version(master)
+
+
+def written(folder, content):
+    path = folder / "drive.narximg"
+    path.write_bytes(content)
+    return path
+
+
+def idle(offset=0, data=b""):
+    """A short image, some bytes of which are others."""
+    content = bytearray(image("idle"))
+    content[offset : offset + len(data)] = data
+    return bytes(content)
+
+
+@pytest.mark.parametrize(
+    ("place", "data", "error", "message"),
+    [
+        (12, b"\x4e\x58\0\0", narx.ImageError, "for hardware 4E580000h, the drive is 4E580001h"),
+        (16, b"\1\0", narx.ImageError, r"version 1\.0\.0\+2, older than the 1\.1\.0\+1 that runs"),
+        (0, b"x", narx.ImageError, "not an image"),
+        (448, bytes(64), narx.RefusedError, "the signature is not one that the board's bootloader believes"),
+    ],
+)
+def test_what_the_board_must_not_run_is_refused(drive, tmp_path, place, data, error, message):
+    with pytest.raises(error, match=message):
+        drive.update(written(tmp_path, idle(place, data)))
+    # It is the same drive as before, and one that drives is not programmed.
+    assert drive.wait_for(lambda: drive.state is State.STANDBY, 60.0)
+    spin(drive, 2000)
+    with pytest.raises(narx.RefusedError, match="not in Standby, nor in Fault at standstill"):
+        drive.update(written(tmp_path, idle()))
+    assert drive.state is State.HALL_CLOSED_LOOP
+
+
+def test_who_stops_an_update_has_a_drive_that_runs(drive, tmp_path):
+    class Stop(Exception):
+        pass
+
+    def then(stage, done):
+        if stage == "sending" and done > len(idle()) / 2:
+            raise Stop
+
+    progress = Progress(len(idle()), then)
+    with pytest.raises(Stop):
+        drive.update(written(tmp_path, idle()), progress)
+    assert progress.stages == STAGES[:3]
+    spin(drive, 2000)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_power_cut_in_a_transfer_is_an_error_and_the_old_image_runs(flash, tmp_path, seed):
+    place = random.Random(SEED + seed).randrange(len(idle()))
+    with contextlib.suppress(narx.BusError), operated(with_bootloader(flash)) as (drive, emulator):
+        progress = Progress(len(idle()), lambda stage, done: stage == "sending" and done >= place and emulator.cut())
+        with pytest.raises(narx.BusError):
+            drive.update(written(tmp_path, idle()), progress)
+        # Nor can it be told to stop, when it is let go of.
+    assert progress.stages == STAGES[:3]
+    assert version_that_runs(flash) == OLD
+
+
+def narx_command(emulator, *arguments):
+    options = [word for name in ("sleep_after_open", "timeout") for word in ("-o", f"{name}={emulator.bus.get(name, 60.0)}")]
+    connection = ["-i", emulator.bus["interface"], "-c", emulator.bus["channel"], *options]
+    command = [sys.executable, "-c", "import narx.cli; narx.cli.main()", *connection, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_the_command_tells_why_an_image_is_refused(flash, tmp_path):
+    with powered(with_bootloader(flash)) as emulator:
+        # The emulator starts when somebody connects, who may be told that nobody listens yet.
+        emulator.connect(can.Bus).shutdown()
+        path = written(tmp_path, idle(448, bytes(64)))
+        done = narx_command(emulator, "update", str(path))
+    last = done.stderr.strip().splitlines()[-1]
+    assert (done.returncode, last) == (2, "narx: the signature is not one that the board's bootloader believes")
+
+
+@pytest.mark.skipif(not LONG, reason="takes minutes: NARX_LONG=1")
+@pytest.mark.parametrize("how", ["drive.update", "narx update"])
+def test_the_whole_drive_is_programmed(flash, tmp_path, how):
+    path = written(tmp_path, image("new"))
+    begin = time.monotonic()
+    if how == "drive.update":
+        with operated(with_bootloader(flash)) as (drive, _):
+            progress = Progress(len(image("new")))
+            drive.update(path, progress)
+            assert progress.stages == STAGES
+            assert drive.wait_for(lambda: drive.state is State.STANDBY, 60.0)
+            spin(drive, 2000)
+    else:
+        with powered(with_bootloader(flash)) as emulator:
+            emulator.connect(can.Bus).shutdown()
+            done = narx_command(emulator, "update", str(path), "--json")
+        assert done.returncode == 0, done.stderr
+    print(f"{how}: {len(image('new'))} bytes in {time.monotonic() - begin:.0f} s")
+    # What was confirmed stays.
+    assert version_that_runs(flash) == NEW
