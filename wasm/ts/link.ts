@@ -215,6 +215,10 @@ export class Link {
             const words = this.master.pollDownload();
             if (words !== undefined) {
                 this.#download = undefined;
+                // With its last words it is over, and the master tells no progress any more.
+                if (download.told !== words) {
+                    download.progress?.({ received: words, total: words });
+                }
                 download.resolve(joined(download.chunks, words));
             }
         } catch (error) {
