@@ -7,6 +7,9 @@ import { start as launch } from "./browser.mjs";
 import { go, inState, logged, reaches, saved, start } from "./operating.mjs";
 import { image } from "./signing.mjs";
 
+// Made here: whoever signs stops this process, and with it the adapter. The long one is long enough to be in time with its abort.
+const [IMAGE, LONG] = [image(), image({ length: 20 << 10 })];
+
 let browser;
 let drive;
 before(async () => {
@@ -151,8 +154,8 @@ test("the drive's description of itself is downloaded", async () => {
 test("a drive behind the adapter is programmed: progress, abort, the whole of it", async () => {
     const { page, own, adapter } = await connected();
     await go(page, "update");
-    const bytes = image({ length: 20 << 10 });
-    await page.locator("#image").setInputFiles({ name: "drive.narximg", mimeType: "application/octet-stream", buffer: bytes });
+    const choose = (buffer) => page.locator("#image").setInputFiles({ name: "drive.narximg", mimeType: "application/octet-stream", buffer });
+    await choose(LONG);
     const program = async () => {
         await page.locator("#program:enabled").click();
         await page.getByRole("dialog").getByRole("button", { name: "Program" }).click();
@@ -164,10 +167,12 @@ test("a drive behind the adapter is programmed: progress, abort, the whole of it
     await go(page, "update");
     const bar = page.getByLabel("Progress of the update");
     await page.waitForFunction(() => document.querySelector("progress")?.value > 1000);
-    assert.equal(await bar.getAttribute("max"), String(bytes.length));
+    assert.equal(await bar.getAttribute("max"), String(LONG.length));
     await page.locator("#abort-update").click();
     await page.locator("#update-told").getByText("The update was aborted. The drive runs what it ran before.").waitFor();
 
+    await choose(IMAGE);
+    await page.locator("#image-info").getByText("1536 bytes").waitFor();
     await program();
     await page.locator("#update-told").getByText("The drive runs version 0.3.1+99 now and keeps it.").waitFor({ timeout: 60_000 });
     await go(page, "main");

@@ -147,6 +147,7 @@ class Session {
         if (rpm !== 0) {
             drive.master.start(rpm);
         }
+        this.pump();
         return drive;
     }
 
