@@ -49,43 +49,20 @@ export type NodeMessage = {
 
 
 
-/** An `Error` of a master by its `name`: nothing answers, the drive (or this master) does not do it now, or a parameter cannot have the value. */
+/** An `Error` of a master by its `name`: nothing answers, the drive (or this master) does not do it now, a parameter cannot have the value, or an image is none for
+ * this drive. */
 export interface MasterError extends Error {
-    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError";
+    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError" | "ImageError";
 }
 
 /** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or why it was not done. */
 export type Answer = { readonly value: number; readonly error?: undefined } | { readonly error: MasterError };
-
-/** Requests without a value. */
-export type RequestName =
-| "build info"
-| "device info"
-| "reboot"
-| "trigger scope"
-| "disable hall supply"
-| "enable hall supply"
-| "set position"
-| "erase log"
-| "store"
-| "store once"
-| "reset calibration"
-| "auto-calibrate"
-| "calibrate hall";
 
 /** What a digital line is: an input, or an output of this level. */
 export interface Outputs {
     /** `undefined`: an input. */
     dsio1?: boolean;
     dsio2?: boolean;
-}
-
-
-
-/** Name and unit of a signal; the unit of a plain number is empty. */
-export interface Signal {
-    readonly name: SignalName;
-    readonly unit: string;
 }
 
 
@@ -131,6 +108,29 @@ export interface TxObject {
 export type TxAnswer =
 | { readonly value: number; readonly error?: undefined }
 | { readonly error: MasterError; readonly abort?: number };
+
+
+
+/** What an image says of itself. */
+export interface ImageInfo {
+    /** Hardware id. */
+    readonly hardware: number;
+    /** Name of the board that has it; absent for one that this version does not know. */
+    readonly board?: string;
+    /** MAJOR.MINOR.PATCH+BUILD. */
+    readonly version: string;
+    /** Bytes. */
+    readonly length: number;
+}
+
+/** How far an update is. */
+export interface UpdateProgress {
+    readonly stage: UpdateStage;
+    /** Bytes of the stage that are done: erased, received or verified. */
+    readonly done: number;
+    /** Length of the image, bytes. */
+    readonly total: number;
+}
 
 
 
@@ -268,6 +268,10 @@ export class Master {
      */
     abortDownload(): void;
     /**
+     * Ends the update. An image that is swapped in already is not confirmed then, and its drive goes back.
+     */
+    abortUpdate(): void;
+    /**
      * Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first` on. Throws for a silent master, and while
      * another one goes on.
      */
@@ -309,6 +313,11 @@ export class Master {
      */
     pollFrame(now: number): Frame | undefined;
     /**
+     * Whether the update has come to its end: the drive runs the image now and keeps it. Throws a `MasterError` for one that came to nothing; what ran before then
+     * still runs.
+     */
+    pollUpdate(): boolean;
+    /**
      * Every frame that is due at `now`, s.
      */
     poll(now: number): Frame[];
@@ -349,6 +358,11 @@ export class Master {
      * Asks for Standby, which also acknowledges a fault.
      */
     stop(): void;
+    /**
+     * Begins to program the drive with an image, the bytes of a `.narximg` file. Blocks are then among what `poll` has. Throws a `MasterError` for what is no
+     * whole image, for a silent master, and while another update goes on.
+     */
+    update(image: Uint8Array | number[]): void;
     /**
      * Asks the drive to give a parameter a value, in its unit, to the nearest step of its scale. Throws a `RangeError` for one that it cannot have.
      */
@@ -417,6 +431,10 @@ export class Master {
      * STATUS_WORD as it was last heard (Table 8).
      */
     readonly status: DriveValues["STATUS_WORD"] | undefined;
+    /**
+     * How far the update is; `undefined` without one.
+     */
+    readonly updateProgress: UpdateProgress | undefined;
 }
 
 /**
@@ -437,31 +455,6 @@ export class SlcanLines {
      * How often the adapter has said no.
      */
     readonly refusals: number;
-}
-
-/**
- * Named signals, one row per control tick.
- */
-export class Trace {
-    private constructor();
-    free(): void;
-    [Symbol.dispose](): void;
-    /**
-     * The values of one signal: 64 bits for time and counts, 32 for what is measured. A copy.
-     */
-    column(name: SignalName): Float32Array | Float64Array;
-    /**
-     * Rows.
-     */
-    readonly length: number;
-    /**
-     * The signals in the order of the columns of `run.csv`.
-     */
-    readonly signals: Signal[];
-    /**
-     * Time of each row since power-up, s.
-     */
-    readonly time: Float64Array;
 }
 
 /**
@@ -553,6 +546,11 @@ export function decode(frame: Frame, encoder?: boolean | null): DriveMessage | N
 export function encodeSlcan(frame: Frame): Uint8Array;
 
 /**
+ * What an image (the bytes of a `.narximg` file) says of itself. Throws a `MasterError` for what is no whole image.
+ */
+export function imageInfo(image: Uint8Array | number[]): ImageInfo;
+
+/**
  * The records of a log download, each of `size` bytes (parameter 69); those that the drive could not read are left out.
  */
 export function logRecords(bytes: Uint8Array | number[], size: number): LogRecord[];
@@ -588,13 +586,14 @@ export interface InitOutput {
     readonly memory: WebAssembly.Memory;
     readonly __wbg_master_free: (a: number, b: number) => void;
     readonly __wbg_slcanlines_free: (a: number, b: number) => void;
-    readonly __wbg_trace_free: (a: number, b: number) => void;
     readonly __wbg_txmaster_free: (a: number, b: number) => void;
     readonly closeSlcan: () => [number, number];
     readonly decode: (a: any, b: number) => [number, number, number];
     readonly encodeSlcan: (a: any) => [number, number, number, number];
+    readonly imageInfo: (a: number, b: number) => [number, number, number];
     readonly logRecords: (a: number, b: number, c: number) => any;
     readonly master_abortDownload: (a: number) => void;
+    readonly master_abortUpdate: (a: number) => void;
     readonly master_acceptedSpeed: (a: number) => number;
     readonly master_build: (a: number) => any;
     readonly master_connected: (a: number) => number;
@@ -615,6 +614,7 @@ export interface InitOutput {
     readonly master_pollChunks: (a: number) => any;
     readonly master_pollDownload: (a: number) => [number, number, number];
     readonly master_pollFrame: (a: number, b: number) => any;
+    readonly master_pollUpdate: (a: number) => [number, number, number];
     readonly master_read: (a: number, b: any) => [number, number];
     readonly master_readParameters: (a: number) => void;
     readonly master_request: (a: number, b: any) => [number, number];
@@ -631,6 +631,8 @@ export interface InitOutput {
     readonly master_stateName: (a: number) => [number, number];
     readonly master_status: (a: number) => any;
     readonly master_stop: (a: number) => void;
+    readonly master_update: (a: number, b: number, c: number) => [number, number];
+    readonly master_updateProgress: (a: number) => any;
     readonly master_write: (a: number, b: any, c: number) => [number, number];
     readonly measurementSignals: () => any;
     readonly openSlcan: (a: number, b: number, c: number) => [number, number, number, number];
@@ -639,10 +641,6 @@ export interface InitOutput {
     readonly slcanlines_handleBytes: (a: number, b: number, c: number) => any;
     readonly slcanlines_new: () => number;
     readonly slcanlines_refusals: (a: number) => number;
-    readonly trace_column: (a: number, b: any) => [number, number, number];
-    readonly trace_length: (a: number) => number;
-    readonly trace_signals: (a: number) => any;
-    readonly trace_time: (a: number) => [number, number, number];
     readonly txObjects: () => any;
     readonly txmaster_askPositions: (a: number) => [number, number];
     readonly txmaster_boots: (a: number) => number;
@@ -719,6 +717,30 @@ export type StateName =
     | "Closed-loop Hall Effect Sensors"
     | "Fault"
     | "Sensorless Auto-Restart";
+
+/** Requests without a value. */
+export type RequestName =
+    | "build info"
+    | "device info"
+    | "reboot"
+    | "trigger scope"
+    | "disable hall supply"
+    | "enable hall supply"
+    | "set position"
+    | "erase log"
+    | "store"
+    | "store once"
+    | "reset calibration"
+    | "auto-calibrate"
+    | "calibrate hall";
+
+/** What an update is about. */
+export type UpdateStage =
+    | "asking"
+    | "erasing"
+    | "sending"
+    | "verifying"
+    | "restarting";
 
 /** Parameters of the drive. */
 export type ParameterName =

@@ -77,6 +77,64 @@ export interface Pattern {
 
 
 
+/** Settings of a `ZeroCrossing`. */
+export interface ZeroCrossingOptions {
+    /** Ticks a second, 1 000 to 100 000; default 10 000. */
+    tickRate?: number;
+    /** Of the converter that voltages are rounded to, V, up to 0.0625; default 0.019 531. */
+    voltsPerCode?: number;
+    /** Smallest signal, 1 to 255 codes; default 4. */
+    noiseCodes?: number;
+    /** Least time after a commutation, s (parameter 86); default 200e-6. */
+    blanking?: number;
+    /** Of the next commutation, electrical degrees, 0 to 30; default 0. */
+    advance?: number;
+    /** Line to line, V a mechanical rpm (parameter 267); default 0: not known. */
+    backEmf?: number;
+    /** 1 to 100; default 1. */
+    polePairs?: number;
+    /** No crossing for so long is standstill, s (parameter 85); default 0.05. */
+    timeout?: number;
+}
+
+/** What a `ZeroCrossing` sees of a period. */
+export interface Terminals {
+    /** A, B and C against ground, V. */
+    phaseVoltage: readonly [number, number, number];
+    /** V. */
+    busVoltage: number;
+    /** The step that was in force in the period that has ended, and its changes: the `Pattern` of the tick before. */
+    pattern: Pattern;
+    /** Sampled in the on-time, else in the off-time; default true. */
+    onTime?: boolean;
+    /** Torque in reverse; default false. */
+    reverse?: boolean;
+}
+
+/** What the terminals say after a tick. */
+export interface ZeroCrossingReading {
+    /** A crossing was seen: how long before the present boundary, s; negative is after it. */
+    readonly crossing?: number;
+    /** What became of the last step's crossing. */
+    readonly why: "none" | "accepted" | "filtered" | "blind" | "demag-late" | "listened";
+    /** How far the last accepted crossing lay behind its prediction, electrical degrees. */
+    readonly margin: number;
+    /** Crossings accepted. */
+    readonly accepted: number;
+    /** Electrical degrees, 0 to 360. */
+    readonly angle: number;
+    /** Electrical rev/s, negative in reverse; 0 while it is not known. */
+    readonly speed: number;
+    /** How long until the next commutation, s; absent while it is not known. */
+    readonly commutation?: number;
+    /** Six consistent crossings: the loop may be closed. */
+    readonly running: boolean;
+    /** The rotor was lost in this tick. */
+    readonly lost?: "stall" | "desynchronised" | "wrong-lock";
+}
+
+
+
 /** What a replay found. Digests are 16 lower-case hexadecimal digits. */
 export interface Replay {
     /** Ticks run. */
@@ -252,6 +310,31 @@ export class Trace {
 }
 
 /**
+ * The zero crossings of the drive: terminal voltages of a driven or coasting motor to crossing, angle, speed and the next commutation. Align the rotor,
+ * `start`, and commutate as it says.
+ */
+export class ZeroCrossing {
+    free(): void;
+    [Symbol.dispose](): void;
+    /**
+     * On by a step without any evidence: the rotor that is being brought up has not moved.
+     */
+    forceStep(): void;
+    /**
+     * A motor that nothing has been seen of. Throws for a setting out of range.
+     */
+    constructor(options?: ZeroCrossingOptions);
+    /**
+     * The bridge is about to bring up a rotor that rests at `angle`, electrical degrees.
+     */
+    start(angle: number, reverse?: boolean | null): void;
+    /**
+     * One tick.
+     */
+    step(terminals: Terminals): ZeroCrossingReading;
+}
+
+/**
  * A log of can-utils (`candump -L`), decoded: text or its bytes.
  */
 export function readLog(text: string | Uint8Array, options?: LogOptions): CanLog;
@@ -284,6 +367,7 @@ export interface InitOutput {
     readonly __wbg_pi_free: (a: number, b: number) => void;
     readonly __wbg_ramp_free: (a: number, b: number) => void;
     readonly __wbg_trace_free: (a: number, b: number) => void;
+    readonly __wbg_zerocrossing_free: (a: number, b: number) => void;
     readonly commutation_new: (a: number, b: number, c: number, d: number) => [number, number, number];
     readonly commutation_step: (a: number, b: number, c: number, d: number) => [number, number, number];
     readonly hall_new: (a: any) => [number, number, number];
@@ -302,6 +386,10 @@ export interface InitOutput {
     readonly trace_length: (a: number) => number;
     readonly trace_signals: (a: number) => any;
     readonly trace_time: (a: number) => [number, number, number];
+    readonly zerocrossing_forceStep: (a: number) => void;
+    readonly zerocrossing_new: (a: any) => [number, number, number];
+    readonly zerocrossing_start: (a: number, b: number, c: number) => [number, number];
+    readonly zerocrossing_step: (a: number, b: any) => [number, number, number];
     readonly __wbindgen_malloc: (a: number, b: number) => number;
     readonly __wbindgen_realloc: (a: number, b: number, c: number, d: number) => number;
     readonly __wbindgen_free: (a: number, b: number, c: number) => void;

@@ -4,7 +4,11 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { plugIn, serveDrive } from "./adapter.mjs";
 import { start as launch } from "./browser.mjs";
-import { go, inState, reaches, saved, start } from "./operating.mjs";
+import { go, inState, logged, reaches, saved, start } from "./operating.mjs";
+import { image } from "./signing.mjs";
+
+// Made here: whoever signs stops this process, and with it the adapter. The long one is long enough to be in time with its abort.
+const [IMAGE, LONG] = [image(), image({ length: 20 << 10 })];
 
 let browser;
 let drive;
@@ -112,9 +116,7 @@ test("the log is set up, filled, downloaded in part and erased", async () => {
     await page.locator("#log-period").fill("0.05");
     await page.locator("#configure-log").click();
     await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
-    await page.waitForTimeout(1500);
-    await page.locator("#refresh-log").click();
-    await page.waitForFunction(() => Number(document.querySelector("#log-length").textContent) > 5);
+    await logged(page, 5);
     assert.equal(await page.getByLabel("Value of slot 1").inputValue(), "HV Voltage");
     await page.getByLabel("From record").fill("2");
     await page.getByLabel("How many").fill("4");
@@ -146,6 +148,38 @@ test("the drive's description of itself is downloaded", async () => {
     const { name, bytes } = await saved(page, () => page.locator("#xml").click());
     assert.equal(name, "narx.xml");
     assert.match(bytes.toString(), /^<\?xml[\s\S]*Over-voltage HV threshold[\s\S]*>\s*$/);
+    adapter.end();
+});
+
+test("a drive behind the adapter is programmed: progress, abort, the whole of it", async () => {
+    const { page, own, adapter } = await connected();
+    await go(page, "update");
+    const choose = (buffer) => page.locator("#image").setInputFiles({ name: "drive.narximg", mimeType: "application/octet-stream", buffer });
+    await choose(LONG);
+    const program = async () => {
+        await page.locator("#program:enabled").click();
+        await page.getByRole("dialog").getByRole("button", { name: "Program" }).click();
+    };
+    await program();
+    await page.locator("#update-stage").getByText("Sends the image.").waitFor();
+    // It goes on whichever panel is looked at.
+    await go(page, "main");
+    await go(page, "update");
+    const bar = page.getByLabel("Progress of the update");
+    await page.waitForFunction(() => document.querySelector("progress")?.value > 1000);
+    assert.equal(await bar.getAttribute("max"), String(LONG.length));
+    await page.locator("#abort-update").click();
+    await page.locator("#update-told").getByText("The update was aborted. The drive runs what it ran before.").waitFor();
+
+    await choose(IMAGE);
+    await page.locator("#image-info").getByText("1536 bytes").waitFor();
+    await program();
+    await page.locator("#update-told").getByText("The drive runs version 0.3.1+99 now and keeps it.").waitFor({ timeout: 60_000 });
+    await go(page, "main");
+    await start(page, 1500);
+    await page.locator("#stop").click();
+    await inState(page, "Standby");
+    assert.deepEqual(own(), []);
     adapter.end();
 });
 

@@ -41,9 +41,9 @@ test("every preset reaches the middle of its range", () => {
         const motor = Motor.preset(name);
         const drive = new Bench(motor, { supplyVoltage: motor.nominalVoltage ?? 24 });
         const rpm = Math.round((drive.speedMin + drive.speedMax) / 2);
-        drive.run(0.6);
+        drive.run(0.6, false).free();
         drive.start(rpm);
-        drive.run(2.5);
+        drive.run(2.5, false).free();
         const speed = mean(drive.run(0.5).column("speed"));
         assert.ok(Math.abs(speed - rpm) < 0.01 * rpm, `${name}: ${speed} of ${rpm} rpm`);
     }

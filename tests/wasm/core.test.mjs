@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { SlcanLines, TxMaster, closeSlcan, decode, encodeSlcan, openSlcan, txObjects } from "../../wasm/pkg/node/core.js";
-import { Commutation, Hall, Pi, Ramp, readLog, replayTrace, scopeRecording } from "../../wasm/pkg/node/lab.js";
+import { Commutation, Hall, Pi, Ramp, ZeroCrossing, readLog, replayTrace, scopeRecording } from "../../wasm/pkg/node/lab.js";
 import { Pump } from "./pump.mjs";
 
 const text = (bytes) => new TextDecoder().decode(bytes);
@@ -192,4 +192,45 @@ test("hall codes and the steps that give torque, all the way round", () => {
     assert.ok(Math.abs(Math.abs(hall.step(5).speed) - 1000 / 60) < 2);
     assert.throws(() => hall.step(8), { name: "RangeError", message: "code 8: must be a whole number from 0 to 7" });
     assert.throws(() => commutation.step(0, 1e6), { name: "RangeError" });
+});
+
+test("a motor without sensors, commutated by its zero crossings", () => {
+    const [rate, bus, speed, peak] = [10_000, 24, 100, 8];
+    const crossing = new ZeroCrossing({ timeout: 0.03 });
+    const commutation = new Commutation();
+    // Of steps 1 to 6: the phase that is switched, the one held low.
+    const LEGS = [[], [0, 1], [0, 2], [1, 2], [1, 0], [2, 0], [2, 1]];
+    crossing.start(120);
+    let turns = 1 / 3;
+    let pattern = { step: 0, changes: [] };
+    for (let tick = 0; tick < 1500; tick++) {
+        turns += speed / rate;
+        const [switched, low] = LEGS[pattern.changes.at(-1)?.step ?? pattern.step];
+        const phaseVoltage = [0, 1, 2].map((phase) => {
+            const emf = peak * Math.sin(2 * Math.PI * (turns - phase / 3));
+            const floats = Math.min(Math.max(bus / 2 + 1.5 * emf, 0), bus);
+            return phase === switched ? bus : phase === low ? 0 : floats;
+        });
+        const reading = crossing.step({ phaseVoltage, busVoltage: bus, pattern });
+        pattern = commutation.step(reading.angle, reading.speed);
+        if (tick > 400) {
+            assert.ok(reading.running && reading.lost === undefined, `tick ${tick}`);
+            assert.equal(reading.why, "accepted");
+            assert.ok(Math.abs(reading.speed - speed) < 0.02 * speed, `${reading.speed} rev/s`);
+            assert.ok(Math.abs(((reading.angle - turns * 360 + 540) % 360 + 360) % 360 - 180) < 4);
+            assert.ok(reading.commutation >= 0 && reading.commutation < 1.2 / (6 * speed));
+        }
+    }
+    const refusals = [
+        [() => new ZeroCrossing({ voltsPerCode: 0.1 }), "RangeError", "terminal: 100000 is not within 1 to 62500 uV/code"],
+        [() => new ZeroCrossing({ blanking: -1 }), "RangeError", "ZeroCrossing: blanking -1: must be 0 or more"],
+        [() => new ZeroCrossing({ advance: 31 }), "RangeError", /^advance_cdeg: 3100 is not within 0 to 3000/],
+        [() => crossing.start(NaN), "RangeError", "angle NaN: must be a finite number"],
+        [() => crossing.step({ phaseVoltage: [0, 0], busVoltage: 1, pattern }), "RangeError", "phaseVoltage: must be finite numbers, V"],
+        [() => crossing.step({ phaseVoltage: [0, 0, 0], busVoltage: 1, pattern: { step: 13 } }), "RangeError", "pattern: step 13: must be a whole number from 0 to 12"],
+        [() => crossing.step({ phaseVoltage: [0, 0, 0], busVoltage: 1 }), "TypeError", "step: pattern is missing"],
+    ];
+    for (const [call, name, message] of refusals) {
+        assert.throws(call, { name, message });
+    }
 });

@@ -3,7 +3,12 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { start as launch } from "./browser.mjs";
-import { drop, go, inState, isDrawn, operate, saved, start } from "./operating.mjs";
+import { drop, go, inState, isDrawn, logged, operate, saved, start } from "./operating.mjs";
+import { image } from "./signing.mjs";
+
+const IMAGE = image();
+const OLD = image({ version: "0.2.0" });
+const FOREIGN = image({ version: "0.4.0", secret: "0".repeat(64) });
 
 let browser;
 before(async () => {
@@ -82,10 +87,34 @@ test("the scope's record of inputs is a recording that replays", async () => {
     await page.locator("#replays .result").getByText("identical").waitFor();
 });
 
-test("a drive without a log memory says so", async () => {
-    const { page } = await operate(browser, "logging");
+test("a virtual drive without a log memory says so, and one with everything is a click away", async () => {
+    const { page, complaints } = await operate(browser, "logging");
     await page.getByText("This drive has no log memory.").waitFor();
     assert.equal(await page.locator("#log-length").textContent(), "0");
+    await page.locator(".full-drive").click();
+    await page.waitForFunction(() => Number(document.querySelector("#log-capacity").textContent) > 100_000);
+    assert.equal(await page.locator(".full-drive").count(), 0);
+    await page.locator("#add-slot").click();
+    await page.getByLabel("Value of slot 1").fill("HV Voltage");
+    await page.locator("#log-period").fill("0.02");
+    await page.locator("#configure-log").click();
+    await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
+    await logged(page, 5);
+    await page.getByLabel("How many").fill("3");
+    await page.locator("#download-log:enabled").click();
+    await page.locator("#log-told").getByText("3 records.").waitFor();
+    await page.locator("#log-period").fill("3600");
+    await page.locator("#configure-log:enabled").click();
+    await page.locator("#log-told").getByText("The drive logs this from now on").waitFor();
+    await page.locator("#erase-log").click();
+    await page.getByRole("dialog").getByRole("button", { name: "Erase log" }).click();
+    await page.locator("#log-told").getByText("The log is empty.").waitFor();
+
+    await go(page, "parameters");
+    const { name, bytes } = await saved(page, () => page.locator("#xml").click());
+    assert.equal(name, "narx.xml");
+    assert.match(bytes.toString(), /^<\?xml[\s\S]*Over-voltage HV threshold/);
+    assert.deepEqual(complaints, []);
 });
 
 test("services ask before what cannot be undone", async () => {
@@ -110,8 +139,46 @@ test("calibration finds misplaced zeros and the hall sensors", async () => {
     await inState(page, "Standby");
 });
 
-test("programming says why it cannot be", async () => {
-    const { page } = await operate(browser, "update");
-    assert.match(await page.locator("#update-why").textContent(), /cannot be programmed/);
-    assert.ok(await page.getByRole("button", { name: "Program" }).isDisabled());
+/** Chooses a file as an image. */
+function choose(page, name, buffer) {
+    return page.locator("#image").setInputFiles({ name, mimeType: "application/octet-stream", buffer });
+}
+
+/** Programs the drive with what was chosen: what was told at the end. */
+async function program(page) {
+    await page.locator("#program:enabled").click();
+    await page.getByRole("dialog").getByRole("button", { name: "Program" }).click();
+    await page.locator("#update-told").waitFor({ timeout: 60_000 });
+    return page.locator("#update-told").textContent();
+}
+
+test("a virtual drive with a bootloader is programmed, and what goes wrong is told in words", async () => {
+    const { page, complaints } = await operate(browser, "update");
+    await choose(page, "notes.narximg", Buffer.from("hello"));
+    await page.getByRole("alert").getByText('"notes.narximg": 5 bytes of an image of 512.').waitFor();
+    assert.equal(await page.locator("#program").count(), 0);
+
+    await choose(page, "drive.narximg", IMAGE);
+    assert.match(await page.locator("#image-info").textContent(), /drive\.narximg.*0\.3\.1\+99.*bench, 4E580000h.*1536 bytes/);
+    assert.match(await program(page), /^The drive does not answer; one without a bootloader never does\. /);
+
+    await page.locator(".full-drive").click();
+    await inState(page, "Standby");
+    assert.equal(await program(page), "The drive runs version 0.3.1+99 now and keeps it.");
+
+    // Dropped anywhere on the page; the result of before is gone with the next try.
+    await go(page, "main");
+    await drop(page, { name: "old.narximg", buffer: OLD });
+    await page.locator("#image-info").getByText("0.2.0+0").waitFor();
+    assert.equal(await program(page), "The image is version 0.2.0+0, older than the 0.3.1+99 that runs. The drive was not touched.");
+
+    await choose(page, "foreign.narximg", FOREIGN);
+    assert.equal(await program(page), "The signature is not one that the board's bootloader believes. The drive runs what it ran before.");
+
+    await go(page, "main");
+    await start(page, 1500);
+    await go(page, "update");
+    await page.locator("#update-why").getByText("A drive is programmed in Standby, or in Fault at standstill.").waitFor();
+    assert.ok(await page.locator("#program").isDisabled());
+    assert.deepEqual(complaints, []);
 });

@@ -156,3 +156,55 @@ test("frames are decoded, filtered, held and saved as a log", async () => {
     }
     assert.deepEqual(complaints, []);
 });
+
+test("time goes back to an instant of the run, shows it as it was, and goes on from there", async () => {
+    const { page, complaints } = await operate(browser, "main");
+    await start(page, 1500);
+    await reaches(page, 1500, 40);
+    const bench = page.locator("#bench-time");
+    await go(page, "virtual");
+    const turning = Number(await bench.textContent());
+    await page.locator("#load").fill("0.02");
+    await page.locator("#load").press("Enter");
+    await page.locator(".bar .stop").click();
+    await inState(page, "Standby");
+    await page.locator("#pause").click();
+    await page.locator("#resume").waitFor();
+    const digest = await digestOf(page);
+    const instant = page.locator("#instant");
+    const end = Number(await instant.getAttribute("max"));
+
+    const seek = async (tick) => {
+        await instant.evaluate((input, tick) => {
+            input.value = String(tick);
+            input.dispatchEvent(new Event("input", { bubbles: true }));
+        }, tick);
+        await page.getByText(new RegExp(`control tick ${tick}$`)).waitFor();
+    };
+    await seek(Math.round(turning * 10_000));
+    await inState(page, "Closed-loop Hall Effect Sensors");
+    await reaches(page, 1500, 60);
+    await page.locator("#went-back").waitFor();
+    assert.equal(await instant.getAttribute("max"), String(end));
+    // The whole run is still there, bit for bit.
+    await seek(end);
+    await inState(page, "Standby");
+    assert.equal(await digestOf(page), digest);
+    assert.equal(await page.locator("#went-back").count(), 0);
+
+    // Another way from there: nobody has stopped it, and there is no load.
+    await seek(Math.round(turning * 10_000));
+    await page.locator("#resume").click();
+    await page.waitForFunction((end) => Number(document.querySelector("#bench-time").textContent) * 10_000 > end + 5000, end);
+    await inState(page, "Closed-loop Hall Effect Sensors");
+    await reaches(page, 1500, 60);
+    assert.ok(Number(await instant.getAttribute("max")) > end);
+    assert.deepEqual(complaints, []);
+});
+
+/** The digest of the run so far. */
+async function digestOf(page) {
+    await page.locator("#share").click();
+    const note = await page.getByText(/digest [0-9a-f]{16}\.$/).textContent();
+    return note.match(/[0-9a-f]{16}/)[0];
+}

@@ -33,6 +33,15 @@ export async function start(page, rpm) {
     await inState(page, "Closed-loop Hall Effect Sensors");
 }
 
+/** Waits until the log has more than so many records. */
+export function logged(page, records) {
+    const grown = (records) => {
+        document.querySelector("#refresh-log:enabled")?.click();
+        return Number(document.querySelector("#log-length").textContent) > records;
+    };
+    return page.waitForFunction(grown, records, { polling: 100 });
+}
+
 /** The content of the file that a click saves. */
 export async function saved(page, click) {
     const [download] = await Promise.all([page.waitForEvent("download"), click()]);

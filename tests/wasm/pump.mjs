@@ -1,13 +1,14 @@
 // A drive's master on a bench that has no operator: time passes while somebody waits.
 
-import { Bench, Motor } from "../../wasm/pkg/node/narx.js";
+import * as narx from "../../wasm/pkg/node/narx.js";
 import { Drive } from "../../wasm/pkg/node/drive.js";
 
 /** Simulated time between two looks of the master at its frames, s. */
 const PERIOD = 0.001;
 
 export class Pump {
-    constructor(options = {}, master = {}, motor = "bly172s-24v") {
+    /** `kit`: the module of the bench. */
+    constructor(options = {}, master = {}, motor = "bly172s-24v", { Bench, Motor } = narx) {
         this.bench = new Bench(Motor.preset(motor), { supplyVoltage: 24, operator: false, ...options });
         this.drive = new Drive(master);
         this.others = [];

@@ -15,6 +15,7 @@ import {
     type Progress,
     type RequestName,
     type StateName,
+    type UpdateProgress,
 } from "./core.js";
 import { failure, Link } from "./link.js";
 import { Log } from "./log.js";
@@ -178,6 +179,13 @@ export class Drive {
     async description(progress?: (progress: Progress) => void): Promise<string> {
         const bytes = await this.#link.download(() => this.master.download("description"), progress);
         return new TextDecoder().decode(bytes).replace(/\0+$/, "");
+    }
+
+    /** Programs the drive with an image (the bytes of a `.narximg` file), waits for its restart and confirms that it runs. The drive must be in Standby, or in Fault at
+     * standstill, and takes no start until the end. Whatever goes wrong, `master.abortUpdate` among it, the drive runs what it ran before: an "ImageError" for what is
+     * no image for it, a "RefusedError" where drive or bootloader does not want it, a "NoAnswerError" from a drive without a bootloader, and from one that is lost. */
+    update(image: Uint8Array, progress?: (progress: UpdateProgress) => void): Promise<void> {
+        return this.#link.update(image, progress);
     }
 
     /** Restarts a stopped drive, and waits until it is in Standby or Fault again: what is not stored is lost. */

@@ -1,9 +1,9 @@
 // A master and its time: what is waited for. Nobody blocks and nothing has a clock: whoever owns a drive gives it frames and times,
 // and promises settle on the way.
 
-import { Master, type Chunk, type Frame, type MasterError, type MasterOptions, type Progress } from "./core.js";
+import { Master, type Chunk, type Frame, type MasterError, type MasterOptions, type Progress, type UpdateProgress } from "./core.js";
 
-/** An error that its name tells from others: "NoAnswerError", "RefusedError", "ParameterError" or "StartError". */
+/** An error that its name tells from others: that of a master, or "StartError". */
 export function failure(name: MasterError["name"] | "StartError", message: string): Error {
     return Object.assign(new Error(message), { name });
 }
@@ -28,6 +28,13 @@ interface Download {
     readonly resolve: (bytes: Uint8Array) => void;
     readonly reject: (error: unknown) => void;
     told: number;
+}
+
+interface Update {
+    readonly progress: ((progress: UpdateProgress) => void) | undefined;
+    readonly resolve: () => void;
+    readonly reject: (error: unknown) => void;
+    told: UpdateProgress | undefined;
 }
 
 /** Answers that the master keeps at most. */
@@ -81,6 +88,7 @@ export class Link {
     #waiters: Waiter[] = [];
     #downloads: Download[] = [];
     #download: Download | undefined;
+    #update: Update | undefined;
 
     constructor(options: MasterOptions) {
         this.master = new Master(options);
@@ -139,6 +147,14 @@ export class Link {
         );
     }
 
+    /** Programs the drive with an image. What the master throws at the beginning is the answer, too. */
+    update(image: Uint8Array, progress?: (progress: UpdateProgress) => void): Promise<void> {
+        return new Promise((resolve, reject) => {
+            this.master.update(image);
+            this.#update = { progress, resolve, reject, told: undefined };
+        });
+    }
+
     #ask(): void {
         while (this.#asked.length < ANSWERS && this.#waiting.length > 0) {
             const question = this.#waiting.shift()!;
@@ -170,6 +186,7 @@ export class Link {
             }
         }
         this.#receive();
+        this.#program();
         // A loop, not `filter`: Node 20 ends with "unreachable code" when it has inlined what calls WebAssembly into that.
         const waiting: Waiter[] = [];
         for (const waiter of this.#waiters.splice(0)) {
@@ -198,11 +215,36 @@ export class Link {
             const words = this.master.pollDownload();
             if (words !== undefined) {
                 this.#download = undefined;
+                // With its last words it is over, and the master tells no progress any more.
+                if (download.told !== words) {
+                    download.progress?.({ received: words, total: words });
+                }
                 download.resolve(joined(download.chunks, words));
             }
         } catch (error) {
             this.#download = undefined;
             download.reject(error);
+        }
+    }
+
+    #program(): void {
+        const update = this.#update;
+        if (update === undefined) {
+            return;
+        }
+        const now = this.master.updateProgress;
+        if (now !== undefined && (now.stage !== update.told?.stage || now.done !== update.told.done)) {
+            update.told = now;
+            update.progress?.(now);
+        }
+        try {
+            if (this.master.pollUpdate()) {
+                this.#update = undefined;
+                update.resolve();
+            }
+        } catch (error) {
+            this.#update = undefined;
+            update.reject(error);
         }
     }
 }

@@ -25,7 +25,7 @@ export default defineConfig({
     resolve: {
         alias: [
             { find: /^narx$/, replacement: `${built}/narx.js` },
-            { find: /^narx\/(core|lab|drive|script)$/, replacement: `${built}/$1.js` },
+            { find: /^narx\/(core|lab|full|drive|script)$/, replacement: `${built}/$1.js` },
         ],
     },
     worker: { format: "es" },

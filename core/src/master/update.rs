@@ -14,10 +14,8 @@ use crate::bus::narmotion::update::{
     BLOCK, ImageVersion, UpdateAnswer, UpdateCode, UpdateRequest, UpdateState, UpdateStatus,
 };
 use crate::bus::narmotion::{FromDrive, ToDrive};
+use crate::storage::record::CRC32;
 use core::fmt;
-use crc::{CRC_32_ISO_HDLC, Crc};
-
-static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// From one block to the next on average, microseconds: a block takes at most 320 of them on the bus, and a fifth is left to others.
 pub const PACE: u64 = 400;
@@ -102,6 +100,10 @@ pub enum UpdateStage {
 }
 
 impl UpdateStage {
+    /// In the order of an update.
+    pub const ALL: [Self; 5] =
+        [Self::Asking, Self::Erasing, Self::Sending, Self::Verifying, Self::Restarting];
+
     /// What it is called.
     pub const fn label(self) -> &'static str {
         match self {

@@ -27,7 +27,8 @@ const TAIL: usize = 6;
 /// Bytes of the longest record: 240.
 pub const RECORD_MAX: usize = HEAD + VALUES * VALUE + TAIL;
 
-static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+/// Of a record; also of an image on its way to the bootloader.
+pub(crate) static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// What there is to log, before it has a place.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 //!
 //! | file | JavaScript | Rust |
 //! |---|---|---|
-//! | `master.rs`, `requests.rs` | `Master` | [`narx_core::master`] |
+//! | `master.rs`, `requests.rs`, `update.rs` | `Master`, `imageInfo` | [`narx_core::master`] |
 //! | `tx_master.rs` | `TxMaster`, `txObjects` | [`narx_core::master::eddycan`] |
 //! | `messages.rs` | `decode` | [`narx_core::bus`] |
 //! | `dictionary.rs` | `parameters`, `scopeSignals`, `measurementSignals`, `logRecords` | [`narx_core::dictionary`] |
@@ -18,9 +18,11 @@ mod messages;
 mod requests;
 mod slcan;
 mod tx_master;
+mod update;
 
 pub use dictionary::{log_records, measurement_signals, parameters, scope_signals};
 pub use master::Master;
 pub use messages::decode;
 pub use slcan::{SlcanLines, close_slcan, encode_slcan, open_slcan};
 pub use tx_master::{TxMaster, tx_objects};
+pub use update::image_info;

@@ -4,6 +4,7 @@ use crate::dictionary::{choice, row};
 use crate::messages::{faults, float, status, unit};
 use crate::requests;
 use js_sys::{Array, Object, Uint8Array};
+use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, StatusWord};
 use narx_core::master::{Config, Download, Heard, Master as Core};
 use narx_sim::engineering;
@@ -95,6 +96,8 @@ pub struct Master {
     pub(crate) core: Core,
     /// The last time that it was told, microseconds.
     now: u64,
+    /// The image of the update.
+    pub(crate) image: Vec<u8>,
 }
 
 #[wasm_bindgen]
@@ -126,7 +129,7 @@ impl Master {
             read_parameters: options.flag("readParameters")?.unwrap_or(factory.read_parameters),
             ..factory
         };
-        Ok(Self { core: Core::new(config), now: 0 })
+        Ok(Self { core: Core::new(config), now: 0, image: Vec::new() })
     }
 
     /// Takes a frame that arrived at `now`, s. Only messages of its drive to this master are heard.
@@ -146,7 +149,7 @@ impl Master {
     #[wasm_bindgen(js_name = pollFrame, unchecked_return_type = "Frame | undefined")]
     pub fn poll_frame(&mut self, now: f64) -> JsValue {
         self.tell(now);
-        let due = self.core.poll_frame(self.now);
+        let due = self.next_frame();
         due.map_or(JsValue::UNDEFINED, |due| frame::object(&due).into())
     }
 
@@ -154,8 +157,7 @@ impl Master {
     #[wasm_bindgen(unchecked_return_type = "Frame[]")]
     pub fn poll(&mut self, now: f64) -> Array {
         self.tell(now);
-        let now = self.now;
-        std::iter::from_fn(|| self.core.poll_frame(now)).map(|due| frame::object(&due)).collect()
+        std::iter::from_fn(|| self.next_frame()).map(|due| frame::object(&due)).collect()
     }
 
     /// When to poll again at the latest if nothing arrives and nothing is asked for until then, s; infinity without a reason.
@@ -392,6 +394,11 @@ impl Master {
     /// It is `now`; time never runs back.
     fn tell(&mut self, now: f64) {
         self.now = self.now.max(microseconds(now));
+    }
+
+    fn next_frame(&mut self) -> Option<Frame> {
+        let Self { core, now, image } = self;
+        core.poll_frame(*now).or_else(|| core.poll_update_frame(*now, image))
     }
 }
 

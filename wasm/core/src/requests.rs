@@ -14,29 +14,14 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** An `Error` of a master by its `name`: nothing answers, the drive (or this master) does not do it now, or a parameter cannot have the value. */
+/** An `Error` of a master by its `name`: nothing answers, the drive (or this master) does not do it now, a parameter cannot have the value, or an image is none for
+ * this drive. */
 export interface MasterError extends Error {
-    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError";
+    readonly name: "NoAnswerError" | "RefusedError" | "ParameterError" | "ImageError";
 }
 
 /** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or why it was not done. */
 export type Answer = { readonly value: number; readonly error?: undefined } | { readonly error: MasterError };
-
-/** Requests without a value. */
-export type RequestName =
-    | "build info"
-    | "device info"
-    | "reboot"
-    | "trigger scope"
-    | "disable hall supply"
-    | "enable hall supply"
-    | "set position"
-    | "erase log"
-    | "store"
-    | "store once"
-    | "reset calibration"
-    | "auto-calibrate"
-    | "calibrate hall";
 
 /** What a digital line is: an input, or an output of this level. */
 export interface Outputs {

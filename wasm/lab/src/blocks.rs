@@ -66,8 +66,10 @@ export interface Pattern {
 }
 "#;
 
-const ONE: f64 = 65_536.0;
-const TURN: f64 = 4_294_967_296.0;
+/// A period or a unit in fixed point.
+pub(crate) const ONE: f64 = 65_536.0;
+/// A turn in fixed point.
+pub(crate) const TURN: f64 = 4_294_967_296.0;
 
 /// A PI controller of the drive: u = Kp e + integral of Ki e dt, within its limits, bit for bit.
 #[wasm_bindgen]
@@ -245,7 +247,7 @@ fn raw(name: &str, value: f64) -> Result<i32, JsValue> {
     Err(range_error(&format!("{name} {value}: must be a finite number from -32768 to 32767.99998")))
 }
 
-fn real(raw: i32) -> f64 {
+pub(crate) fn real(raw: i32) -> f64 {
     f64::from(raw) / ONE
 }
 

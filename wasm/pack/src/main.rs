@@ -1,16 +1,18 @@
-//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
+//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM FULL_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
 //!
 //! | import | files | what |
 //! |---|---|---|
 //! | `narx` | `narx.js`, `narx_bg.wasm` | the bench |
 //! | `narx/core` | `core.js`, `core_bg.wasm` | masters, messages, the dictionary, slcan |
 //! | `narx/lab` | `lab.js`, `lab_bg.wasm` | recordings that run again, logs |
+//! | `narx/full` | `full.js`, `full_bg.wasm` | the bench whose drive has log memory, description and bootloader |
 //! | `narx/drive`, `narx/script` | from `wasm/ts` | what is TypeScript over them |
 //!
 //! A package of its own and not a part of xtask: what it depends on takes longer to compile than all of narx, and
 //! `cargo xtask demo` needs none of it.
 
 mod names;
+mod panics;
 
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
@@ -25,6 +27,7 @@ const MANIFEST: &str = r#"{
     ".": { "types": "./narx.d.ts", "default": "./narx.js" },
     "./core": { "types": "./core.d.ts", "default": "./core.js" },
     "./lab": { "types": "./lab.d.ts", "default": "./lab.js" },
+    "./full": { "types": "./full.d.ts", "default": "./full.js" },
     "./drive": { "types": "./drive.d.ts", "default": "./drive.js" },
     "./script": { "types": "./script.d.ts", "default": "./script.js" },
     "./*.wasm": "./*.wasm"
@@ -32,10 +35,13 @@ const MANIFEST: &str = r#"{
 }
 "#;
 
+/// Types of the full bench: those of the bench.
+const FULL: &str = "export * from \"./narx.js\";\nexport { default } from \"./narx.js\";\n";
+
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();
-    let [directory, bench, core, lab] = arguments.as_slice() else {
-        bail!("usage: narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM")
+    let [directory, bench, core, lab, full] = arguments.as_slice() else {
+        bail!("usage: narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM FULL_WASM")
     };
     let (web, node) = (directory.join("web"), directory.join("node"));
     for package in [&web, &node] {
@@ -44,24 +50,25 @@ fn main() -> anyhow::Result<()> {
             fs::remove_dir_all(package).with_context(|| package.display().to_string())?;
         }
     }
-    for (name, wasm) in [("narx", bench), ("core", core), ("lab", lab)] {
-        bindgen(wasm, name).web(true)?.generate(&web)?;
-        bindgen(wasm, name).nodejs_module(true)?.generate(&node)?;
+    for (name, wasm) in [("narx", bench), ("core", core), ("lab", lab), ("full", full)] {
+        bindgen(wasm, name)?.web(true)?.generate(&web)?;
+        bindgen(wasm, name)?.nodejs_module(true)?.generate(&node)?;
     }
     for package in [&web, &node] {
         append(&package.join("narx.d.ts"), &names::bench()?)?;
         append(&package.join("core.d.ts"), &names::core()?)?;
         append(&package.join("lab.d.ts"), &names::lab()?)?;
+        fs::write(package.join("full.d.ts"), FULL)?;
         fs::write(package.join("package.json"), MANIFEST)?;
     }
     Ok(())
 }
 
-fn bindgen(wasm: &Path, name: &str) -> Bindgen {
+fn bindgen(wasm: &Path, name: &str) -> anyhow::Result<Bindgen> {
     let mut bindgen = Bindgen::new();
-    bindgen.input_path(wasm).out_name(name).typescript(true);
+    bindgen.input_module(name, panics::silenced(wasm)?).out_name(name).typescript(true);
     bindgen.omit_default_module_path(false).remove_producers_section(true);
-    bindgen
+    Ok(bindgen)
 }
 
 fn append(declarations: &Path, names: &str) -> anyhow::Result<()> {

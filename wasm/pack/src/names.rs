@@ -2,6 +2,7 @@
 
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, SIGNALS as MEASUREMENTS};
 use narx_core::dictionary::Dictionary;
+use narx_core::master::{Request, UpdateStage};
 use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_core::motor::{FaultWord, State};
 use narx_host::can_log::{message_name, node};
@@ -30,6 +31,8 @@ pub(crate) fn core() -> Result<String, fmt::Error> {
     let mut text = String::new();
     union(&mut text, "FaultName", "Bits of the fault word.", faults())?;
     union(&mut text, "StateName", "States of the drive, 0 to 7.", State::ALL.map(State::name))?;
+    union(&mut text, "RequestName", "Requests without a value.", Request::NAMED.map(|(name, _)| name))?;
+    union(&mut text, "UpdateStage", "What an update is about.", UpdateStage::ALL.map(UpdateStage::label))?;
     union(&mut text, "ParameterName", "Parameters of the drive.", Dictionary::rows().map(|row| row.name()))?;
     let measured = MEASUREMENTS.iter().map(|signal| signal.name);
     union(&mut text, "MeasurementName", "Signals of the measurements.", measured)?;

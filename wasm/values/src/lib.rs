@@ -18,4 +18,5 @@ static ALLOCATOR: LockedAllocator<FreeListAllocator> = LockedAllocator::new(Free
 pub mod error;
 pub mod frame;
 pub mod options;
+#[cfg(feature = "trace")]
 pub mod trace;

@@ -26,6 +26,8 @@ export const settings = $state({
     seed: 1,
     /** On the drive's bus, with node-ids from 2 on. */
     txDrivers: 0,
+    /** The virtual drive has log memory, description and bootloader. */
+    full: false,
     slave: 170,
     monitor: 85,
     /** ms. */
@@ -37,6 +39,18 @@ export const settings = $state({
 export function connectVirtual(setup: Setup, txDrivers = 0): Promise<void> {
     const actions = Array.from({ length: txDrivers }, (_, index): Action => ({ call: "addTxDriver", options: { nodeId: index + 2 } }));
     return session.connect((listener) => virtualDrive.open(setup, actions, listener), master());
+}
+
+/** Whether the connection is a virtual drive of this page. */
+export function isVirtual(): boolean {
+    return session.link?.name.startsWith("Virtual") === true;
+}
+
+/** The virtual drive on the bench now, powered up anew with everything that a drive can have. */
+export async function connectFull(): Promise<void> {
+    settings.full = true;
+    const { motor, options } = virtualDrive.opened!.setup;
+    await connectVirtual({ motor, options, full: true }, settings.txDrivers);
 }
 
 /** The virtual drive that everybody finds who comes without a wish. */

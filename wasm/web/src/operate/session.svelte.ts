@@ -12,6 +12,8 @@ import { NOTHING, look, setpointOf, type View } from "./view";
 
 /** Time that a drive has to be heard, s. */
 const BOOT = 1.5;
+/** Frames that are heard at once after a return to an earlier instant. */
+const PIECE = 20;
 
 class Session {
     link = $state.raw<Link>();
@@ -56,13 +58,15 @@ class Session {
         this.connecting = true;
         this.problem = undefined;
         try {
-            const drive = new Drive(options);
-            this.#over = new Promise((_, reject) => (this.#gone = reject));
-            this.#over.catch(() => undefined);
-            this.drive = drive;
+            let drive = this.#begin(options);
             this.options = options;
             this.link = await open({
                 handle: (time, frames) => this.#hear(drive, time, frames),
+                handleReturn: (time, frames) => {
+                    if (this.drive === drive) {
+                        drive = this.#return(options, time, frames);
+                    }
+                },
                 handleLoss: (reason) => this.#lose(drive, reason),
             });
             this.#opened = this.link.now;
@@ -78,14 +82,10 @@ class Session {
     disconnect(): void {
         this.#halt();
         this.link?.close();
-        this.#gone?.(new Error("the connection was closed meanwhile"));
+        this.#forget("the connection was closed meanwhile");
         this.link = undefined;
         this.drive = undefined;
         this.view = NOTHING;
-        this.#wasConnected = false;
-        trace.clear();
-        chart.clear();
-        nodes.clear();
     }
 
     /** Asks for a speed, rpm, negative in reverse; fails with the reason if the motor does not start. */
@@ -122,6 +122,42 @@ class Session {
     /** Sends what is due. Whoever asks for something in an effect does not depend on the link's time by that. */
     pump(): void {
         untrack(() => this.#send());
+    }
+
+    /** A master that has heard of nothing yet. */
+    #begin(options: MasterOptions): Drive {
+        const drive = new Drive(options);
+        this.#over = new Promise((_, reject) => (this.#gone = reject));
+        this.#over.catch(() => undefined);
+        this.drive = drive;
+        return drive;
+    }
+
+    /** A master at an earlier instant, who has heard what came just before it and goes on asking for the same speed. */
+    #return(options: MasterOptions, time: number, frames: readonly BusFrame[]): Drive {
+        this.#forget("time has returned to an earlier instant meanwhile");
+        const drive = this.#begin(options);
+        this.#opened = time;
+        // Piece by piece, as it came: plots have a point for each.
+        for (let at = 0; at < frames.length; at += PIECE) {
+            const piece = frames.slice(at, at + PIECE);
+            this.#hear(drive, piece[piece.length - 1].time, piece);
+        }
+        const rpm = setpointOf(drive.master);
+        if (rpm !== 0) {
+            drive.master.start(rpm);
+        }
+        this.pump();
+        return drive;
+    }
+
+    /** What was heard, and what waits for an answer. */
+    #forget(reason: string): void {
+        this.#gone?.(new Error(reason));
+        this.#wasConnected = false;
+        trace.clear();
+        chart.clear();
+        nodes.clear();
     }
 
     #send(): void {

@@ -8,6 +8,8 @@ import type { Run } from "./run";
 export interface Setup {
     motor: MotorName;
     options: BenchOptions;
+    /** The drive has a log memory, its description and a bootloader ("narx/full"). */
+    full?: boolean;
 }
 
 /** What is done to the bench: an input of a script, now. */
@@ -24,6 +26,8 @@ export type Request =
     /** Simulated seconds in a second; 0 stands still. */
     | { kind: "pace"; pace: number }
     | { kind: "step"; ticks: number }
+    /** Returns to an instant of the run and stands still there. */
+    | { kind: "seek"; tick: number }
     | { kind: "reproduce"; run: Run }
     | { kind: "run" }
     | { kind: "recording" };
@@ -33,6 +37,8 @@ export type Answer =
     | { kind: "ready"; motors: MotorEntry[]; inputs: BoardInput[]; injections: InjectionName[] }
     | { kind: "opened"; setup: Setup; speedMin: number; speedMax: number; notes: string[]; tickRate: number }
     | { kind: "ran"; now: Now; rows: Rows; frames: BusFrame[] }
+    /** After "seek": what was heard and seen just before that instant. */
+    | { kind: "sought"; now: Now; rows: Rows; frames: BusFrame[] }
     | { kind: "reproduced"; digest: string; expected: string }
     | { kind: "run"; run: Run }
     | { kind: "recording"; bytes: Uint8Array }
@@ -57,6 +63,8 @@ export interface Now {
     /** s since power-up. */
     time: number;
     ticks: number;
+    /** The furthest tick of the run: later than `ticks` where it has returned to an instant. */
+    end: number;
     /** Simulated seconds in a second that were asked for. */
     pace: number;
 }

@@ -1,8 +1,8 @@
 // The bench in a worker: it runs in step with the wall clock, and the page only draws.
 
 import init, { Bench, Motor } from "narx";
-import { JournalledBench } from "./journal";
-import type { Answer, MotorEntry, Request, Rows } from "./messages";
+import { JournalledBench, type Kit } from "./journal";
+import type { Answer, MotorEntry, Request, Rows, Setup } from "./messages";
 import type { Run } from "./run";
 
 /** Between two pieces of a run, ms. */
@@ -15,6 +15,8 @@ const BEHIND_MAX = 0.05;
 const UNHEARD_MAX = 2;
 /** Ticks between two reports of a run that is repeated. */
 const REPORT = 5000;
+/** What is told before an instant to which a run returns: enough for a plot that rolls, and for a master to know its drive, ticks. */
+const BEFORE = 80_000;
 
 let journal: JournalledBench | undefined;
 let pace = 1;
@@ -37,8 +39,18 @@ function buffers(rows: Rows): Transferable[] {
     return Object.values(rows).map((column) => column.buffer);
 }
 
-function open(request: Request & { kind: "open" }): void {
-    const powered = new JournalledBench(request.setup);
+/** The module with such a bench; the larger one is loaded once somebody wants it. */
+async function kit({ full = false }: Setup): Promise<Kit> {
+    if (!full) {
+        return { Bench, Motor };
+    }
+    const module = await import("narx/full");
+    await module.default();
+    return module;
+}
+
+async function open(request: Request & { kind: "open" }): Promise<void> {
+    const powered = new JournalledBench(request.setup, await kit(request.setup));
     request.actions.forEach((action) => powered.act(action));
     pace = 1;
     begin(powered);
@@ -54,7 +66,7 @@ function begin(opened: JournalledBench): void {
 
 /** Repeats a run as fast as it goes, and stands still at its end; unless another drive is opened meanwhile. */
 async function reproduce(run: Run): Promise<void> {
-    const repeated = new JournalledBench(run.setup);
+    const repeated = new JournalledBench(run.setup, await kit(run.setup));
     pace = 0;
     begin(repeated);
     const until = async (tick: number) => {
@@ -74,6 +86,13 @@ async function reproduce(run: Run): Promise<void> {
     if (await until(run.ticks)) {
         answer({ kind: "reproduced", digest: repeated.bench.digest, expected: run.digest });
     }
+}
+
+function seek(tick: number): void {
+    const sought = opened();
+    const { rows, frames } = sought.seek(tick, BEFORE);
+    [pace, due] = [0, 0];
+    answer({ kind: "sought", now: sought.now(pace), rows, frames }, buffers(rows));
 }
 
 function turn(): void {
@@ -114,6 +133,8 @@ function handle(request: Request): void | Promise<void> {
             return report(opened(), 0);
         case "step":
             return report(opened(), request.ticks);
+        case "seek":
+            return seek(request.tick);
         case "reproduce":
             return reproduce(request.run);
         case "run":

@@ -34,6 +34,8 @@ class Adapter implements Link {
     readonly #clock = new Worker(new URL("./clock.ts", import.meta.url), { type: "module" });
     #listener: Listener | undefined;
     #sent: BusFrame[] = [];
+    /** What goes out at the end of this turn: one transfer for all frames that are due at once. */
+    #due: number[] = [];
 
     constructor(
         port: SerialPort,
@@ -57,13 +59,17 @@ class Adapter implements Link {
     }
 
     send(frame: Frame): void {
-        this.#write(encodeSlcan(frame));
+        if (this.#due.length === 0) {
+            queueMicrotask(() => this.#flush());
+        }
+        this.#due.push(...encodeSlcan(frame));
         this.#sent.push(bus(frame, this.now, true));
     }
 
     close(): void {
         this.#listener = undefined;
         this.#clock.terminate();
+        this.#flush();
         this.#write(closeSlcan());
         void this.#release();
     }
@@ -73,6 +79,12 @@ class Adapter implements Link {
         await this.#writer.close().catch(() => undefined);
         await this.#reader.cancel().catch(() => undefined);
         await this.#port.close().catch(() => undefined);
+    }
+
+    #flush(): void {
+        if (this.#due.length > 0) {
+            this.#write(Uint8Array.from(this.#due.splice(0)));
+        }
     }
 
     #write(bytes: Uint8Array): void {

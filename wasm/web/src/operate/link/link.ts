@@ -6,6 +6,8 @@ import type { BusFrame, Frame } from "narx";
 export interface Listener {
     /** Time has come so far, s, and these frames have passed meanwhile, in order: those that were sent among them. */
     handle(time: number, frames: readonly BusFrame[]): void;
+    /** Time goes on from an earlier instant: what was heard so far has not happened. These frames came just before it. */
+    handleReturn(time: number, frames: readonly BusFrame[]): void;
     /** The link is gone; in words. */
     handleLoss(reason: string): void;
 }

@@ -22,7 +22,7 @@ export interface Reproduced {
 class VirtualDrive {
     known = $state.raw<Known>();
     opened = $state.raw<Answer & { kind: "opened" }>();
-    now = $state.raw<Now>({ time: 0, ticks: 0, pace: 1 });
+    now = $state.raw<Now>({ time: 0, ticks: 0, end: 0, pace: 1 });
     reproduced = $state.raw<Reproduced>();
     /** Why the last wish was refused. */
     problem = $state<string>();
@@ -31,8 +31,10 @@ class VirtualDrive {
     #worker: Worker | undefined;
     #listener: Listener | undefined;
     #queue: Action[] = [];
-    /** A run is being repeated: what was sent is among its inputs, and nothing else may be. */
+    /** The past is shown, of a run that is being repeated or has returned to an instant: what was sent is among its inputs, and nothing else may be. */
     #repeats = false;
+    /** Where to return to, once the return before has been made. */
+    #sought: { tick: number; next?: number } | undefined;
     #waiting: ((answer: Answer) => boolean)[] = [];
 
     /** Powers a virtual drive up, with what is done to it before its first tick. Refused with an Error for a setup that cannot be. */
@@ -50,16 +52,30 @@ class VirtualDrive {
     }
 
     act(action: Action): void {
+        this.#repeats = false;
         this.#ask({ kind: "act", actions: [action] });
     }
 
     /** Simulated seconds in a second; 0 stands still. */
     setPace(pace: number): void {
+        this.#repeats &&= pace === 0;
         this.#ask({ kind: "pace", pace });
     }
 
     step(ticks: number): void {
+        this.#repeats = false;
         this.#ask({ kind: "step", ticks });
+    }
+
+    /** Returns to a tick of the run and stands still there: what came later is forgotten once time runs or something is done. */
+    seek(tick: number): void {
+        this.#repeats = true;
+        if (this.#sought) {
+            this.#sought.next = tick;
+        } else {
+            this.#sought = { tick };
+            this.#ask({ kind: "seek", tick });
+        }
     }
 
     /** Everything that decides the run so far. */
@@ -102,6 +118,18 @@ class VirtualDrive {
                 this.#ask({ kind: "pace", pace: 0 });
             },
         };
+    }
+
+    #return({ now, rows, frames }: Answer & { kind: "sought" }): void {
+        const next = this.#sought?.next;
+        this.#sought = undefined;
+        if (next !== undefined && this.#repeats) {
+            return this.seek(next);
+        }
+        this.now = now;
+        this.rows.clear();
+        this.rows.append(rows);
+        this.#listener?.handleReturn(now.time, frames);
     }
 
     #send(frame: Frame): void {
@@ -153,12 +181,15 @@ class VirtualDrive {
                 this.#listener?.handle(answer.now.time, answer.frames);
                 // Behind what was sent for it.
                 return queueMicrotask(() => this.#worker?.postMessage({ kind: "heard" } satisfies Request));
+            case "sought":
+                return this.#return(answer);
             case "reproduced":
                 this.reproduced = answer;
                 this.#repeats = false;
                 break;
             case "refused":
                 this.problem = answer.reason;
+                this.#sought = answer.request === "seek" ? undefined : this.#sought;
         }
         this.#waiting = this.#waiting.filter((done) => !done(answer));
     }
