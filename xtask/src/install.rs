@@ -78,6 +78,18 @@ pub fn nightly(components: &[&str]) -> steps::Outcome {
     steps::run(rustup.args(components.iter().flat_map(|component| ["--component", component])))
 }
 
+/// Installs a program of crates.io in this version, unless it is there: some minutes.
+///
+/// # Errors
+/// What cargo said.
+pub fn cargo_program(name: &str, version: &str) -> steps::Outcome {
+    let said = Command::new(name).arg("--version").output();
+    if said.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).trim_end().ends_with(version)) {
+        return Ok(Vec::new());
+    }
+    steps::run(Command::new("cargo").args(["install", name, "--locked", "--version", version]))
+}
+
 /// The interpreter of a virtual environment with exactly these requirements, made anew when they have changed.
 ///
 /// # Errors
