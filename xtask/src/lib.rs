@@ -17,6 +17,7 @@ pub mod driven;
 pub mod eds;
 pub mod firmware;
 pub mod floor;
+pub mod fuzz;
 pub mod hangs;
 pub mod header;
 pub mod install;

@@ -13,6 +13,7 @@ use xtask::demo;
 use xtask::drive;
 use xtask::eds;
 use xtask::firmware;
+use xtask::fuzz;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
@@ -94,6 +95,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Look for inputs that break a promise, with libFuzzer; or give both nodes every identifier
+    Fuzz(fuzz::Arguments),
     /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
     /// CAN database, EDS, the C header, type declarations, golden figures
     Generate,
@@ -148,6 +151,7 @@ fn main() -> ExitCode {
         Job::Docs => run_all(test::python::docs(root)),
         Job::Eds { check } => eds::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
+        Job::Fuzz(arguments) => fuzz::command(root, arguments),
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
         Job::Interop => finish(interop::run(root)),

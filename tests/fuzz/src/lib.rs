@@ -1,0 +1,49 @@
+//! Bytes from anywhere, given to what reads them: a function for each part of narx that takes frames, files or the content of a flash. It answers nothing and
+//! panics where a promise is broken, of which "does not panic" is the least.
+//!
+//! `cargo xtask fuzz` lets libFuzzer look for such bytes; `tests/` runs the same functions over the corpus and over random inputs.
+
+mod board;
+pub mod boot;
+pub mod bus;
+pub mod candump;
+pub mod description;
+pub mod drive;
+pub mod log;
+pub mod master;
+pub mod program;
+mod real;
+pub mod recording;
+pub mod scope;
+pub mod slcan;
+pub mod storage;
+pub mod tx_driver;
+pub mod tx_master;
+pub mod update;
+
+/// A part that reads bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// What it is called: its folder in `corpus`, and its program in `fuzz_targets`.
+    pub name: &'static str,
+    /// Gives it an input.
+    pub run: fn(&[u8]),
+}
+
+/// All of them.
+pub const TARGETS: [Target; 14] = [
+    Target { name: "boot", run: boot::run },
+    Target { name: "bus", run: bus::run },
+    Target { name: "candump", run: candump::run },
+    Target { name: "description", run: description::run },
+    Target { name: "drive", run: drive::run },
+    Target { name: "log", run: log::run },
+    Target { name: "master", run: master::run },
+    Target { name: "recording", run: recording::run },
+    Target { name: "scope", run: scope::run },
+    Target { name: "slcan", run: slcan::run },
+    Target { name: "storage", run: storage::run },
+    Target { name: "tx_driver", run: tx_driver::run },
+    Target { name: "tx_master", run: tx_master::run },
+    Target { name: "update", run: update::run },
+];

@@ -1,0 +1,75 @@
+//! An input as a program: bytes that are read from front to back, zeros behind the end, so that every input is one. Little endian.
+
+use narx_core::bus::{Frame, Id};
+
+/// What is left of an input.
+#[derive(Clone, Copy, Debug)]
+pub struct Program<'a>(pub &'a [u8]);
+
+/// Of a frame's head: the rest of it, modulo 9, is the data length code.
+const EXTENDED: u8 = 1 << 7;
+const REMOTE: u8 = 1 << 6;
+const LENGTH: u8 = 0x0F;
+
+impl<'a> Program<'a> {
+    /// Whether nothing is left.
+    pub const fn is_over(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The next bytes.
+    pub fn array<const N: usize>(&mut self) -> [u8; N] {
+        let mut bytes = [0; N];
+        let (now, later) = self.0.split_at(N.min(self.0.len()));
+        bytes[..now.len()].copy_from_slice(now);
+        self.0 = later;
+        bytes
+    }
+
+    /// The next bytes, as many as there are.
+    pub fn take(&mut self, length: usize) -> &'a [u8] {
+        let (now, later) = self.0.split_at(length.min(self.0.len()));
+        self.0 = later;
+        now
+    }
+
+    /// 8 bits.
+    pub fn byte(&mut self) -> u8 {
+        u8::from_le_bytes(self.array())
+    }
+
+    /// 16 bits.
+    pub fn word(&mut self) -> u16 {
+        u16::from_le_bytes(self.array())
+    }
+
+    /// 32 bits.
+    pub fn long(&mut self) -> u32 {
+        u32::from_le_bytes(self.array())
+    }
+
+    /// Any frame: its head, an identifier of 2 or 4 bytes, its data, fewer bytes than the head says at the end.
+    pub fn frame(&mut self) -> Frame {
+        let head = self.byte();
+        let id = if head & EXTENDED != 0 {
+            Id::extended(self.long() & 0x1FFF_FFFF)
+        } else {
+            Id::standard(self.word() & 0x7FF)
+        };
+        let dlc = (head & LENGTH) % 9;
+        let id = id.expect("as many bits as it may have");
+        let frame =
+            if head & REMOTE != 0 { Frame::remote(id, dlc) } else { Frame::data(id, self.take(dlc.into())) };
+        frame.expect("at most 8 bytes")
+    }
+}
+
+/// Writes what [`Program::frame`] reads.
+pub fn write_frame(frame: &Frame, program: &mut Vec<u8>) {
+    let extended = if frame.id().is_extended() { EXTENDED } else { 0 };
+    let remote = if frame.is_remote() { REMOTE } else { 0 };
+    program.push(extended | remote | frame.dlc());
+    let id = frame.id().raw().to_le_bytes();
+    program.extend(&id[..if extended != 0 { 4 } else { 2 }]);
+    program.extend(frame.payload());
+}

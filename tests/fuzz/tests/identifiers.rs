@@ -1,0 +1,290 @@
+//! Every identifier of 11 and of 29 bits, with every data length code, as data and as remote frame: what a node does with it is what PROTOCOL.md says, and
+//! everything else is silent and changes nothing. The frames' data are zeros.
+//!
+//! All 9.7 thousand million frames to both nodes are the tests that are ignored here (`cargo xtask fuzz --identifiers`). The others are exhaustive by
+//! fields: priority, source and destination in all combinations with some types and opcodes, and all of these with every frame to the drive or of its master.
+
+use narx_core::bus::eddycan::{Channels, FromNode, NmtCommand, NmtState, Position, Target, ToNode};
+use narx_core::bus::narmotion::{Addresses, FromDrive, ToDrive, XmlCommand};
+use narx_core::bus::{Frame, Id};
+use narx_core::eddycan::{Configuration, MeasuringRange, Sample, TxDriver, Variant};
+use narx_core::motor::{Board, State, Status};
+use narx_core::node::{Identity, Node};
+use std::ops::Range;
+use std::thread;
+
+/// Data length codes, each as data and as remote frame.
+const SHAPES: u32 = 9 * 2;
+/// Identifiers with the same priority, source and destination: every type and opcode.
+const BLOCK: u32 = 1 << 11;
+/// Blocks of 29-bit identifiers.
+const BLOCKS: u32 = 1 << 18;
+const DRIVE: u8 = Addresses::FACTORY.drive;
+const MASTER: u8 = Addresses::FACTORY.master;
+
+/// What a drive does with a frame of zeros (PROTOCOL.md, sections 1.3 and 2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fate {
+    /// Somebody else's: nothing at all.
+    Ignored,
+    /// Parameter 275.
+    Malformed,
+    /// Parameter 274.
+    Refused,
+    /// Obeyed, in silence.
+    Obeyed,
+    /// Obeyed, and answered with this opcode.
+    Answered(u16),
+}
+
+/// Type, opcode, and what comes of it in Standby without flash, scope and slots.
+const MESSAGES: [(u32, u32, Fate); 24] = [
+    (1, 2, Fate::Obeyed),
+    (1, 101, Fate::Answered(101)),
+    (1, 102, Fate::Answered(102)),
+    (1, 103, Fate::Obeyed),
+    (1, 104, Fate::Obeyed),
+    (1, 110, Fate::Answered(110)),
+    (1, 112, Fate::Obeyed),
+    // Serial number 0 is another board's.
+    (1, 113, Fate::Refused),
+    (2, 0, Fate::Answered(0)),
+    (2, 1, Fate::Answered(1)),
+    (2, 110, Fate::Answered(110)),
+    (2, 112, Fate::Refused),
+    (2, 130, Fate::Answered(130)),
+    // Programming a drive that has no slots.
+    (2, 160, Fate::Refused),
+    (2, 161, Fate::Refused),
+    (1, 162, Fate::Refused),
+    (1, 163, Fate::Refused),
+    (2, 164, Fate::Refused),
+    (1, 165, Fate::Refused),
+    (1, 166, Fate::Refused),
+    (1, 167, Fate::Refused),
+    // Unknown opcodes, and opcodes of the other type.
+    (1, 0, Fate::Refused),
+    (2, 2, Fate::Refused),
+    (1, 511, Fate::Refused),
+];
+
+fn fate(id: Id, dlc: u8, remote: bool) -> Fate {
+    let raw = id.raw();
+    let (source, destination, kind, opcode) = ((raw >> 19) as u8, (raw >> 11) as u8, raw >> 9 & 3, raw & 511);
+    if !id.is_extended() || kind == 3 {
+        return Fate::Malformed;
+    }
+    if destination != DRIVE {
+        return Fate::Ignored;
+    }
+    if remote || dlc != 8 || kind == 0 {
+        return Fate::Malformed;
+    }
+    if source != MASTER {
+        return Fate::Refused;
+    }
+    let row = MESSAGES.iter().find(|(type_, number, _)| (*type_, *number) == (kind, opcode));
+    row.map_or(Fate::Refused, |(_, _, fate)| *fate)
+}
+
+fn frame(id: Id, shape: u32) -> (Frame, u8, bool) {
+    let (dlc, remote) = ((shape % 9) as u8, shape >= 9);
+    let frame = if remote { Frame::remote(id, dlc) } else { Frame::data(id, &[0; 8][..dlc.into()]) };
+    (frame.unwrap(), dlc, remote)
+}
+
+/// A drive in Standby, with nothing to say.
+fn drive() -> Node {
+    let mut node = Node::new(Identity::default(), Board::BENCH);
+    node.handle_status(Status { state: State::Standby, ..Status::default() });
+    while node.poll_frame().is_some() || node.poll_event().is_some() {}
+    // The description is measured when somebody asks for its length first.
+    node.handle_frame(&ToDrive::DownloadXml(XmlCommand::Length).encode(Addresses::FACTORY));
+    (0..10_000).for_each(|now| node.poll(now));
+    while node.poll_frame().is_some() {}
+    node
+}
+
+/// Gives a drive the frames of these identifiers, and a twin as many of the plainest malformed and refused ones: they are the same then. Who is to obey
+/// is a fresh drive each time. Answers how many frames were given.
+fn sweep_drive(node: &mut Node, ids: impl Iterator<Item = Id>) -> u64 {
+    let malformed = Frame::full(Id::standard(0x123).unwrap(), [0; 8]);
+    let refused = ToDrive::RequestBuildInfo.encode(Addresses { master: !MASTER, drive: DRIVE });
+    let mut twin = node.clone();
+    let mut given = 0;
+    for id in ids {
+        for shape in 0..SHAPES {
+            let (frame, dlc, remote) = frame(id, shape);
+            given += 1;
+            match fate(id, dlc, remote) {
+                Fate::Ignored => {}
+                Fate::Malformed => twin.handle_frame(&malformed),
+                Fate::Refused => twin.handle_frame(&refused),
+                fate => {
+                    obeys(node, &frame, fate);
+                    continue;
+                }
+            }
+            node.handle_frame(&frame);
+        }
+    }
+    assert!(*node == twin, "a frame that is not obeyed has changed more than its counter");
+    assert!(node.poll_frame().is_none(), "it has said something");
+    given
+}
+
+fn obeys(node: &Node, frame: &Frame, fate: Fate) {
+    let mut fresh = node.clone();
+    fresh.handle_frame(frame);
+    let answers: Vec<u16> = std::iter::from_fn(|| fresh.poll_frame())
+        .map(|frame| FromDrive::decode(&frame).unwrap().1.opcode().raw())
+        .collect();
+    let wanted = if let Fate::Answered(opcode) = fate { vec![opcode] } else { Vec::new() };
+    assert_eq!(answers, wanted, "{frame:?}");
+    let counted = |node: &Node| [274, 275].map(|number| node.read_parameter(number));
+    assert_eq!(counted(&fresh), counted(node), "{frame:?} is counted");
+}
+
+fn extended(block: u32) -> impl Iterator<Item = Id> {
+    (block * BLOCK..(block + 1) * BLOCK).map(|raw| Id::extended(raw).unwrap())
+}
+
+fn is_near(block: u32) -> bool {
+    let (source, destination) = ((block >> 8) as u8, block as u8);
+    source == MASTER || destination == DRIVE
+}
+
+#[test]
+fn every_11_bit_identifier_to_the_drive() {
+    let given = sweep_drive(&mut drive(), (0..1 << 11).map(|raw| Id::standard(raw).unwrap()));
+    assert_eq!(given, 2048 * 18);
+}
+
+#[test]
+fn every_29_bit_identifier_to_the_drive_or_of_its_master() {
+    let mut node = drive();
+    let given: u64 = (0..BLOCKS)
+        .filter(|block| is_near(*block))
+        .map(|block| sweep_drive(&mut node, extended(block)))
+        .sum();
+    // 511 pairs of addresses of which one is right, four priorities.
+    assert_eq!(given, 511 * 4 * 2048 * 18);
+}
+
+#[test]
+fn every_priority_source_and_destination_to_the_drive() {
+    let mut node = drive();
+    for block in 0..BLOCKS {
+        // Each type with one opcode of a message, and with another one that changes from block to block.
+        let ids =
+            (0..4).flat_map(|kind| [110, block % 509].map(|opcode| block * BLOCK + kind * 512 + opcode));
+        sweep_drive(&mut node, ids.map(|raw| Id::extended(raw).unwrap()));
+    }
+}
+
+/// The frames of `blocks` to a drive, on both threads of a small machine.
+fn halves(sweep: impl Fn(Range<u32>) -> u64 + Sync) -> u64 {
+    thread::scope(|scope| {
+        let first = scope.spawn(|| sweep(0..BLOCKS / 2));
+        sweep(BLOCKS / 2..BLOCKS) + first.join().unwrap()
+    })
+}
+
+#[test]
+#[ignore = "minutes: cargo xtask fuzz --identifiers"]
+fn every_29_bit_identifier_to_the_drive() {
+    let given = halves(|blocks| {
+        let mut node = drive();
+        blocks.map(|block| sweep_drive(&mut node, extended(block))).sum()
+    });
+    assert_eq!(given, (1 << 29) * 18);
+    println!("{given} frames to a drive");
+}
+
+const STATES: [NmtState; 3] = [NmtState::PreOperational, NmtState::Operational, NmtState::Stopped];
+
+/// A TX-Driver with node-id 1 that has measured, and nothing to say.
+fn tx_driver(state: NmtState) -> TxDriver {
+    let range = MeasuringRange::new(Position::MIN, Position::MAX).unwrap();
+    let variant = Variant { channels: Channels::Dual, ranges: [range; 2], sample_rate: 40_000, firmware: 1 };
+    let mut driver = TxDriver::new(variant, Configuration::new());
+    driver.handle_sample(Sample::default());
+    let command = match state {
+        NmtState::Operational => NmtCommand::Start,
+        NmtState::Stopped => NmtCommand::Stop,
+        _ => NmtCommand::PreOperational,
+    };
+    driver.handle_frame(&ToNode::Nmt { command, target: Target::All }.encode(), 0);
+    while driver.poll_frame().is_some() {}
+    assert_eq!(driver.state(), state);
+    driver
+}
+
+/// What a TX-Driver answers to a frame of zeros (PROTOCOL.md, section 10): the identifier, if anything.
+fn answer(id: Id, dlc: u8, remote: bool, state: NmtState) -> Option<u32> {
+    if id.is_extended() {
+        return None;
+    }
+    match (id.raw(), dlc, remote, state) {
+        // SYNC, and the remote request for two positions.
+        (0x080, 0, false, NmtState::Operational) => Some(0x281),
+        (0x381, 8, true, NmtState::Operational) => Some(0x381),
+        // No SDO has command 0: the answer is why not.
+        (0x601, 8, false, NmtState::PreOperational | NmtState::Operational) => Some(0x581),
+        _ => None,
+    }
+}
+
+fn sweep_tx_driver(quiet: &TxDriver, ids: impl Iterator<Item = Id>) -> u64 {
+    let mut driver = quiet.clone();
+    let mut given = 0;
+    for id in ids {
+        for shape in 0..SHAPES {
+            let (frame, dlc, remote) = frame(id, shape);
+            given += 1;
+            let Some(wanted) = answer(id, dlc, remote, quiet.state()) else {
+                driver.handle_frame(&frame, 0);
+                continue;
+            };
+            let mut fresh = quiet.clone();
+            fresh.handle_frame(&frame, 0);
+            let answers: Vec<u32> =
+                std::iter::from_fn(|| fresh.poll_frame()).map(|frame| frame.id().raw()).collect();
+            assert_eq!(answers, [wanted], "{frame:?} in {:?}", quiet.state());
+            let said = Frame::full(Id::standard(wanted as u16).unwrap(), [0; 8]);
+            assert!(wanted == 0x581 || FromNode::decode(&said, quiet.layout()).is_ok());
+            assert_eq!((fresh.state(), fresh.configuration()), (quiet.state(), quiet.configuration()));
+        }
+    }
+    assert!(driver == *quiet, "a frame that it does not listen to has changed it");
+    given
+}
+
+#[test]
+fn every_11_bit_identifier_to_the_tx_driver() {
+    for state in STATES {
+        let given = sweep_tx_driver(&tx_driver(state), (0..1 << 11).map(|raw| Id::standard(raw).unwrap()));
+        assert_eq!(given, 2048 * 18);
+    }
+}
+
+/// Each pattern of the low eleven bits, where a function and a node-id would stand, and each single bit above them.
+#[test]
+fn no_29_bit_identifier_to_the_tx_driver() {
+    for state in STATES {
+        let above = (11..29).map(|bit| 1 << bit).chain([0, 0x1FFF_F800]);
+        let ids = above.flat_map(|high| (0..1 << 11).map(move |low| Id::extended(high | low).unwrap()));
+        sweep_tx_driver(&tx_driver(state), ids);
+    }
+}
+
+#[test]
+#[ignore = "minutes: cargo xtask fuzz --identifiers"]
+fn every_29_bit_identifier_to_the_tx_driver() {
+    let given = halves(|blocks| {
+        let quiet = tx_driver(NmtState::Operational);
+        blocks.map(|block| sweep_tx_driver(&quiet, extended(block))).sum()
+    });
+    assert_eq!(given, (1 << 29) * 18);
+    println!("{given} frames to a TX-Driver");
+}
