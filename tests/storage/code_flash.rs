@@ -207,10 +207,13 @@ fn page_of(form: i32, records: &[(u16, i32)]) -> Vec<u8> {
     words.flat_map(|(number, value)| word(*number, *value)).collect()
 }
 
+/// What a page holds: its name, form and records; what comes of it: faults, and the rate.
+type Left<'a> = (&'a str, i32, &'a [(u16, i32)], FaultWord, i32);
+
 #[test]
 fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     let (rate, factory) = (number::SPEED_RATE, Parameters::new().raw(number::SPEED_RATE));
-    let cases: [(&str, i32, &[(u16, i32)], FaultWord, i32); 5] = [
+    let cases: [Left<'_>; 5] = [
         ("a number that nobody knows yet", 1, &[(rate, 1001), (0x3FF, 9)], FaultWord::empty(), 1001),
         ("a number less", 1, &[(number::LOG_PERIOD, 20)], FaultWord::empty(), factory),
         ("a value out of range", 1, &[(rate, -5)], FaultWord::STORE_VERSION, factory),
