@@ -101,7 +101,7 @@ proptest! {
     ) {
         let mode = if open_loop { number::OPEN_LOOP_ENABLE } else { number::HALL_ENABLE };
         let Some(c) = built(&first, mode, &board) else { return Ok(()) };
-        let mut drive = Drive::new(c.clone());
+        let mut drive = Drive::new(c);
         let healthy = Samples { bus_voltage: 2_458, bus_current: 2_048, hall: 1, ..Samples::default() };
         let idle = Event::Command(Command::default());
         for _ in 0..=c.machine.boot {
@@ -142,7 +142,7 @@ fn extreme_sets_build_and_run() {
         let changes = prop::collection::vec(change(), 0..6).new_tree(&mut runner).unwrap().current();
         let Some(c) = built(&changes, number::HALL_ENABLE, &Board::BENCH) else { continue };
         sets += 1;
-        let mut drive = Drive::new(c.clone());
+        let mut drive = Drive::new(c);
         let healthy = Samples { bus_voltage: 2_458, bus_current: 2_048, hall: 1, ..Samples::default() };
         for _ in 0..=c.machine.boot {
             drive.handle_event(Event::Command(Command::default()));

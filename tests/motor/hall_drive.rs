@@ -139,7 +139,7 @@ fn rotor_runs_against_the_torque() {
 fn a_tick_number_that_wraps() {
     let c = coefficients(&[(number::HALL_ENABLE, 1)]);
     let rotor = ScriptedRotor::new(0.2, 100.0, true);
-    let mut zero = Scripted::new(c.clone(), rotor.clone(), 0);
+    let mut zero = Scripted::new(c, rotor.clone(), 0);
     let mut wraps = Scripted::new(c, rotor, u64::MAX - BOOT - 300);
     for tick in 0..BOOT + 2_000 {
         if tick == BOOT + 100 {

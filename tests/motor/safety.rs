@@ -99,7 +99,7 @@ fn stretches() -> impl Strategy<Value = Vec<Stretch>> {
 
 /// A drive in Standby after a healthy boot, the first command a fresh edge.
 fn booted(c: &Coefficients) -> Drive {
-    let mut drive = Drive::new(c.clone());
+    let mut drive = Drive::new(*c);
     let samples = Samples { bus_voltage: 2_458, bus_current: 2_048, hall: 1, ..Samples::default() };
     let idle = Command { request: Request::Standby, speed: ElectricalSpeed::ZERO };
     drive.handle_event(Event::Slow(SlowMeasurements {
