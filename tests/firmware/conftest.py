@@ -165,8 +165,9 @@ class Emulator:
 
     def said(self):
         """What the image has printed."""
-        self._output.seek(0)
-        return self._output.read().decode()
+        # The emulator writes at the file's own position, which must stay where it is.
+        output = self._output.fileno()
+        return os.pread(output, os.fstat(output).st_size, 0).decode()
 
     def cut(self):
         """Cuts the power."""

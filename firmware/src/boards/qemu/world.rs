@@ -33,8 +33,8 @@ const TICKS_PER_MS: u64 = 10;
 const TICK_RATE: u32 = 10_000;
 /// The walk over the program takes this much at a time: a second for the whole image.
 const WALK_BYTES: usize = 4096;
-/// The stack is looked at this often, ticks: every ten seconds of the drive.
-const STACK_TICKS: u64 = 100_000;
+/// The stack is looked at this often, ticks: every second of the drive.
+const STACK_TICKS: u64 = 10_000;
 
 /// The interrupt's side: samples that the plant has left, and a command for it.
 pub struct Period {
