@@ -159,7 +159,8 @@ fn figures(said: &str) -> Option<Figures> {
 
 /// The promise that is broken, the input that breaks it, and how to see it again.
 fn finding(name: &str, said: &str) -> String {
-    let broken: Vec<&str> = said.lines().skip_while(|line| !line.contains("panicked at")).take(4).collect();
+    let panic = said.lines().skip_while(|line| !line.contains("panicked at"));
+    let broken: Vec<&str> = panic.take_while(|line| *line != "stack backtrace:").collect();
     let written = said.lines().find_map(|line| line.split("Test unit written to ").nth(1));
     match written {
         Some(file) => {

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// Image of an update: its bytes are of no account.
 const IMAGE: [u8; 1000] = [0x5A; 1000];
 
-/// First byte: bit 0 for a silent master, bit 1 for one that reads parameters. Then steps.
+/// First byte: bit 0 for a master that reads parameters, bits 0 to 2 for a silent one. Then steps.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
     let first = program.byte();

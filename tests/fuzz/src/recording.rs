@@ -68,6 +68,13 @@ fn chunk(payload: &[u8]) {
     // Without its end it is never whole.
     recording.verify().expect_err("the end is missing");
     let ticks: Vec<Tick> = recording.ticks().map_while(Result::ok).collect();
+    // With it, it has as many ticks as that says, or is refused.
+    for count in [ticks.len() as u64, ticks.len() as u64 + 1] {
+        let mut whole = sound.clone();
+        whole.chunk(b'E', &[count.to_le_bytes(), [0; 8]].concat());
+        let end = Recording::open(&whole.file).and_then(|whole| whole.verify());
+        assert!(end.is_err() || count == ticks.len() as u64, "{count} ticks");
+    }
 
     let mut drive: Drive = postcard::from_bytes(state).expect("a real one");
     let mut recorder = Recorder::new(RecordingBuffer::default(), &header, state).expect("memory is enough");
@@ -93,6 +100,7 @@ fn chunk(payload: &[u8]) {
 }
 
 /// A file whose check values are right, whatever it says.
+#[derive(Clone)]
 struct Sound {
     file: Vec<u8>,
     checked: Vec<u8>,

@@ -2,9 +2,10 @@
 
 use crate::program::Program;
 use narx_core::bus::eddycan::{
-    Channels, DecodeError, FromNode, NmtState, NodeId, PdoKind, Position, SdoAction, SdoRequest, ToNode,
+    Channels, DecodeError, FromNode, NmtCommand, NmtState, NodeId, PdoKind, Position, SdoAction, SdoRequest,
+    Target, ToNode,
 };
-use narx_core::bus::{BusState, ErrorState, Frame};
+use narx_core::bus::{BusState, ErrorState, Frame, Id};
 use narx_core::eddycan::{Configuration, MeasuringRange, OBJECTS, STORED, Sample, TxDriver, Variant};
 
 /// Boot-up, three errors, heartbeat, three PDOs, four answers.
@@ -171,12 +172,10 @@ impl Node {
 
 /// A frame that no TX-Driver listens to.
 fn nobody() -> Frame {
-    use narx_core::bus::Id;
     Frame::full(Id::extended(0x1234_5678).expect("29 bits"), [0; 8])
 }
 
 fn short(what: u8, node: NodeId, bytes: u8) -> Frame {
-    use narx_core::bus::eddycan::{NmtCommand, Target};
     let target = if what & 8 != 0 { Target::All } else { Target::Node(node) };
     match what & 7 {
         place @ 0..=3 => ToNode::Nmt { command: NmtCommand::ALL[usize::from(place)], target },

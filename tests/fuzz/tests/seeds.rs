@@ -224,6 +224,7 @@ fn seeds() -> Vec<Seed> {
     let record =
         Record::new(3, &Entry { time: 12_345, values: [(1, -1), (0x4002, 70_000)].into_iter().collect() });
     let others = vec![
+        ("boot", "changed-body", vec![1, 0, 8, 100, 2, 0, 3, 1, 0x55, 6]),
         ("boot", "runs", vec![1, 0, 8, 100]),
         ("boot", "swaps-and-reverts", vec![1, 0, 8, 100, 8, 9, 120, 6, 12, 6, 6]),
         ("boot", "swaps-and-keeps", vec![1, 0, 8, 100, 8, 9, 120, 6, 12, 6, 28, 6]),
