@@ -6,16 +6,19 @@ use std::process::{Command, ExitCode};
 use xtask::archive;
 use xtask::bench;
 use xtask::callgrind;
+use xtask::certificate;
 use xtask::coverage;
 use xtask::dbc;
 use xtask::demo;
 use xtask::drive;
 use xtask::eds;
+use xtask::evidence;
 use xtask::firmware;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
 use xtask::proof;
+use xtask::quality;
 use xtask::sign;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
@@ -37,7 +40,7 @@ enum Job {
     Demo(demo::Arguments),
     /// A virtual drive in real time, its CAN bus as slcan for python-can and its like
     Drive(drive::Arguments),
-    /// Measure what narx promises of its control: every goal with its figure and verdict
+    /// Measure what narx promises and what it costs: one table, each figure with its goal and the command that measures it again; written to target/bench.json
     Bench(bench::Arguments),
     /// Measure how fast the bench simulates, beside a C loop: a part of `bench`
     Speed {
@@ -45,6 +48,8 @@ enum Job {
         #[arg(long)]
         python: bool,
     },
+    /// Measure control quality: the promises on every preset and on random motors, as percentiles; made anew: docs/evidence/quality.json
+    Quality(quality::Arguments),
     /// Let everything go wrong at once, and watch what may never happen
     Worlds(worlds::Arguments),
     /// Test everything, or one target; installs what that needs
@@ -60,6 +65,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Measure where the sensorless start succeeds and where not any more; made anew: docs/evidence/starts.json, certificate.svg
+    Certificate(certificate::Arguments),
     /// Make tests/coverage.md anew: each row of the specification, its code and its tests
     Coverage {
         /// Write nothing; fail if the page is out of date or names what does not exist
@@ -77,6 +84,12 @@ enum Job {
     /// Make docs/eddycan-*.eds anew: the TX-Driver for CANopen tools
     Eds {
         /// Write nothing; fail if a file differs from the code
+        #[arg(long)]
+        check: bool,
+    },
+    /// Make docs/EVIDENCE.md anew from the figures in docs/evidence
+    Evidence {
+        /// Write nothing; fail if the page differs from the figures
         #[arg(long)]
         check: bool,
     },
@@ -129,16 +142,19 @@ fn main() -> ExitCode {
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
         Job::Drive(arguments) => drive::run(&arguments),
-        Job::Bench(arguments) => bench::command(&arguments),
-        Job::Speed { python } => bench::speed(python),
+        Job::Bench(arguments) => bench::command(root, &arguments),
+        Job::Quality(arguments) => quality::command(root, &arguments),
+        Job::Speed { python } => bench::speed(root, python),
         Job::Worlds(arguments) => worlds::command(&arguments),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Callgrind { check } => callgrind::command(root, check),
+        Job::Certificate(arguments) => certificate::command(root, &arguments),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Dbc { check } => dbc::command(root, check),
         Job::Docs => run_all(test::python::docs(root)),
         Job::Eds { check } => eds::command(root, check),
+        Job::Evidence { check } => evidence::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
@@ -171,6 +187,7 @@ fn generate(root: &Path) -> ExitCode {
             run(tests.current_dir(root).env("INSTA_UPDATE", "always"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
+        Step::new("evidence", move || evidence::regenerate(root, false)),
         Step::new("CAN database", move || dbc::regenerate(root, false)),
         Step::new("EDS", move || eds::regenerate(root, false)),
         Step::new("C header", move || header::regenerate(root, false)),
