@@ -142,8 +142,9 @@ impl RandomPlant {
     }
 }
 
-/// Torque of the commissioned lock on the real motor, N m: its level over three quarters of the line-to-line resistance, times the constant.
-fn lock_torque(commissioning: &Commissioning, motor: &MotorConfig, supply: f64) -> Option<f64> {
+/// Torque of the commissioned lock on the real motor at a supply of so many V, N m: its level over three quarters of the line-to-line resistance, times the
+/// constant. Nothing if the set has no level.
+pub fn lock_torque(commissioning: &Commissioning, motor: &MotorConfig, supply: f64) -> Option<f64> {
     let duty = engineering::value(&commissioning.parameters, number::LOCK_DUTY)? / 100.0;
     Some(motor.torque_constant * duty * supply / (0.75 * motor.resistance))
 }

@@ -24,6 +24,7 @@ mod must_have;
 mod peak_current;
 mod presets;
 mod protection;
+mod quality;
 mod robustness;
 mod rotor;
 mod safety;

@@ -38,13 +38,12 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     if !cfg!(target_arch = "x86_64") {
         return Ok(vec!["not compared: the golden figures are of x86-64".into()]);
     }
-    if let Err(advice) = install::debian(&[Package { name: "valgrind", provides: "valgrind" }]) {
+    if let Err(advice) = install::debian(&[VALGRIND]) {
         return Ok(vec![format!("not compared: {}", advice.replace('\n', "; "))]);
     }
-    let program = driven::build(root)?;
     let mut rows = Vec::new();
     for mode in driven::MODES {
-        rows.push(Counts::measure(&install::target_directory(root), &program, mode)?);
+        rows.push(Counts::new(root, mode)?);
     }
     let path = root.join("tests/golden/callgrind.toml");
     if !check {
@@ -56,8 +55,11 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     if wrong.is_empty() { Ok(rows.iter().map(Counts::line).collect()) } else { Err(wrong.join("\n")) }
 }
 
+/// What counts.
+pub(crate) const VALGRIND: Package = Package { name: "valgrind", provides: "valgrind" };
+
 /// Instructions a tick.
-struct Counts {
+pub(crate) struct Counts {
     mode: &'static str,
     tick: f64,
     control: f64,
@@ -65,6 +67,11 @@ struct Counts {
 }
 
 impl Counts {
+    /// Builds the program and counts.
+    pub(crate) fn new(root: &Path, mode: &'static str) -> Result<Self, String> {
+        Self::measure(&install::target_directory(root), &driven::build(root)?, mode)
+    }
+
     fn measure(directory: &Path, program: &Path, mode: &'static str) -> Result<Self, String> {
         let profile: PathBuf = directory.join(format!("callgrind.{mode}"));
         let mut valgrind = Command::new("valgrind");
@@ -83,7 +90,8 @@ impl Counts {
         Ok(Self { mode, tick: each(tick), control: each(control), plant: each(plant) })
     }
 
-    fn figures(&self) -> [(&'static str, f64); 3] {
+    /// Name and figure.
+    pub(crate) fn figures(&self) -> [(&'static str, f64); 3] {
         [("tick", self.tick), ("control", self.control), ("plant", self.plant)]
     }
 

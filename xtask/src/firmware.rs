@@ -1,7 +1,7 @@
 //! The firmware's images: built, measured, and run in the emulator.
 
 use crate::board;
-use crate::install::{self, Package};
+use crate::install;
 use crate::qemu;
 use crate::slots;
 use crate::steps::{self, Outcome};
@@ -141,7 +141,7 @@ pub fn build(root: &Path) -> Outcome {
 /// # Errors
 /// How to get it.
 pub fn emulator() -> Outcome {
-    install::debian(&[Package { name: "qemu-system-arm", provides: qemu::PROGRAM }])
+    install::debian(&[qemu::PACKAGE])
 }
 
 /// A line for each image: bytes of flash and of RAM without the stack.

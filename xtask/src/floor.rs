@@ -1,8 +1,16 @@
-//! The floor beside the control tick: a bare six-step tick by hand in C (`xtask/floor/tick.c`), on the emulated Cortex-M4F.
+//! The floor beside the control tick: a bare six-step tick by hand in C (`xtask/floor/tick.c`), counted on the emulated Cortex-M4F, and driving the simulated
+//! motor (`xtask/floor/turn.c`), for what does not turn a motor is no floor.
 
+use crate::steps::Outcome;
 use crate::{cross, driven, install, qemu};
+use narx_core::motor::{Commutation, Commutations, PwmCommand, SampleMode, Samples, Step};
+use narx_core::units::Duty;
+use narx_sim::plant::{Plant, PlantConfig};
+use narx_sim::presets::preset;
+use std::f64::consts::TAU;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{ChildStdin, ChildStdout, Command, Stdio};
 
 /// Ticks that are counted: 2 s.
 const TICKS: u32 = 20_000;
@@ -40,4 +48,133 @@ fn compile(root: &Path) -> Result<PathBuf, String> {
     let mut compiler = cross::compiler(root);
     compiler.args(["-std=c99", "-O3"]).args(cross::STRICT).arg(root.join("xtask/floor/tick.c"));
     driven::output(compiler.arg("-o").arg(&program)).map(|_| program)
+}
+
+/// The motor that the floor drives: that of the rows `running`, on its 18 V.
+const MOTOR: &str = "ec45-flat-50w-18v";
+const SUPPLY: f64 = 18.0;
+/// Its set-point, mechanical rpm.
+const RPM: f64 = 1656.0;
+/// Ticks until it counts, and ticks that count.
+const SETTLED: u32 = 10_000;
+const COUNTED: u32 = 10_000;
+
+/// What the floor made of the motor.
+#[derive(Clone, Copy, Debug)]
+pub struct Turned {
+    /// Set-point, rpm.
+    pub target: f64,
+    /// Mean speed over a second, rpm.
+    pub rpm: f64,
+}
+
+/// Compiles the floor for this machine and lets it drive the simulated motor for two seconds: from standstill with hall sensors, without them from the
+/// set-point's speed, because it cannot start.
+///
+/// # Errors
+/// What the compiler said, or the line that is no command.
+pub fn turn(root: &Path, mode: &str) -> Result<Turned, String> {
+    let program = install::target_directory(root).join("turn");
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=c99", "-O2"]).args(cross::STRICT).arg(root.join("xtask/floor/turn.c"));
+    driven::output(compiler.arg("-o").arg(&program))?;
+
+    let motor = preset(MOTOR).ok_or("no such motor")?.motor;
+    let (speed, poles) = (RPM * TAU / 60.0, f64::from(motor.pole_pairs));
+    // In the sensorless tick's hands the rotor enters the first step's sector.
+    let (before, volts) = if mode == "hall" { (0.0, 1.0) } else { (speed, motor.torque_constant * speed) };
+    let config = PlantConfig { angle_deg: 30.0, speed: before, ..PlantConfig::new(motor, SUPPLY) };
+    let mut plant = Plant::new(&config);
+    let (millihertz, millivolt) = (RPM / 60.0 * poles * 1e3, volts * 1e3);
+    let mut child = Command::new(&program)
+        .args([mode, &format!("{millihertz:.0}"), &format!("{millivolt:.0}")])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(|error| format!("{}: {error}", program.display()))?;
+    let pipes = child.stdin.take().zip(child.stdout.take().map(BufReader::new));
+    let (mut to, mut from) = pipes.ok_or("no pipes")?;
+    let outcome = drive(&mut plant, &mut to, &mut from);
+    // At the end of its input the program ends.
+    drop(to);
+    let status = child.wait().map_err(|error| error.to_string())?;
+    let turned = outcome?;
+    if status.success() { Ok(turned) } else { Err(format!("{}: {status}", program.display())) }
+}
+
+/// Largest difference from the set-point, as a share of it.
+const TOLERANCE: f64 = 0.02;
+
+/// That both ticks turn the motor at their set-point.
+///
+/// # Errors
+/// Which does not.
+pub fn check(root: &Path) -> Outcome {
+    let one = |mode: &str| {
+        let Turned { target, rpm } = turn(root, mode)?;
+        let line = format!("{mode}: the floor turns the simulated motor at {rpm:.1} of {target:.0} rpm");
+        if (rpm / target - 1.0).abs() <= TOLERANCE { Ok(line) } else { Err(line) }
+    };
+    driven::MODES.into_iter().map(one).collect()
+}
+
+fn drive(
+    plant: &mut Plant,
+    to: &mut ChildStdin,
+    from: &mut BufReader<ChildStdout>,
+) -> Result<Turned, String> {
+    let mut begun = plant.observe();
+    for tick in 0..SETTLED + COUNTED {
+        if tick == SETTLED {
+            begun = plant.observe();
+        }
+        writeln!(to, "{}", line(&plant.sample())).map_err(|error| error.to_string())?;
+        let mut answer = String::new();
+        from.read_line(&mut answer).map_err(|error| error.to_string())?;
+        let command = command(&answer).ok_or_else(|| format!("tick {tick}: not a command: {answer:?}"))?;
+        plant.finish_period(&command);
+    }
+    let seen = plant.observe();
+    let rpm = (seen.angle - begun.angle) / (seen.time - begun.time) * 60.0 / TAU;
+    Ok(Turned { target: RPM, rpm })
+}
+
+/// Samples as the floor reads them: its converter has our scales.
+fn line(samples: &Samples) -> String {
+    let Samples { bus_voltage, bus_current, phase_voltage: [a, b, c], hall, edges, .. } = samples;
+    let (edge, at) = edges.last().map_or((0, 0), |edge| (1, edge.instant));
+    format!("{bus_voltage} {bus_current} {a} {b} {c} {hall} {edge} {at}")
+}
+
+/// `DUTY STEP AT NEXT` as our bridge takes it; sampled in the middle of the on-time, at the period's boundary.
+fn command(line: &str) -> Option<PwmCommand> {
+    const STEPS: [Step; 7] = [Step::AB, Step::AC, Step::BC, Step::BA, Step::CA, Step::CB, Step::Coast];
+    let words: Vec<u16> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
+    let &[duty, step, at, next] = words.as_slice() else { return None };
+    let (step, next) = (*STEPS.get(usize::from(step))?, *STEPS.get(usize::from(next))?);
+    let mut commutations = Commutations::default();
+    if next != step {
+        commutations.push(Commutation { instant: at, step: next });
+    }
+    let duty = Duty::from_bits(duty);
+    Some(PwmCommand {
+        duty,
+        step,
+        commutations,
+        sample_at: 0,
+        sample_mode: SampleMode::OnTime,
+        ..PwmCommand::default()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_floor_turns_the_simulated_motor() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let lines = check(root).unwrap();
+        assert_eq!(lines.len(), driven::MODES.len(), "{lines:?}");
+    }
 }

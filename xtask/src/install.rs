@@ -14,6 +14,17 @@ pub struct Package {
     pub provides: &'static str,
 }
 
+impl Package {
+    /// Whether it is there.
+    pub fn is_there(&self) -> bool {
+        is_there(self.provides)
+    }
+}
+
+/// What runs JavaScript, and fetches packages of it.
+pub const NODE: [Package; 2] =
+    [Package { name: "nodejs", provides: "node" }, Package { name: "npm", provides: "npm" }];
+
 /// Where everything goes that tests install or build.
 pub fn target_directory(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
@@ -25,7 +36,7 @@ pub fn target_directory(root: &Path) -> PathBuf {
 /// What is missing and the command that installs it, where it cannot be done here.
 pub fn debian(packages: &[Package]) -> steps::Outcome {
     let missing: Vec<&str> =
-        packages.iter().filter(|package| !is_there(package.provides)).map(|package| package.name).collect();
+        packages.iter().filter(|package| !package.is_there()).map(|package| package.name).collect();
     if missing.is_empty() {
         return Ok(Vec::new());
     }
@@ -48,7 +59,7 @@ pub fn debian(packages: &[Package]) -> steps::Outcome {
         .or_else(|_| apt(&["update", "-qq"]).and_then(|_| install()))
         .or_else(|_| install())
         .map_err(|reason| format!("{reason}\n{advice}"))?;
-    match packages.iter().find(|package| !is_there(package.provides)) {
+    match packages.iter().find(|package| !package.is_there()) {
         Some(package) => Err(format!("{} is installed but brings no {}", package.name, package.provides)),
         None => Ok(Vec::new()),
     }
@@ -127,7 +138,7 @@ pub fn npm(directory: &Path) -> steps::Outcome {
     if fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
         return Ok(Vec::new());
     }
-    debian(&[Package { name: "nodejs", provides: "node" }, Package { name: "npm", provides: "npm" }])?;
+    debian(&NODE)?;
     steps::run(
         Command::new("npm")
             .args(["ci", "--no-audit", "--no-fund", "--loglevel=error"])

@@ -66,11 +66,13 @@ fn path(root: &Path) -> PathBuf {
 }
 
 /// What was counted of one thing.
-struct Row {
-    name: String,
+pub(crate) struct Row {
+    /// Kind and name, with a point between.
+    pub(crate) name: String,
     ticks: u64,
     total: u64,
-    worst: u64,
+    /// Of one tick.
+    pub(crate) worst: u64,
 }
 
 impl Row {
@@ -90,7 +92,8 @@ impl Row {
         Some(Self { name, ticks, total, worst })
     }
 
-    fn average(&self) -> f64 {
+    /// Of a tick.
+    pub(crate) fn average(&self) -> f64 {
         self.total as f64 / self.ticks.max(1) as f64
     }
 }
@@ -99,17 +102,20 @@ impl Row {
 const COMPILER: &str = "floor_compiler";
 
 /// Everything that was counted.
-struct Counted {
-    rows: Vec<Row>,
+pub(crate) struct Counted {
+    /// In the order in which it was counted.
+    pub(crate) rows: Vec<Row>,
     /// Name and bytes.
-    memory: Vec<(String, u64)>,
+    pub(crate) memory: Vec<(String, u64)>,
     /// What runs in `running.*`.
     labels: Vec<String>,
-    compiler: String,
+    /// The floor's.
+    pub(crate) compiler: String,
 }
 
 impl Counted {
-    fn new(root: &Path) -> Result<Self, String> {
+    /// With the images built, runs them.
+    pub(crate) fn new(root: &Path) -> Result<Self, String> {
         let running = Running::record(&install::target_directory(root).join("running"))?;
         let compiler = floor::compiler_version()?;
         let mut counted = Self {
@@ -129,6 +135,11 @@ impl Counted {
         counted.read(&image(root, Image::Plant, &[])?)?;
         counted.read(&image(root, Image::Standby, &[])?)?;
         Ok(counted)
+    }
+
+    /// The row of that kind and name.
+    pub(crate) fn row(&self, name: &str) -> Option<&Row> {
+        self.rows.iter().find(|row| row.name == name)
     }
 
     /// Lines of a program: rows, `bytes NAME NUMBER`, and what is only for the eye.

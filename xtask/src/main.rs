@@ -7,11 +7,13 @@ use xtask::archive;
 use xtask::audit;
 use xtask::bench;
 use xtask::callgrind;
+use xtask::certificate;
 use xtask::coverage;
 use xtask::dbc;
 use xtask::demo;
 use xtask::drive;
 use xtask::eds;
+use xtask::evidence;
 use xtask::firmware;
 use xtask::fuzz;
 use xtask::header;
@@ -19,6 +21,7 @@ use xtask::instructions;
 use xtask::interop;
 use xtask::parity;
 use xtask::proof;
+use xtask::quality;
 use xtask::sign;
 use xtask::steps::{Step, finish, run, run_all};
 use xtask::test::{self, Target};
@@ -40,7 +43,7 @@ enum Job {
     Demo(demo::Arguments),
     /// A virtual drive in real time, its CAN bus as slcan for python-can and its like
     Drive(drive::Arguments),
-    /// Measure what narx promises of its control: every goal with its figure and verdict
+    /// Measure what narx promises and what it costs: one table, each figure with its goal and the command that measures it again; written to target/bench.json
     Bench(bench::Arguments),
     /// Measure how fast the bench simulates, beside a C loop: a part of `bench`
     Speed {
@@ -48,6 +51,8 @@ enum Job {
         #[arg(long)]
         python: bool,
     },
+    /// Measure control quality: the promises on every preset and on random motors, as percentiles; made anew: docs/evidence/quality.json
+    Quality(quality::Arguments),
     /// Let everything go wrong at once, and watch what may never happen
     Worlds(worlds::Arguments),
     /// Test everything, or one target; installs what that needs
@@ -65,6 +70,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Measure where the sensorless start succeeds and where not any more; made anew: docs/evidence/starts.json, certificate.svg
+    Certificate(certificate::Arguments),
     /// Replay recordings that nobody has chosen on every target that `test` has built, and compare every digest
     Conformance(parity::Random),
     /// Make tests/coverage.md anew: each row of the specification, its code and its tests
@@ -84,6 +91,12 @@ enum Job {
     /// Make docs/eddycan-*.eds anew: the TX-Driver for CANopen tools
     Eds {
         /// Write nothing; fail if a file differs from the code
+        #[arg(long)]
+        check: bool,
+    },
+    /// Make docs/EVIDENCE.md anew from the figures in docs/evidence
+    Evidence {
+        /// Write nothing; fail if the page differs from the figures
         #[arg(long)]
         check: bool,
     },
@@ -138,18 +151,21 @@ fn main() -> ExitCode {
     match Arguments::parse().job {
         Job::Demo(arguments) => demo::run(&arguments),
         Job::Drive(arguments) => drive::run(&arguments),
-        Job::Bench(arguments) => bench::command(&arguments),
-        Job::Speed { python } => bench::speed(python),
+        Job::Bench(arguments) => bench::command(root, &arguments),
+        Job::Quality(arguments) => quality::command(root, &arguments),
+        Job::Speed { python } => bench::speed(root, python),
         Job::Worlds(arguments) => worlds::command(&arguments),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Audit => audit::command(root),
         Job::Conformance(random) => parity::command(root, random),
         Job::Callgrind { check } => callgrind::command(root, check),
+        Job::Certificate(arguments) => certificate::command(root, &arguments),
         Job::Coverage { check } => coverage::command(root, check),
         Job::Dbc { check } => dbc::command(root, check),
         Job::Docs => run_all(test::python::docs(root)),
         Job::Eds { check } => eds::command(root, check),
+        Job::Evidence { check } => evidence::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Fuzz(arguments) => fuzz::command(root, arguments),
         Job::Generate => generate(root),
@@ -183,6 +199,7 @@ fn generate(root: &Path) -> ExitCode {
             run(tests.current_dir(root).env("INSTA_UPDATE", "always"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
+        Step::new("evidence", move || evidence::regenerate(root, false)),
         Step::new("CAN database", move || dbc::regenerate(root, false)),
         Step::new("EDS", move || eds::regenerate(root, false)),
         Step::new("C header", move || header::regenerate(root, false)),

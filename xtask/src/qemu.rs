@@ -1,11 +1,15 @@
 //! An emulated microcontroller that runs a program as if it were one of the host's: arguments, files, output and exit code
 //! by semihosting.
 
+use crate::install::Package;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// The emulator; Debian has it in the package of this name.
 pub const PROGRAM: &str = "qemu-system-arm";
+
+/// That package.
+pub const PACKAGE: Package = Package { name: "qemu-system-arm", provides: PROGRAM };
 
 /// What is emulated. All have flash at 0 and RAM at 2000_0000h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use crate::cross::{self, Processor};
 use crate::driven::output;
-use crate::install::{self, Package, target_directory};
+use crate::install::{self, target_directory};
 use crate::library::NARX;
 use crate::qemu::{self, Machine};
 use crate::steps::Outcome;
@@ -58,29 +58,12 @@ pub fn generate(root: &Path, check: bool) -> Outcome {
 /// A figure is not the golden one.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
     install::debian(&cross::PACKAGES)?;
-    let directory = target_directory(root).join("c");
-    fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
-    let header = root.join("ffi/include/narx.h");
-    let calls = calls(&read(&header)?);
     let mut text = String::from(HEAD);
     let mut closing = Vec::new();
     for processor in Processor::ALL {
-        let mut line = format!("{}: flash", processor.target());
-        let _ = writeln!(text, "\n[{}]", processor.target());
-        let costs = costs(root, processor)?;
-        for (name, prefixes, object) in PARTS {
-            let flash = flash(root, processor, calls.iter().filter(|call| begins(call, prefixes)))?;
-            let ram = object.map_or(Ok(0), |object| ram(root, processor, object))?;
-            let _ = write!(text, "{name} = {{ flash = {flash}, ram = {ram}");
-            if let Some((_, mean, worst)) = costs.iter().find(|(part, ..)| part == name) {
-                let _ = write!(text, ", mean = {mean}, worst = {worst}");
-            }
-            let _ = writeln!(text, " }}");
-            if ["pi", "hall", "zero_crossing", "drive", "whole"].contains(&name) {
-                let _ = write!(line, ", {name} {flash}");
-            }
-        }
-        closing.push(line.replacen("flash,", "flash:", 1));
+        let (table, line) = table(root, processor)?;
+        let _ = write!(text, "\n[{}]\n{table}", processor.target());
+        closing.push(line);
     }
     let path = root.join(GOLDEN);
     if !check {
@@ -89,6 +72,38 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
     }
     let wrong = misses(&read(&path)?, &text);
     if wrong.is_empty() { Ok(closing) } else { Err(wrong.join("\n")) }
+}
+
+/// Builds the library and measures its parts: a table of each.
+///
+/// # Errors
+/// What a compiler said.
+pub(crate) fn measured(root: &Path, processor: Processor) -> Result<toml::Table, String> {
+    NARX.build(root, Some(processor))?;
+    let (text, _) = table(root, processor)?;
+    text.parse().map_err(|error| format!("{GOLDEN}: {error}"))
+}
+
+/// A line for each part of a library that is built, and one to close with.
+fn table(root: &Path, processor: Processor) -> Result<(String, String), String> {
+    let directory = target_directory(root).join("c");
+    fs::create_dir_all(&directory).map_err(|error| format!("{}: {error}", directory.display()))?;
+    let calls = calls(&read(&root.join("ffi/include/narx.h"))?);
+    let (mut text, mut line) = (String::new(), format!("{}: flash", processor.target()));
+    let costs = costs(root, processor)?;
+    for (name, prefixes, object) in PARTS {
+        let flash = flash(root, processor, calls.iter().filter(|call| begins(call, prefixes)))?;
+        let ram = object.map_or(Ok(0), |object| ram(root, processor, object))?;
+        let _ = write!(text, "{name} = {{ flash = {flash}, ram = {ram}");
+        if let Some((_, mean, worst)) = costs.iter().find(|(part, ..)| part == name) {
+            let _ = write!(text, ", mean = {mean}, worst = {worst}");
+        }
+        let _ = writeln!(text, " }}");
+        if ["pi", "hall", "zero_crossing", "drive", "whole"].contains(&name) {
+            let _ = write!(line, ", {name} {flash}");
+        }
+    }
+    Ok((text, line.replacen("flash,", "flash:", 1)))
 }
 
 /// What differs from the golden file.
@@ -191,7 +206,7 @@ fn ram(root: &Path, processor: Processor, object: &str) -> Result<u64, String> {
 
 /// Instructions of the steps, mean and worst: what `tests/c/cost.c` counts.
 fn costs(root: &Path, processor: Processor) -> Result<Vec<(String, u64, u64)>, String> {
-    install::debian(&[Package { name: "qemu-system-arm", provides: qemu::PROGRAM }])?;
+    install::debian(&[qemu::PACKAGE])?;
     let program = target_directory(root).join("c/cost.elf");
     let mut compiler = cross::compiler_for(root, processor, Machine::Mps2M4);
     compiler.args(["-std=c99", "-O2", "-I"]).arg(root.join("ffi/include")).args(cross::STRICT);

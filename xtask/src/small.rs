@@ -28,10 +28,7 @@ const FEATURES: [&str; 8] =
 /// # Errors
 /// What the compiler said, or a figure is not the golden one.
 pub fn regenerate(root: &Path, check: bool) -> Outcome {
-    install::rust_target(EMBEDDED)?;
-    install::debian(&cross::PACKAGES)?;
-    let least = flash(root, &[])?;
-    let every = flash(root, &FEATURES)?;
+    let (least, every) = least_and_every(root)?;
     let path = root.join(GOLDEN);
     if check {
         let golden = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
@@ -50,6 +47,16 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
         fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))?;
     }
     Ok(vec![format!("flash of the core on a small board: {least}, with every feature {every}")])
+}
+
+/// Without features, and with all of them.
+///
+/// # Errors
+/// What the compiler said.
+pub(crate) fn least_and_every(root: &Path) -> Result<(i64, i64), String> {
+    install::rust_target(EMBEDDED)?;
+    install::debian(&cross::PACKAGES)?;
+    Ok((flash(root, &[])?, flash(root, &FEATURES)?))
 }
 
 /// Code and constants with these features of the core.

@@ -96,10 +96,7 @@ pub fn declarations(root: &Path, check: bool) -> Outcome {
 /// # Errors
 /// What could not be built.
 pub fn generate(root: &Path) -> Outcome {
-    install::rust_target(TARGET)?;
-    install::npm(&root.join("wasm/web"))?;
-    modules(root)?;
-    packages(root)?;
+    package(root)?;
     declarations(root, false)?;
     steps::run(
         Command::new("node")
@@ -107,6 +104,17 @@ pub fn generate(root: &Path) -> Outcome {
             .current_dir(root)
             .env("UPDATE", "1"),
     )
+}
+
+/// The packages in `wasm/pkg`, without the page.
+///
+/// # Errors
+/// What could not be built.
+pub fn package(root: &Path) -> Outcome {
+    install::rust_target(TARGET)?;
+    install::npm(&root.join("wasm/web"))?;
+    modules(root)?;
+    packages(root)
 }
 
 /// The modules as the compiler leaves them. Names of folders outside the project would differ on every machine. Each is built by itself, because they want

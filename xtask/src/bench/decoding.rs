@@ -1,8 +1,8 @@
 //! How fast a log becomes columns in Python, beside python-can with cantools: the program is `tests/python/bench_read_log.py`.
 
-use super::report::Row;
+use super::{Context, tools};
 use crate::driven;
-use crate::test::python;
+use crate::figures::{Figure, Part};
 use std::path::Path;
 use std::process::Command;
 
@@ -10,36 +10,28 @@ use std::process::Command;
 const RATIO_MIN: f64 = 30.0;
 
 /// Rate and ratio on a million frames.
-pub(super) fn rows(_: &[u64]) -> Vec<Row> {
-    if Command::new("python3").arg("--version").output().is_err() {
-        return vec![row("not measured: there is no python3".into(), true, [f64::NAN; 3], None)];
-    }
-    vec![match measure(super::root()) {
-        Ok([ratio, own, reference]) => {
-            let own_millions = own / 1e6;
-            let measured = format!(
-                "{own_millions:.2} million frames a second, {ratio:.0} times the {reference:.0} of python-can with cantools"
-            );
-            row(measured, ratio >= RATIO_MIN, [ratio, own, reference], None)
-        }
-        Err(reason) => row("failed".into(), false, [f64::NAN; 3], Some(reason)),
-    }]
-}
-
-fn row(measured: String, met: bool, [ratio, own, reference]: [f64; 3], failure: Option<String>) -> Row {
-    Row {
-        promise: "a candump log of a million frames as columns in Python",
-        goal: ">= 30 times python-can with cantools",
-        measured,
-        met,
-        figures: vec![("frames a second", own), ("python-can and cantools", reference), ("ratio", ratio)],
-        failures: failure.into_iter().collect(),
+pub(super) fn part(context: &Context<'_>) -> Part {
+    let python = match tools::python_package(context) {
+        Ok(python) => python,
+        Err(reason) => return Part::skipped(reason),
+    };
+    let name = "a candump log of a million frames as columns in Python";
+    match measure(context.root, &python) {
+        Ok([ratio, own, reference]) => Part::new(
+            vec![
+                Figure::new(name, own / 1e6, "million frames/s"),
+                Figure::new("the same by python-can with cantools", reference / 1e6, "million frames/s"),
+                Figure::new("ratio of these", ratio, "").at_least(RATIO_MIN),
+            ],
+            Vec::new(),
+        ),
+        Err(reason) => Part::new(vec![Figure::new(name, f64::NAN, "").at_least(RATIO_MIN)], vec![reason]),
     }
 }
 
 /// Ratio, and the frames a second of both.
-fn measure(root: &Path) -> Result<[f64; 3], String> {
-    let mut command = Command::new(python::prepare(root)?);
+fn measure(root: &Path, python: &Path) -> Result<[f64; 3], String> {
+    let mut command = Command::new(python);
     command.arg(root.join("tests/python/bench_read_log.py")).env("PYTHONDONTWRITEBYTECODE", "1");
     figures(&driven::output(&mut command)?)
 }

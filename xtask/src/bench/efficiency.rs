@@ -1,7 +1,8 @@
 //! Efficiency at rated load against the manual's 90 % (Table 1), of the bridge and of the whole drive with its motor.
 
+use super::Context;
 use super::operating::Point;
-use super::report::Row;
+use crate::figures::{Figure, Part};
 use narx_host::parallel::map;
 use narx_sim::commissioning::Mode;
 use narx_sim::presets::PRESETS;
@@ -10,8 +11,8 @@ use narx_sim::presets::PRESETS;
 const GOAL: f64 = 0.9;
 
 /// Every preset at its nominal supply, rated torque at the middle of its range or where the ratings leave it.
-pub(super) fn rows(_: &[u64]) -> Vec<Row> {
-    let points: Vec<Point> = PRESETS
+pub(super) fn part(_: &Context<'_>) -> Part {
+    let points: Vec<Point<'_>> = PRESETS
         .iter()
         .map(|preset| Point {
             preset,
@@ -33,21 +34,22 @@ pub(super) fn rows(_: &[u64]) -> Vec<Row> {
             Err(why) => Some(format!("{}: {why}", point.preset.name)),
         })
         .collect();
-    let least = |values: &[f64]| 100.0 * values.iter().copied().fold(1.0, f64::min);
-    let most = |values: &[f64]| 100.0 * values.iter().copied().fold(0.0, f64::max);
-    vec![Row {
-        promise: "efficiency at rated load, presets",
-        goal: ">= 90 % (Table 1), bridge",
-        measured: format!(
-            "bridge {:.1} to {:.1} %; with the motor, supply to shaft, {:.1} to {:.1} %; {} presets",
-            least(&stage),
-            most(&stage),
-            least(&drive),
-            most(&drive),
-            stage.len()
-        ),
-        met: failures.is_empty() && !stage.is_empty(),
-        figures: vec![("bridge_least", least(&stage)), ("drive_least", least(&drive))],
+    let least = |values: &[f64]| 100.0 * values.iter().copied().reduce(f64::min).unwrap_or(f64::NAN);
+    let most = |values: &[f64]| 100.0 * values.iter().copied().reduce(f64::max).unwrap_or(f64::NAN);
+    let note = format!(
+        "{} presets of {}, the others' ratings leave no rated load; Table 1 says 90 %",
+        stage.len(),
+        PRESETS.len()
+    );
+    Part::new(
+        vec![
+            Figure::new("efficiency of the bridge at rated load, least", least(&stage), "%")
+                .at_least(100.0 * GOAL)
+                .note(note),
+            Figure::new("efficiency of the bridge at rated load, most", most(&stage), "%"),
+            Figure::new("efficiency from supply to shaft at rated load, least", least(&drive), "%"),
+            Figure::new("efficiency from supply to shaft at rated load, most", most(&drive), "%"),
+        ],
         failures,
-    }]
+    )
 }

@@ -1,7 +1,8 @@
 //! The promise about faults: whatever breaks, in whatever state, the bridge is off in the tick in which the fault qualifies.
 
-use super::report::Row;
+use super::Context;
 use super::trial::{TICK, Trial};
+use crate::figures::{Figure, Part};
 use narx_core::motor::{Cause, State, Step};
 use narx_host::parallel::map;
 use narx_sim::can::Attachment;
@@ -43,7 +44,7 @@ const STATES: [State; 6] = [
 ];
 
 /// Every trouble in every state in which something may be driven, and in Standby.
-pub(super) fn rows(_: &[u64]) -> Vec<Row> {
+pub(super) fn part(_: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for trouble in TROUBLES {
         // Nobody has to be heard in Standby.
@@ -65,15 +66,16 @@ pub(super) fn rows(_: &[u64]) -> Vec<Row> {
         }
     }
     let kept = results.len() - failures.len();
-    let each: Vec<String> = longest.iter().map(|(name, ticks)| format!("{name} {ticks}")).collect();
-    vec![Row {
-        promise: "critical fault in any state",
-        goal: "bridge off in the tick it qualifies",
-        measured: format!("{kept} of {}; ticks from cause to bridge off: {}", results.len(), each.join(", ")),
-        met: failures.is_empty(),
-        figures: longest.iter().map(|(name, ticks)| (*name, f64::from(*ticks))).collect(),
-        failures,
-    }]
+    let share = 100.0 * kept as f64 / results.len().max(1) as f64;
+    let mut figures = vec![
+        Figure::new("critical faults that turn the bridge off in the tick in which they qualify", share, "%")
+            .at_least(100.0)
+            .note(format!("{kept} of {} troubles and states", results.len())),
+    ];
+    figures.extend(longest.iter().map(|(name, ticks)| {
+        Figure::new(format!("{name}: from cause to bridge off, longest"), f64::from(*ticks), "ticks")
+    }));
+    Part::new(figures, failures)
 }
 
 /// Ticks from the cause to the bridge that is off.

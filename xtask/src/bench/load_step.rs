@@ -1,9 +1,9 @@
 //! The promise about load steps: no load to rated torque at once, sensorless.
 
+use super::Context;
 use super::operating::Point;
-use super::report::Row;
 use super::trial::Trial;
-use narx_core::motor::State;
+use crate::figures::{Figure, Part};
 use narx_host::parallel::map;
 use narx_sim::commissioning::Mode;
 use narx_sim::plant::{LoadConfig, PlantConfig};
@@ -11,9 +11,10 @@ use narx_sim::presets::PRESETS;
 use std::f64::consts::TAU;
 
 /// Back within 1 % after this long, s.
-const BACK: f64 = 0.5;
+pub(crate) const BACK: f64 = 0.5;
+
 /// Every preset at four supplies where the limits allow rated torque.
-pub(super) fn rows(_: &[u64]) -> Vec<Row> {
+pub(super) fn part(_: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for preset in &PRESETS {
         points.extend([18.0, 24.0, 48.0, 60.0].map(|supply| Point {
@@ -25,7 +26,7 @@ pub(super) fn rows(_: &[u64]) -> Vec<Row> {
         }));
     }
     points.retain(|point| point.plan().is_ok());
-    let (light, points): (Vec<Point>, Vec<Point>) = points.into_iter().partition(stops_unseen);
+    let (light, points): (Vec<Point<'_>>, Vec<Point<'_>>) = points.into_iter().partition(stops_unseen);
     let results = map(&points, step);
     let failures: Vec<String> = points
         .iter()
@@ -43,29 +44,31 @@ pub(super) fn rows(_: &[u64]) -> Vec<Row> {
         .filter(|(_, result)| result.is_err())
         .map(|(point, _)| format!("{} at {} V", point.preset.name, point.supply))
         .collect();
-    let apart = format!(
-        "; not judged: {} whose bare rotor stops within a sector, {} held, lost: {}",
-        light.len(),
-        light.len() - lost.len(),
-        lost.join(", ")
-    );
-    vec![Row {
-        promise: "load step 0 to 100 % of rated torque",
-        goal: "no desync, within 1 % in 0.5 s",
-        measured: format!(
-            "{} of {}; slowest {slowest:.2} s{apart}",
-            results.len() - failures.len(),
-            results.len()
-        ),
-        met: failures.is_empty(),
-        figures: vec![("slowest_s", slowest), ("runs", results.len() as f64)],
+    let held = results.len() - failures.len();
+    let judged = format!("{held} of {} motors and supplies", results.len());
+    let apart = format!("{} of {}; lost: {}", light.len() - lost.len(), light.len(), lost.join(", "));
+    let share = |part: usize, of: usize| 100.0 * part as f64 / of.max(1) as f64;
+    Part::new(
+        vec![
+            Figure::new("load step of 0 to 100 % of rated torque, within 1 % again", slowest, "s")
+                .at_most(BACK),
+            Figure::new("of these held without losing step", share(held, results.len()), "%")
+                .at_least(100.0)
+                .note(judged),
+            Figure::new(
+                "the same where the bare rotor stops within a sector",
+                share(light.len() - lost.len(), light.len()),
+                "%",
+            )
+            .note(apart),
+        ],
         failures,
-    }]
+    )
 }
 
 /// Undriven, the load stops the bare rotor within a sector, after `J w^2 / 2 T` radians: no crossing can tell that it is there. What is
 /// applied may hold it all the same, but nobody can promise that.
-fn stops_unseen(point: &Point) -> bool {
+pub(crate) fn stops_unseen(point: &Point<'_>) -> bool {
     point.plan().is_ok_and(|plan| {
         let motor = &point.preset.motor;
         let speed = f64::from(plan.rpm) * TAU / 60.0;
@@ -75,14 +78,15 @@ fn stops_unseen(point: &Point) -> bool {
 }
 
 /// Seconds until the speed, averaged over 10 ms, stays within 1 %.
-fn step(point: &Point) -> Result<f64, String> {
+pub(crate) fn step(point: &Point<'_>) -> Result<f64, String> {
     let plan = point.plan()?;
     let mut plant = PlantConfig::new(point.preset.motor, point.supply);
     plant.angle_deg = 77.0;
     let mut trial = Trial::new(&plant, &plan.commissioning, "", false);
     let target = f64::from(plan.rpm);
     trial.start(plan.rpm);
-    let closed = |trial: &Trial| trial.state() == State::SensorlessClosedLoop;
+    let running = point.running();
+    let closed = |trial: &Trial| trial.state() == running;
     trial.until(8.0, closed).ok_or("no closed loop before the step")?;
     let reached = |trial: &Trial| (trial.seen().speed * 60.0 / TAU / target - 1.0).abs() < 0.01;
     trial.until(8.0, reached).ok_or("set-point not reached before the step")?;

@@ -1,21 +1,26 @@
-//! What narx promises of its control, measured: the table of goals, each with its figure and its verdict, on the motors of the
-//! market and on random plants. Everything has a seed; what fails is printed with the command that runs it again.
+//! What narx promises, and what it costs: one table, each figure with its unit, its goal and the command that measures it again. Everything simulated has a
+//! seed; what fails is printed with the command that runs it again.
 
+mod callgrind;
 mod case;
-mod cost;
 mod decoding;
 mod efficiency;
 mod faults;
-mod load_step;
+mod flash;
+mod instructions;
+pub(crate) mod load_step;
 mod operating;
-mod picture;
+mod page;
+pub(crate) mod picture;
 mod python;
 mod range;
-mod report;
+mod scope;
 mod speed;
 mod start;
 mod starts;
 mod steady;
+mod sweep;
+mod tools;
 mod top_speed;
 mod trial;
 
@@ -24,10 +29,8 @@ pub use operating::{Figures, Point};
 pub use speed::command as speed;
 pub use start::{Ending, Start};
 
+use crate::figures::{self, Part, Report};
 use clap::Args;
-use report::Row;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -44,72 +47,117 @@ pub struct Arguments {
     /// Run one random plant again, by its seed, and write its run.svg, run.csv and run.narxrec
     #[arg(long)]
     pub case: Option<u64>,
+    /// Measure these parts only, with commas between; the figures of the others stay in the file
+    #[arg(long, value_delimiter = ',', value_parser = names())]
+    pub only: Vec<String>,
+    /// Install what is missing (emulator, C compilers, valgrind, Python and npm packages); without it, what needs them is left out, and said so
+    #[arg(long)]
+    pub all: bool,
     /// Where bench.json and starts.svg go
-    #[arg(long, default_value = "target/bench")]
+    #[arg(long, default_value = "target")]
     pub out: PathBuf,
 }
 
-/// Measures everything; exit code 1 if a promise is not kept.
-pub fn command(arguments: &Arguments) -> ExitCode {
-    let outcome = match arguments.case {
-        Some(seed) => case::replay(seed, &arguments.out),
-        None => measure(arguments),
-    };
-    match outcome {
+fn names() -> clap::builder::PossibleValuesParser {
+    PARTS.map(|(name, _)| name).into()
+}
+
+/// What a part measures with.
+pub(crate) struct Context<'a> {
+    /// The working copy.
+    root: &'a Path,
+    /// Seeds of the random plants.
+    cases: Vec<u64>,
+    /// Missing tools may be installed.
+    all: bool,
+    /// Where pictures go.
+    out: &'a Path,
+}
+
+type Measure = fn(&Context<'_>) -> Part;
+
+/// Every part, in the order of the table: what is promised of control, what a tick costs, how fast the tools are.
+const PARTS: [(&str, Measure); 17] = [
+    ("start", starts::part),
+    ("soon", starts::nominal),
+    ("steady", steady::part),
+    ("load-step", load_step::part),
+    ("top-speed", top_speed::part),
+    ("range", range::part),
+    ("efficiency", efficiency::part),
+    ("faults", faults::part),
+    ("instructions", instructions::part),
+    ("flash", flash::part),
+    ("callgrind", callgrind::part),
+    ("simulation", speed::part),
+    ("sweep", sweep::part),
+    ("python", python::part),
+    ("logs", decoding::part),
+    ("scope", scope::part),
+    ("page", page::part),
+];
+
+/// The names of all parts, in their order.
+pub fn parts() -> Vec<&'static str> {
+    PARTS.iter().map(|(name, _)| *name).collect()
+}
+
+/// Measures, prints the table and writes `bench.json`; exit code 1 if a goal is missed.
+pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+    if let Some(seed) = arguments.case {
+        return match case::replay(seed, &arguments.out.join(format!("case-{seed}"))) {
+            Ok(true) => ExitCode::SUCCESS,
+            Ok(false) => ExitCode::FAILURE,
+            Err(error) => {
+                eprintln!("{}: {error}", arguments.out.display());
+                ExitCode::FAILURE
+            }
+        };
+    }
+    match run(root, arguments) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("{}: {error}", arguments.out.display());
+        Err(reason) => {
+            eprintln!("{reason}");
             ExitCode::FAILURE
         }
     }
 }
 
-/// The working copy.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+/// True if no goal is missed.
+fn run(root: &Path, arguments: &Arguments) -> Result<bool, String> {
+    let path = arguments.out.join("bench.json");
+    let cases = starts::cases(arguments.seed, arguments.runs);
+    let context = Context { root, cases, all: arguments.all, out: &arguments.out };
+    let mut measured = Vec::new();
+    for (name, measure) in PARTS {
+        if !arguments.only.is_empty() && !arguments.only.iter().any(|only| only == name) {
+            continue;
+        }
+        let begun = Instant::now();
+        println!("{name} ...");
+        let part = Part { part: name.into(), command: repeat(name, arguments), ..measure(&context) };
+        println!("  {:.0} s", begun.elapsed().as_secs_f64());
+        // Each as soon as it is there, beside what others have written meanwhile: hours are not lost with one failure.
+        let mut report = Report::read(&path)?;
+        report.machine = figures::machine();
+        report.replace(part.clone(), &parts());
+        report.write(&path)?;
+        measured.push(part);
+    }
+    println!("\n{}\nwritten to {}", figures::table(&measured), path.display());
+    Ok(measured.iter().all(Part::is_met))
 }
 
-/// True if every promise is kept.
-fn measure(arguments: &Arguments) -> io::Result<bool> {
-    fs::create_dir_all(&arguments.out)?;
-    let begun = Instant::now();
-    let cases = starts::cases(arguments.seed, arguments.runs);
-    println!(
-        "{} sensorless starts of random plants, seeds {} and on",
-        cases.len(),
-        arguments.seed * 1_000_000
-    );
-    let starts: Vec<Start> = map(&cases, |case| Start::run(*case)).into_iter().flatten().collect();
-    println!("  {:.0} s", begun.elapsed().as_secs_f64());
-    let mut rows: Vec<Row> = starts::rows(&starts, cases.len());
-    for (name, part) in [
-        ("time to closed loop", starts::nominal as fn(&[u64]) -> Vec<Row>),
-        ("steady running", steady::rows),
-        ("load steps", load_step::rows),
-        ("top speed", top_speed::rows),
-        ("speed range", range::rows),
-        ("efficiency", efficiency::rows),
-        ("faults", faults::rows),
-        ("speed of simulation", speed::rows),
-        ("logs in Python", decoding::rows),
-        ("speed from Python", python::rows),
-    ] {
-        let begun = Instant::now();
-        println!("{name}");
-        rows.extend(part(&cases));
-        println!("  {:.0} s", begun.elapsed().as_secs_f64());
+/// The command that measures a part again.
+fn repeat(name: &str, arguments: &Arguments) -> String {
+    let mut text = format!("cargo xtask bench --only {name}");
+    let random = ["start", "steady"].contains(&name);
+    if random && arguments.runs != 10_000 {
+        text += &format!(" --runs {}", arguments.runs);
     }
-    println!();
-    report::print(&rows);
-    println!();
-    cost::print(root());
-    fs::write(arguments.out.join("bench.json"), report::json(&rows, arguments, cases.len()))?;
-    fs::write(arguments.out.join("starts.svg"), picture::svg(&starts).map_err(io::Error::other)?)?;
-    println!(
-        "written to {}: bench.json starts.svg ({:.0} s)",
-        arguments.out.display(),
-        begun.elapsed().as_secs_f64()
-    );
-    Ok(rows.iter().all(|row| row.met))
+    if random && arguments.seed != 0 {
+        text += &format!(" --seed {}", arguments.seed);
+    }
+    text
 }

@@ -15,11 +15,14 @@ const CURRENT_MARGIN: f64 = 0.87;
 /// Continuous phase current (Table 2): 6 A rms is 6 sqrt(3/2) A for two thirds of the time.
 const CONTINUOUS: f64 = 7.35;
 
+/// From the set-point to what counts, s.
+pub(crate) const SETTLE: f64 = 0.5;
+
 /// Where to run.
 #[derive(Clone, Copy, Debug)]
-pub struct Point {
+pub struct Point<'a> {
     /// The motor.
-    pub preset: &'static Preset,
+    pub preset: &'a Preset,
     /// Hall or sensorless.
     pub mode: Mode,
     /// V.
@@ -32,11 +35,11 @@ pub struct Point {
 
 /// A point that the drive's limits allow.
 #[derive(Clone, Debug)]
-pub(super) struct Plan {
-    pub(super) commissioning: Commissioning,
-    pub(super) rpm: i32,
+pub(crate) struct Plan {
+    pub(crate) commissioning: Commissioning,
+    pub(crate) rpm: i32,
     /// Load at the set-point, N m.
-    pub(super) torque: f64,
+    pub(crate) torque: f64,
 }
 
 /// What came of it.
@@ -66,30 +69,49 @@ pub struct Figures {
     pub unlimited: bool,
 }
 
-impl Point {
+impl Point<'_> {
     /// Runs it: start, acceleration, half a second to settle, half a second measured. Without figures the reason.
     ///
     /// # Errors
     /// What forbids the point, or what did not come to pass.
     pub fn run(&self) -> Result<Figures, String> {
+        self.run_after(SETTLE)
+    }
+
+    /// The same with other seconds to settle.
+    pub(crate) fn run_after(&self, settle: f64) -> Result<Figures, String> {
         let plan = self.plan()?;
         let speed = f64::from(plan.rpm) * TAU / 60.0;
         let mut plant = PlantConfig::new(self.preset.motor, self.supply);
         plant.load = LoadConfig { quadratic: plan.torque / (speed * speed), ..LoadConfig::default() };
         plant.angle_deg = 77.0;
         let mut trial = Trial::new(&plant, &plan.commissioning, "", false);
-        measure(&mut trial, plan.rpm, self.mode)
+        measure(&mut trial, plan.rpm, self.running(), settle)
     }
 
-    pub(super) fn plan(&self) -> Result<Plan, String> {
-        let motor = self.preset.motor;
-        let plate = Nameplate {
-            motor,
-            rated_current: self.preset.data.rated_current,
+    /// The state in which it runs.
+    pub(crate) fn running(&self) -> State {
+        if self.mode == Mode::Hall { State::HallClosedLoop } else { State::SensorlessClosedLoop }
+    }
+
+    /// The fastest set-point that the limits allow with this load, rpm.
+    pub(crate) fn speed_max(&self) -> Option<f64> {
+        let most = self.speed_for(self.load * self.preset.rated_torque());
+        Some(most.min(self.plate().commission(self.mode).ok()?.speed_max))
+    }
+
+    fn plate(&self) -> Nameplate {
+        let Preset { motor, data, .. } = self.preset;
+        Nameplate {
+            motor: *motor,
+            rated_current: data.rated_current,
             supply: self.supply,
             open_loop_speed: None,
-        };
-        let commissioning = plate.commission(self.mode).map_err(|error| error.to_string())?;
+        }
+    }
+
+    pub(crate) fn plan(&self) -> Result<Plan, String> {
+        let commissioning = self.plate().commission(self.mode).map_err(|error| error.to_string())?;
         let torque = self.load * self.preset.rated_torque();
         let needed = self.current(torque);
         let current = commissioning.phase_current.min(CONTINUOUS);
@@ -135,14 +157,13 @@ impl Point {
 }
 
 /// The figures of a start to `rpm`.
-pub(super) fn measure(trial: &mut Trial, rpm: i32, mode: Mode) -> Result<Figures, String> {
-    let closed = if mode == Mode::Hall { State::HallClosedLoop } else { State::SensorlessClosedLoop };
+pub(crate) fn measure(trial: &mut Trial, rpm: i32, closed: State, settle: f64) -> Result<Figures, String> {
     let target = f64::from(rpm);
     trial.start(rpm);
     let to_closed_loop = trial.until(8.0, |trial| trial.state() == closed).ok_or("no closed loop in 8 s")?;
     let reached = |trial: &Trial| (trial.seen().speed * 60.0 / TAU / target - 1.0).abs() < 0.01;
     let more = trial.until(8.0, reached).ok_or("set-point not reached in 8 s")?;
-    trial.run_while(0.5, |_| true);
+    trial.run_while(settle, |_| true);
     let from = *trial.seen();
     let commutations = trial.commutations(0.5);
     let (mean, jitter) = commutations.mean_and_jitter();

@@ -5,21 +5,25 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type DrawError = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>;
+/// Where to draw.
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+/// What the library says.
+pub(crate) type DrawError = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>;
 
 const WIDTH: u32 = 1_200;
 const HEIGHT: u32 = 470;
 /// The library places points on whole units: four of them make a pixel.
-const SCALE: u32 = 4;
+pub(crate) const SCALE: u32 = 4;
 /// Tiles along each axis.
 const TILES: usize = 10;
 /// Share of first tries at which the shade is darkest; everything below is as dark.
 const DARKEST: f64 = 0.8;
-const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+/// Lines and letters.
+pub(crate) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 /// Okabe and Ito's blue and vermilion, which the colour-blind tell apart.
 const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xb2);
-const VERMILION: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
+/// What failed.
+pub(crate) const VERMILION: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
 
 /// An axis: a figure of the start between bounds, drawn evenly in its logarithm or as it is.
 struct Axis {
@@ -79,7 +83,8 @@ impl Axis {
     }
 }
 
-const fn px(pixels: u32) -> i32 {
+/// Pixels in the library's units.
+pub(crate) const fn px(pixels: u32) -> i32 {
     (pixels * SCALE) as i32
 }
 
@@ -200,7 +205,8 @@ fn cross(area: &Area<'_>, (x, y): (i32, i32)) -> Result<(), DrawError> {
     area.draw(&PathElement::new([(x - arm, y + arm), (x + arm, y - arm)], style))
 }
 
-fn write(
+/// A word.
+pub(crate) fn write(
     area: &Area<'_>,
     text: &str,
     at: (i32, i32),

@@ -1,6 +1,7 @@
 //! How fast the bench is from Python, beside the Rust bench and beside what else simulates motors there (`python/benches/speed.py`), all in the same run.
 
-use super::report::Row;
+use super::{Context, tools};
+use crate::figures::{Figure, Part};
 use crate::{driven, install, steps};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -15,20 +16,22 @@ const RATIO_MIN: f64 = 0.9;
 const OTHERS: [(&str, usize); 3] = [("numba", ROUNDS), ("motulator", 1), ("gym-electric-motor", 1)];
 
 /// The rate in hall and sensorless mode, then the others'.
-pub(super) fn rows(_: &[u64]) -> Vec<Row> {
-    let root = super::root();
-    match prepare(root) {
+pub(super) fn part(context: &Context<'_>) -> Part {
+    let environment = install::target_directory(context.root).join(ENVIRONMENT);
+    if let Err(reason) = tools::python_environment(context, &environment) {
+        return Part::skipped(reason);
+    }
+    match prepare(context.root) {
         Ok(programs) => measure(&programs),
-        Err(reason) => vec![Row {
-            promise: "simulation from Python",
-            goal: ">= 0.9 of the Rust bench",
-            measured: "not measured".into(),
-            met: false,
-            figures: Vec::new(),
-            failures: vec![reason],
-        }],
+        Err(reason) => Part::new(
+            vec![Figure::new("simulation from Python", f64::NAN, "").at_least(RATIO_MIN)],
+            vec![reason],
+        ),
     }
 }
+
+/// Where its packages are.
+const ENVIRONMENT: &str = "python-benches";
 
 struct Programs {
     /// The Rust bench.
@@ -41,8 +44,7 @@ struct Programs {
 fn prepare(root: &Path) -> Result<Programs, String> {
     let driven = driven::build(root)?;
     let (target, benches) = (install::target_directory(root), root.join("python/benches"));
-    let python =
-        install::python_environment(&target.join("python-benches"), &benches.join("requirements.txt"))?;
+    let python = install::python_environment(&target.join(ENVIRONMENT), &benches.join("requirements.txt"))?;
     let mut pip = Command::new(&python);
     pip.args(["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"]).arg(root.join("python"));
     steps::run(pip.env("CARGO_TARGET_DIR", &target))?;
@@ -75,7 +77,7 @@ fn run(command: &mut Command) -> Result<(f64, String), String> {
     Ok((rate, what.to_owned()))
 }
 
-fn measure(programs: &Programs) -> Vec<Row> {
+fn measure(programs: &Programs) -> Part {
     let script = |contender: &str| {
         let mut command = Command::new(&programs.python);
         command.arg(&programs.script).arg(contender).env("PYTHONDONTWRITEBYTECODE", "1");
@@ -95,54 +97,26 @@ fn measure(programs: &Programs) -> Vec<Row> {
             }
         }
     }
-    let own = ["simulation from Python, hall sensors", "simulation from Python, sensorless"];
-    let own = own.into_iter().enumerate().map(|(mode, promise)| {
-        let ([rust, bare, kept], names) = ([&rust[mode], &bare[mode], &kept[mode]], RATES[mode]);
-        let share = |rate: f64| rate / rust.rate;
-        Row {
-            promise,
-            goal: ">= 0.9 of the Rust bench",
-            measured: format!(
-                "{:.1} simulated seconds a second, {:.2} of the Rust bench's {:.1}; {:.1} ({:.2}) with trace and recording kept",
-                bare.rate,
-                share(bare.rate),
-                rust.rate,
-                kept.rate,
-                share(kept.rate)
-            ),
-            met: share(bare.rate) >= RATIO_MIN,
-            figures: [bare.rate, share(bare.rate), kept.rate].into_iter().zip(names).map(|(figure, name)| (name, figure)).collect(),
-            failures: [rust, bare, kept].into_iter().filter_map(|best| best.failure.clone()).collect(),
-        }
-    });
-    let narx = bare[0].rate;
-    let others = others.into_iter().zip(COMPARED).map(|(best, promise)| Row {
-        promise,
-        goal: "for comparison",
-        measured: match &best.failure {
-            // What cannot be installed is no fault of ours, but it is said.
-            Some(_) if best.rate == 0.0 => "not measured".into(),
-            _ => format!(
-                "{} simulated seconds a second, {} of narx's in Python; {}",
-                short(best.rate),
-                short(best.rate / narx),
-                best.what
-            ),
-        },
-        met: true,
-        figures: vec![("rate", best.rate)],
-        failures: best.failure.into_iter().collect(),
-    });
-    own.chain(others).collect()
-}
-
-const RATES: [[&str; 3]; 2] = [
-    ["hall rate", "hall ratio", "hall rate kept"],
-    ["sensorless rate", "sensorless ratio", "sensorless rate kept"],
-];
-const COMPARED: [&str; 3] = ["a loop in numba", "motulator", "gym-electric-motor"];
-
-/// With three digits or so.
-fn short(value: f64) -> String {
-    if value >= 1.0 { format!("{value:.1}") } else { format!("{value:.4}") }
+    let mut part = Part::default();
+    for (index, mode) in driven::MODES.into_iter().enumerate() {
+        let [rust, bare, kept] = [&rust[index], &bare[index], &kept[index]];
+        let beside = |name: &str, rate: f64| {
+            Figure::new(format!("simulation from Python, {mode}, {name}"), rate / rust.rate, "")
+        };
+        part.figures.extend([
+            Figure::new(format!("simulation from Python, {mode}"), bare.rate, "simulated s/s")
+                .note(format!("the Rust bench beside it: {:.1}", rust.rate)),
+            beside("of the Rust bench's", bare.rate).at_least(RATIO_MIN),
+            beside("with trace and recording", kept.rate),
+        ]);
+        part.failures.extend([rust, bare, kept].into_iter().filter_map(|best| best.failure.clone()));
+    }
+    for (best, (name, _)) in others.into_iter().zip(OTHERS) {
+        // What cannot be installed is no fault of ours, but it is said.
+        let rate = if best.rate > 0.0 { best.rate } else { f64::NAN };
+        part.figures
+            .push(Figure::new(format!("{name}, for comparison"), rate, "simulated s/s").note(best.what));
+        part.failures.extend(best.failure);
+    }
+    part
 }

@@ -1,8 +1,9 @@
 //! Speed range, sensorless: how far each preset reaches down from its largest set-point.
 
+use super::Context;
 use super::operating::Point;
-use super::report::Row;
 use super::trial::Trial;
+use crate::figures::{Figure, Part};
 use narx_core::dictionary::number;
 use narx_core::motor::State;
 use narx_host::parallel::map;
@@ -18,7 +19,7 @@ const RANGE: f64 = 50.0;
 const NEAR: f64 = 0.01;
 
 /// The best supply of four for each preset.
-pub(super) fn rows(_: &[u64]) -> Vec<Row> {
+pub(super) fn part(_: &Context<'_>) -> Part {
     let presets: Vec<&Preset> = PRESETS.iter().collect();
     let results = map(&presets, |preset| best(preset));
     let reached = results.iter().filter(|(range, _)| *range >= RANGE).count();
@@ -27,14 +28,9 @@ pub(super) fn rows(_: &[u64]) -> Vec<Row> {
         .zip(&results)
         .map(|(preset, (range, supply))| format!("{} 1:{range:.0} ({supply:.0} V)", preset.name))
         .collect();
-    vec![Row {
-        promise: "speed range, sensorless, presets",
-        goal: "1:50 on at least half",
-        measured: format!("{reached} of {}: {}", results.len(), each.join(", ")),
-        met: 2 * reached >= results.len(),
-        figures: vec![("presets", reached as f64)],
-        failures: Vec::new(),
-    }]
+    let share = 100.0 * reached as f64 / results.len().max(1) as f64;
+    let figure = Figure::new("presets with a speed range of 1:50, sensorless", share, "%").at_least(50.0);
+    Part::new(vec![figure.note(each.join(", "))], Vec::new())
 }
 
 /// Largest range that is held, and at which supply.

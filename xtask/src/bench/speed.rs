@@ -1,9 +1,9 @@
 //! How fast the bench is: simulated seconds a second on one thread, the real core in the loop, beside a hand-tuned C loop of
 //! a simpler plant (`xtask/floor/plant.c`) in the same run.
 
-use super::python;
-use super::report::{self, Row};
+use super::{Context, python};
 use crate::driven;
+use crate::figures::{self, Figure, Part};
 use crate::install;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -19,15 +19,18 @@ const RATE_MIN: f64 = 200.0;
 const RATIO_MIN: f64 = 0.6;
 
 /// Measures and prints the rates alone, from Python if asked; exit code 1 if a goal is not reached.
-pub fn command(from_python: bool) -> ExitCode {
-    let rows = if from_python { python::rows(&[]) } else { rows(&[]) };
-    report::print(&rows);
-    if rows.iter().all(|row| row.met) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+pub fn command(root: &Path, from_python: bool) -> ExitCode {
+    let context = Context { root, cases: Vec::new(), all: true, out: Path::new("target") };
+    let measured = if from_python { python::part(&context) } else { part(&context) };
+    let command = format!("cargo xtask speed{}", if from_python { " --python" } else { "" });
+    let part = Part { part: "simulation".into(), command, ..measured };
+    println!("{}", figures::table(std::slice::from_ref(&part)));
+    if part.is_met() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Rate and ratio in hall and sensorless mode.
-pub(super) fn rows(_: &[u64]) -> Vec<Row> {
-    let root = super::root();
+pub(super) fn part(context: &Context<'_>) -> Part {
+    let root = context.root;
     let bench = driven::build(root);
     let floor = compile_floor(root);
     let mut best = [0.0f64; 2];
@@ -47,40 +50,25 @@ pub(super) fn rows(_: &[u64]) -> Vec<Row> {
     }
     failures.sort();
     failures.dedup();
-    let no_floor = floor.err();
-    let names = [
-        ("simulation, hall sensors, 3000 rpm, rated load", "hall rate", "hall ratio"),
-        ("simulation, sensorless, 3000 rpm, rated load", "sensorless rate", "sensorless ratio"),
-    ];
-    names
-        .into_iter()
-        .zip(best)
-        .map(|(names, rate)| row(names, rate, best_floor, &no_floor, &failures))
-        .collect()
-}
-
-fn row(
-    (promise, rate_name, ratio_name): (&'static str, &'static str, &'static str),
-    rate: f64,
-    floor: f64,
-    no_floor: &Option<String>,
-    failures: &[String],
-) -> Row {
-    let ratio = if floor > 0.0 { rate / floor } else { f64::NAN };
-    let beside = match no_floor {
-        Some(reason) => format!("no C loop beside it: {reason}"),
-        None => {
-            format!("{ratio:.2} of the {floor:.0} of a C loop with a simpler plant (xtask/floor/plant.c)")
-        }
-    };
-    Row {
-        promise,
-        goal: ">= 200 simulated s a s, >= 0.6 of a C loop",
-        measured: format!("{rate:.1} simulated seconds a second, {beside}"),
-        met: rate >= RATE_MIN && (ratio >= RATIO_MIN || no_floor.is_some()),
-        figures: vec![(rate_name, rate), (ratio_name, ratio), ("C loop rate", floor)],
-        failures: failures.to_vec(),
+    let without = floor.as_ref().err().map(|reason| format!("no C loop beside it: {reason}"));
+    let mut figures = Vec::new();
+    for (mode, rate) in driven::MODES.into_iter().zip(best) {
+        figures.push(
+            Figure::new(format!("simulation, {mode}, 3000 rpm, rated load"), rate, "simulated s/s")
+                .at_least(RATE_MIN)
+                .note("one thread, the real core in the loop"),
+        );
+        let ratio = Figure::new(format!("simulation, {mode}, beside the C loop"), rate / best_floor, "");
+        figures.push(match &without {
+            Some(reason) => Figure::new(ratio.name, f64::NAN, "").note(reason.clone()),
+            None => ratio.at_least(RATIO_MIN),
+        });
     }
+    if without.is_none() {
+        let floor = Figure::new("a C loop with a simpler plant", best_floor, "simulated s/s");
+        figures.push(floor.note("xtask/floor/plant.c"));
+    }
+    Part::new(figures, failures)
 }
 
 fn keep(best: &mut f64, rate: Result<f64, String>, failures: &mut Vec<String>) {

@@ -67,8 +67,14 @@ impl Start {
         Some(Self::follow(case, drawn, &mut trial))
     }
 
+    /// Runs the start of a plant that nobody drew.
+    pub fn of(drawn: RandomPlant) -> Self {
+        let mut trial = Trial::new(&drawn.plant, &drawn.commissioning, "", false);
+        Self::follow(0, drawn, &mut trial)
+    }
+
     /// Asks for the start and follows it to its end.
-    pub(super) fn follow(case: u64, drawn: RandomPlant, trial: &mut Trial) -> Self {
+    pub(crate) fn follow(case: u64, drawn: RandomPlant, trial: &mut Trial) -> Self {
         trial.start(drawn.rpm);
         let (mut first_try, mut driven, mut since) = (true, false, None);
         let mut ending = Ending::Undecided;

@@ -1,16 +1,18 @@
 //! The promises about starting: how often, and how soon.
 
-use super::report::Row;
 use super::start::Start;
 use super::trial::Trial;
+use super::{Context, picture};
+use crate::figures::{Figure, Part};
 use narx_core::motor::State;
 use narx_host::parallel::map;
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::PlantConfig;
 use narx_sim::presets::{PRESETS, Preset};
+use std::fs;
 
-/// Starts that succeed within Auto-restart, share.
-const STARTED: f64 = 0.999;
+/// Starts that succeed within Auto-restart, %.
+const STARTED: f64 = 99.9;
 /// Request to closed loop at nominal inertia and at any corner, s.
 const SOON: (f64, f64) = (0.8, 3.0);
 /// Peak phase current (Table 1: 12 A) and 5 % in the windings.
@@ -21,64 +23,56 @@ pub(super) fn cases(seed: u64, runs: u64) -> Vec<u64> {
     (0..runs).map(|run| seed.wrapping_mul(1_000_000).wrapping_add(run)).collect()
 }
 
-/// From the starts of random plants.
-pub(super) fn rows(starts: &[Start], asked: usize) -> Vec<Row> {
+/// Starts of random plants, and their picture.
+pub(super) fn part(context: &Context<'_>) -> Part {
+    let starts: Vec<Start> = map(&context.cases, |case| Start::run(*case)).into_iter().flatten().collect();
+    let mut part = judge(&starts, context.cases.len());
+    let drawn = picture::svg(&starts).and_then(|picture| {
+        let path = context.out.join("starts.svg");
+        fs::create_dir_all(context.out)
+            .and_then(|()| fs::write(&path, picture))
+            .map_err(|error| format!("{}: {error}", path.display()))
+    });
+    part.failures.extend(drawn.err());
+    part
+}
+
+fn judge(starts: &[Start], asked: usize) -> Part {
     let count = |holds: fn(&Start) -> bool| starts.iter().filter(|start| holds(start)).count();
     let (first, started) = (count(Start::started_at_once), count(Start::started));
-    let accounted = count(Start::is_accounted_for);
-    let share = |count: usize| count as f64 / starts.len().max(1) as f64;
-    let list = |holds: &dyn Fn(&Start) -> bool| -> Vec<String> {
-        let chosen = starts.iter().filter(|start| holds(start));
-        chosen.map(|start| format!("{start}\n    cargo xtask bench --case {}", start.case)).collect()
-    };
+    let unaccounted = starts.len() - count(Start::is_accounted_for);
+    let share = |count: usize| 100.0 * count as f64 / starts.len().max(1) as f64;
     let slowest = starts.iter().map(|start| start.to_closed_loop).fold(0.0, f64::max);
     let mut times: Vec<f64> = starts.iter().filter(|s| s.started()).map(|s| s.to_closed_loop).collect();
     times.sort_by(f64::total_cmp);
-    let median = times.get(times.len() / 2).copied().unwrap_or(0.0);
+    let median = times.get(times.len() / 2).copied().unwrap_or(f64::INFINITY);
     let peak = starts.iter().map(|start| start.peak_current).fold(0.0, f64::max);
-    vec![
-        Row {
-            promise: "sensorless start, random plants",
-            goal: ">= 99.9 % within Auto-restart",
-            measured: format!(
-                "{:.2} % ({started} of {}); first try {:.2} % ({first})",
-                100.0 * share(started),
-                starts.len(),
-                100.0 * share(first)
-            ),
-            met: share(started) >= STARTED && starts.len() == asked,
-            figures: vec![("first_try", share(first)), ("within_auto_restart", share(started))],
-            failures: list(&|start| !start.started()),
-        },
-        Row {
-            promise: "every other start",
-            goal: "Standby or a named fault",
-            measured: format!("{} of {} that did not start", accounted - started, starts.len() - started),
-            met: accounted == starts.len(),
-            figures: vec![("unaccounted", (starts.len() - accounted) as f64)],
-            failures: list(&|start| !start.is_accounted_for()),
-        },
-        Row {
-            promise: "request to closed loop, random plants",
-            goal: "<= 3 s at any corner",
-            measured: format!("{slowest:.2} s slowest, {median:.2} s median"),
-            met: slowest <= SOON.1,
-            figures: vec![("slowest_s", slowest), ("median_s", median)],
-            failures: list(&|start| start.to_closed_loop > SOON.1),
-        },
-        Row {
-            promise: "phase current, random plants",
-            goal: "<= 12 A + 5 % peak",
-            measured: format!("{peak:.1} A"),
-            met: peak <= PEAK,
-            figures: vec![("peak_a", peak)],
-            failures: list(&|start| start.peak_current > PEAK),
-        },
-    ]
+    let beyond =
+        |start: &&Start| !start.started() || start.to_closed_loop > SOON.1 || start.peak_current > PEAK;
+    let failures = starts.iter().filter(beyond).map(|start| {
+        let Start { case, to_closed_loop, peak_current, .. } = start;
+        format!("{start}; closed loop after {to_closed_loop:.2} s, {peak_current:.1} A: cargo xtask bench --case {case}")
+    });
+    Part::new(
+        vec![
+            Figure::new("sensorless starts of random plants, within Auto-restart", share(started), "%")
+                .at_least(STARTED)
+                .note(format!("{started} of {}", starts.len())),
+            Figure::new("of these at the first try", share(first), "%")
+                .note(format!("{first} of {}", starts.len())),
+            Figure::new("ends that are neither a start, Standby nor a named fault", unaccounted as f64, "")
+                .at_most(0.0),
+            Figure::new("seeds that draw no plant", (asked - starts.len()) as f64, "").at_most(0.0),
+            Figure::new("request to closed loop, random plants, slowest", slowest, "s").at_most(SOON.1),
+            Figure::new("request to closed loop, random plants, median", median, "s"),
+            Figure::new("phase current, random plants, peak", peak, "A").at_most(PEAK).note("12 A and 5 %"),
+        ],
+        failures.collect(),
+    )
 }
 
 /// Every preset as its data sheet has it, at four supplies, each the slowest of eight angles.
-pub(super) fn nominal(_: &[u64]) -> Vec<Row> {
+pub(super) fn nominal(_: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for preset in &PRESETS {
         points.extend([18.0, 24.0, 48.0, 60.0].map(|supply| (preset, supply)));
@@ -91,14 +85,8 @@ pub(super) fn nominal(_: &[u64]) -> Vec<Row> {
     let late = points.iter().zip(&times).filter(|(_, time)| **time > SOON.0);
     let failures: Vec<String> =
         late.map(|((preset, supply), time)| format!("{} at {supply} V: {time:.2} s", preset.name)).collect();
-    vec![Row {
-        promise: "request to closed loop, presets",
-        goal: "<= 0.8 s at nominal inertia",
-        measured: format!("{slowest:.2} s slowest of {} from 8 angles each", points.len()),
-        met: failures.is_empty(),
-        figures: vec![("slowest_s", slowest), ("runs", 8.0 * points.len() as f64)],
-        failures,
-    }]
+    let figure = Figure::new("request to closed loop, presets, slowest", slowest, "s").at_most(SOON.0);
+    Part::new(vec![figure.note(format!("{} motors and supplies, 8 angles each", points.len()))], failures)
 }
 
 /// Seconds from the request to state 4; infinite if it takes more than 5 s, 0 for what commissioning refuses.

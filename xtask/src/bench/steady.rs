@@ -1,8 +1,10 @@
 //! The promises about steady running: speed, jitter, angle of commutation.
 
-use super::operating::{Figures, Point, measure};
-use super::report::Row;
+use super::Context;
+use super::operating::{Figures, Point, SETTLE, measure};
 use super::trial::Trial;
+use crate::figures::{Figure, Part};
+use narx_core::motor::State;
 use narx_host::parallel::map;
 use narx_sim::commissioning::Mode;
 use narx_sim::presets::PRESETS;
@@ -18,7 +20,7 @@ const PLANTS_MAX: usize = 500;
 type Named = (String, Figures);
 
 /// Presets at the four speeds, without and with rated load, and some of the random plants.
-pub(super) fn rows(cases: &[u64]) -> Vec<Row> {
+pub(super) fn part(context: &Context<'_>) -> Part {
     let mut points = Vec::new();
     for preset in &PRESETS {
         let supply = preset.data.nominal_voltage.clamp(18.0, 60.0);
@@ -27,17 +29,17 @@ pub(super) fn rows(cases: &[u64]) -> Vec<Row> {
             points.extend([0.0, 1.0].map(|load| Point { preset, mode: Mode::Sensorless, supply, load, rpm }));
         }
     }
-    let allowed: Vec<Point> = points.into_iter().filter(|point| point.plan().is_ok()).collect();
+    let allowed: Vec<Point<'_>> = points.into_iter().filter(|point| point.plan().is_ok()).collect();
     let of_presets = map(&allowed, |point| (name(point), point.run()));
-    let chosen: Vec<u64> = cases.iter().copied().step_by(EVERY).take(PLANTS_MAX).collect();
+    let chosen: Vec<u64> = context.cases.iter().copied().step_by(EVERY).take(PLANTS_MAX).collect();
     let of_plants: Vec<(String, Result<Figures, String>)> =
         map(&chosen, |case| random(*case)).into_iter().flatten().collect();
-    let mut rows = judge("presets", PRESET_ROWS, of_presets);
-    rows.extend(judge("random plants", PLANT_ROWS, of_plants));
-    rows
+    let mut part = judge("presets", of_presets);
+    part.join(judge("random plants", of_plants));
+    part
 }
 
-fn name(point: &Point) -> String {
+fn name(point: &Point<'_>) -> String {
     let (preset, rpm) = (point.preset.name, point.rpm.unwrap_or(0.0));
     format!("{preset} at {} V, {rpm:.0} rpm, {:.0} % load", point.supply, 100.0 * point.load)
 }
@@ -50,60 +52,40 @@ fn random(case: u64) -> Option<(String, Result<Figures, String>)> {
         return None;
     }
     let mut trial = Trial::new(&drawn.plant, &drawn.commissioning, "", false);
-    let figures = measure(&mut trial, drawn.rpm, Mode::Sensorless);
+    let figures = measure(&mut trial, drawn.rpm, State::SensorlessClosedLoop, SETTLE);
     // What cannot reach its set-point is held back by torque or supply: only steady running is judged here.
     let limited = figures.as_ref().map_or_else(|why| why.starts_with("set-point"), |f| !f.unlimited);
     let name = format!("{} at {} rpm, cargo xtask bench --case {case}", drawn.preset.name, drawn.rpm);
     (!limited).then_some((name, figures))
 }
 
-const PRESET_ROWS: [&str; 4] = [
-    "steady speed error, presets",
-    "crossing jitter, presets",
-    "commutation angle, mean, presets",
-    "commutation angle, worst, presets",
-];
-const PLANT_ROWS: [&str; 4] = [
-    "steady speed error, random plants",
-    "crossing jitter, random plants",
-    "commutation angle, mean, random plants",
-    "commutation angle, worst, random plants",
-];
-
-fn judge(what: &str, names: [&'static str; 4], results: Vec<(String, Result<Figures, String>)>) -> Vec<Row> {
-    let mut lost = Vec::new();
+fn judge(what: &str, results: Vec<(String, Result<Figures, String>)>) -> Part {
+    let mut failures = Vec::new();
     let mut figures: Vec<Named> = Vec::new();
     for (name, result) in results {
         match result {
             Ok(reached) => figures.push((name, reached)),
-            Err(why) => lost.push(format!("{name}: {why}")),
+            Err(why) => failures.push(format!("{name}: {why}")),
         }
     }
-    let row = |promise, goal, limit: f64, unit: &str, of: fn(&Figures) -> f64| {
-        let worst = figures.iter().map(|(_, f)| of(f).abs()).fold(0.0, f64::max);
+    let lost = failures.len();
+    let mut row = |name: &str, limit: f64, unit: &str, of: fn(&Figures) -> f64| {
+        let worst = figures.iter().map(|(_, f)| of(f).abs()).reduce(f64::max).unwrap_or(f64::NAN);
         let beyond = figures.iter().filter(|(_, f)| of(f).abs() > limit);
-        let mut failures: Vec<String> =
-            beyond.map(|(name, f)| format!("{name}: {:.2} {unit}", of(f))).collect();
-        let outside = failures.len();
-        failures.extend(lost.iter().cloned());
-        Row {
-            promise,
-            goal,
-            measured: format!(
-                "{worst:.2} {unit} worst of {} {what}; {outside} outside, {} not run",
-                figures.len(),
-                lost.len()
-            ),
-            met: failures.is_empty() && !figures.is_empty(),
-            figures: vec![("worst", worst), ("runs", figures.len() as f64), ("outside", outside as f64)],
-            failures,
-        }
+        let beyond: Vec<String> =
+            beyond.map(|(run, f)| format!("{run}: {name} {:.2} {unit}", of(f))).collect();
+        let note = format!("{} runs, {} outside", figures.len(), beyond.len());
+        failures.extend(beyond);
+        Figure::new(format!("{name}, {what}, worst"), worst, unit).at_most(limit).note(note)
     };
-    let [error, jitter, mean, worst] = names;
-    vec![
-        row(error, "<= 0.5 % mean", 0.5, "%", |f| 100.0 * f.error),
-        row(jitter, "<= 2 % of a period, rms", 2.0, "%", |f| 100.0 * f.jitter),
-        row(mean, "<= 2 degrees electrical", 2.0, "deg", |f| f.angle_mean),
-        row(worst, "<= 5 degrees electrical", 5.0, "deg", |f| f.angle_worst),
-    ]
+    let mut rows = vec![
+        row("steady speed error", 0.5, "%", |f| 100.0 * f.error),
+        row("jitter of commutation, rms of a period", 2.0, "%", |f| 100.0 * f.jitter),
+        row("commutation angle, mean", 2.0, "deg", |f| f.angle_mean),
+        row("commutation angle, furthest", 5.0, "deg", |f| f.angle_worst),
+    ];
+    rows.push(
+        Figure::new(format!("steady runs that did not come about, {what}"), lost as f64, "").at_most(0.0),
+    );
+    Part::new(rows, failures)
 }

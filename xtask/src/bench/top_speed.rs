@@ -1,7 +1,8 @@
 //! The promise about top speed at a control tick of 100 us, with sampled back-EMF and with time-stamped edges.
 
-use super::report::Row;
+use super::Context;
 use super::trial::Trial;
+use crate::figures::{Figure, Part};
 use narx_core::dictionary::number;
 use narx_core::motor::State;
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
@@ -30,23 +31,21 @@ const FAN: f64 = 0.005;
 const DELAY: f64 = 2e-6;
 
 /// Highest set-point that is held within 0.5 %, in steps.
-pub(super) fn rows(_: &[u64]) -> Vec<Row> {
+pub(super) fn part(_: &Context<'_>) -> Part {
     let sampled = highest(false, &[16_000, 20_000, 24_000, 26_000, 28_000, 30_000]);
     let edges = highest(true, &[24_000, 30_000, 36_000, 42_000, 46_000, 50_000, 52_000]);
-    [
-        ("top speed, sampled back-EMF", ">= 24 000 electrical rpm", 24_000, sampled),
-        ("top speed, time-stamped edges", ">= 50 000 electrical rpm", 50_000, edges),
-    ]
-    .into_iter()
-    .map(|(promise, goal, least, (speed, why))| Row {
-        promise,
-        goal,
-        measured: format!("{speed} electrical rpm held within 0.5 %, a fan on the shaft"),
-        met: speed >= least,
-        figures: vec![("electrical_rpm", f64::from(speed))],
-        failures: if speed >= least { Vec::new() } else { why.into_iter().collect() },
-    })
-    .collect()
+    let mut part = Part::default();
+    for (name, least, (speed, why)) in [
+        ("top speed, sampled back-EMF", 24_000.0, sampled),
+        ("top speed, time-stamped edges", 50_000.0, edges),
+    ] {
+        let figure = Figure::new(name, f64::from(speed), "electrical rpm").at_least(least);
+        if !figure.is_met() {
+            part.failures.extend(why);
+        }
+        part.figures.push(figure.note("held within 0.5 %, a fan on the shaft"));
+    }
+    part
 }
 
 /// The last set-point that was held, and why the next was not.

@@ -11,23 +11,23 @@ use std::f64::consts::TAU;
 /// Ticks from power-up until the drive takes requests: boot (0.5 s) and two of the master's periods.
 const BOOT: u32 = 6_000;
 /// One tick, s.
-pub(super) const TICK: f64 = 1e-4;
+pub(crate) const TICK: f64 = 1e-4;
 
 /// A run.
-pub(super) struct Trial {
-    pub(super) bench: Bench,
+pub(crate) struct Trial {
+    pub(crate) bench: Bench,
     master: Master,
     seen: Observation,
     /// Largest magnitude of a phase current so far, A.
-    pub(super) peak: f64,
+    pub(crate) peak: f64,
     /// Highest bus voltage so far, V.
-    pub(super) bus_highest: f64,
+    pub(crate) bus_highest: f64,
     commutations: Commutations,
 }
 
 impl Trial {
     /// Powers up and waits until the drive takes requests. `keep` traces and records.
-    pub(super) fn new(plant: &PlantConfig, commissioning: &Commissioning, label: &str, keep: bool) -> Self {
+    pub(crate) fn new(plant: &PlantConfig, commissioning: &Commissioning, label: &str, keep: bool) -> Self {
         let bench = Bench::new(&BenchConfig {
             plant: plant.clone(),
             parameters: commissioning.parameters.clone(),
@@ -46,17 +46,17 @@ impl Trial {
     }
 
     /// Asks for a speed, rpm, negative in reverse.
-    pub(super) fn start(&mut self, rpm: i32) {
+    pub(crate) fn start(&mut self, rpm: i32) {
         self.master.start(rpm);
     }
 
     /// Asks for motor mode 3.
-    pub(super) fn shut_down(&mut self) {
+    pub(crate) fn shut_down(&mut self) {
         self.master.shut_down();
     }
 
     /// One control tick.
-    pub(super) fn tick(&mut self) {
+    pub(crate) fn tick(&mut self) {
         while let Some(frame) = self.master.poll_frame(self.bench.now_ns() / 1000) {
             // Two frames every 50 ms do not fill a queue of 64.
             let _ = self.bench.send(frame);
@@ -71,7 +71,7 @@ impl Trial {
     }
 
     /// `seconds` of ticks; false as soon as `holds` does not.
-    pub(super) fn run_while(&mut self, seconds: f64, holds: impl Fn(&Self) -> bool) -> bool {
+    pub(crate) fn run_while(&mut self, seconds: f64, holds: impl Fn(&Self) -> bool) -> bool {
         let ticks = (seconds / TICK).round() as u32;
         (0..ticks).all(|_| {
             self.tick();
@@ -80,7 +80,7 @@ impl Trial {
     }
 
     /// Seconds until `holds`, if it does within `most`.
-    pub(super) fn until(&mut self, most: f64, holds: impl Fn(&Self) -> bool) -> Option<f64> {
+    pub(crate) fn until(&mut self, most: f64, holds: impl Fn(&Self) -> bool) -> Option<f64> {
         let ticks = (most / TICK).round() as u32;
         let found = (1..=ticks).find(|_| {
             self.tick();
@@ -90,26 +90,26 @@ impl Trial {
     }
 
     /// Mean true speed over the next `seconds`, rpm.
-    pub(super) fn mean_rpm(&mut self, seconds: f64) -> f64 {
+    pub(crate) fn mean_rpm(&mut self, seconds: f64) -> f64 {
         let from = self.seen;
         self.run_while(seconds, |_| true);
         (self.seen.angle - from.angle) / (self.seen.time - from.time) * 60.0 / TAU
     }
 
     /// The pattern changes of the next `seconds`.
-    pub(super) fn commutations(&mut self, seconds: f64) -> &Commutations {
+    pub(crate) fn commutations(&mut self, seconds: f64) -> &Commutations {
         self.commutations.clear();
         self.run_while(seconds, |_| true);
         &self.commutations
     }
 
     /// What the drive says its state is.
-    pub(super) fn state(&self) -> State {
+    pub(crate) fn state(&self) -> State {
         self.bench.status().state
     }
 
     /// True values at the end of the last tick.
-    pub(super) const fn seen(&self) -> &Observation {
+    pub(crate) const fn seen(&self) -> &Observation {
         &self.seen
     }
 }

@@ -6,7 +6,7 @@ use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
 use crate::test::python;
 use crate::test::rust::EMBEDDED;
-use crate::{hangs, instructions, proof, qemu, slots, small};
+use crate::{hangs, install, instructions, others, proof, qemu, slots, small};
 use std::path::Path;
 use std::process::Command;
 
@@ -55,6 +55,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("board", move || board::build(root).and_then(|_| board::regenerate(root, true))),
         Step::command(root, "board lints", "cargo", &BOARD_LINTS),
         Step::new("instructions", move || instructions::regenerate(root, true)),
+        Step::new("other crates", move || others::check(root)),
         Step::new("proof", move || proof::regenerate(root, true)),
         Step::new("watchdog", move || hangs::run(root)),
         Step::new("slots", move || slots::make(root)),

@@ -91,7 +91,8 @@ fn module(root: &Path, arguments: &[&str], paths: &[PathBuf]) -> Outcome {
     steps::run(command.current_dir(directory(root)))
 }
 
-fn directory(root: &Path) -> PathBuf {
+/// Where the environment is.
+pub(crate) fn directory(root: &Path) -> PathBuf {
     target_directory(root).join("python-environment")
 }
 

@@ -1,0 +1,53 @@
+//! What the page loads, and how long a frame's worth of motor takes it: the packages built, the program `tests/wasm/frame.mjs` run in Node.
+
+use super::{Context, tools};
+use crate::figures::{Figure, Part};
+use crate::{driven, web};
+use std::process::Command;
+
+/// Compressed, bytes: those of `tests/wasm/size.test.mjs`.
+const MODULES: [(&str, f64); 3] = [("narx", 153_600.0), ("core", 61_440.0), ("lab", 153_600.0)];
+/// A picture at 60 Hz leaves this, ms.
+const FRAME: f64 = 16.7;
+
+/// Builds and measures.
+pub(super) fn part(context: &Context<'_>) -> Part {
+    if let Err(reason) = tools::node(context) {
+        return Part::skipped(reason);
+    }
+    measure(context).unwrap_or_else(|reason| {
+        Part::new(vec![Figure::new("page", f64::NAN, "bytes").at_least(0.0)], vec![reason])
+    })
+}
+
+fn measure(context: &Context<'_>) -> Result<Part, String> {
+    web::package(context.root)?;
+    let program = context.root.join("tests/wasm/frame.mjs");
+    // Node 20's compiler stumbles over inlined calls of WebAssembly.
+    let text = driven::output(Command::new("node").arg("--no-turbo-inline-js-wasm-calls").arg(program))?;
+    let figure = |key: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(key)?.trim().parse::<f64>().ok());
+        line.ok_or_else(|| format!("no {key} in: {text}"))
+    };
+    let mut figures = Vec::new();
+    for (module, limit) in MODULES {
+        let bytes = figure(&format!("{module}.gzip"))?;
+        figures.push(
+            Figure::new(format!("module {module} of the page, compressed"), bytes, "bytes").at_most(limit),
+        );
+    }
+    for mode in driven::MODES {
+        for (key, name) in [("median", "median"), ("p99", "99 of 100 within")] {
+            let time = figure(&format!("{mode}.{key}"))?;
+            figures.push(
+                Figure::new(
+                    format!("a sixtieth of a second of motor in WebAssembly, {mode}, {name}"),
+                    time,
+                    "ms",
+                )
+                .at_most(FRAME),
+            );
+        }
+    }
+    Ok(Part::new(figures, Vec::new()))
+}

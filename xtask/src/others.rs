@@ -1,0 +1,65 @@
+//! Other people's control, counted on the emulated Cortex-M4F as ours is: the image of `firmware/others`.
+
+use crate::steps::{self, Outcome};
+use crate::test::rust::EMBEDDED;
+use crate::{driven, install, qemu};
+use std::path::Path;
+use std::process::Command;
+
+/// A controller and what a call of it takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Counted {
+    /// Its crate and what of it.
+    pub name: String,
+    /// Instructions of a call, on average.
+    pub average: f64,
+    /// Of one call, the most.
+    pub worst: u32,
+}
+
+/// Builds the image and runs it.
+///
+/// # Errors
+/// What compiler or emulator said, or which controller does not do its work.
+pub fn count(root: &Path) -> Result<Vec<Counted>, String> {
+    install::rust_target(EMBEDDED)?;
+    let build = ["build", "--quiet", "--release", "-p", "narx-others", "--target", EMBEDDED];
+    steps::run(Command::new("cargo").args(build).current_dir(root))?;
+    let image = install::target_directory(root).join(EMBEDDED).join("release/others");
+    let text = driven::output(&mut qemu::counting(&image, &[] as &[&str]))?;
+    let rows: Vec<Counted> = text.lines().filter_map(parse).collect();
+    if rows.is_empty() { Err(format!("no rows in: {text}")) } else { Ok(rows) }
+}
+
+/// The same as a step of the tests: that they still are what they are compared for.
+///
+/// # Errors
+/// As [`count`].
+pub fn check(root: &Path) -> Outcome {
+    let line = |row: Counted| format!("{}: {:.0} instructions a call", row.name, row.average);
+    count(root).map(|rows| rows.into_iter().map(line).collect())
+}
+
+/// `other NAME TICKS TOTAL WORST`.
+fn parse(line: &str) -> Option<Counted> {
+    let mut words = line.strip_prefix("other ")?.split_whitespace();
+    let name = words.next()?.to_owned();
+    let mut number = || words.next()?.parse::<u32>().ok();
+    let (ticks, total, worst) = (number()?, number()?, number()?);
+    Some(Counted { name, average: f64::from(total) / f64::from(ticks), worst })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_is_a_name_and_three_numbers() {
+        let row = parse("other foc-space-vector 20000 7506639 386").unwrap();
+        assert_eq!((row.name.as_str(), row.worst), ("foc-space-vector", 386));
+        assert!((row.average - 375.33).abs() < 0.01);
+        for line in ["# foc: voltage", "other foc", "other foc 1 2 x", "error foc why"] {
+            assert_eq!(parse(line), None);
+        }
+    }
+}

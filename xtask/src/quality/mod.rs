@@ -1,0 +1,92 @@
+//! Control quality: what narx promises of its control, on every motor of the market that comes with it and on random motors, in both closed loops, as
+//! percentiles. What misses a promise is listed with the command that runs it again.
+
+mod motor;
+mod physics;
+mod run;
+mod table;
+
+pub use table::{Quality, Row};
+
+use clap::Args;
+use motor::Subject;
+use narx_host::parallel::map;
+use narx_sim::presets::{PRESETS, Preset};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Arguments of `quality`.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Random motors
+    #[arg(long, default_value_t = 1_000)]
+    pub motors: u64,
+    /// Run one random motor again, by its seed, and tell every run
+    #[arg(long, conflicts_with = "motor")]
+    pub case: Option<u64>,
+    /// Run one motor of the market, by its name, and tell every run
+    #[arg(long)]
+    pub motor: Option<String>,
+    /// Where the figures go
+    #[arg(long, default_value = "docs/evidence/quality.json")]
+    pub out: PathBuf,
+}
+
+/// Measures and writes; exit code 1 if a file cannot be written, or if one motor was asked for and missed a promise.
+pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+    let outcome = match (arguments.case, &arguments.motor) {
+        (Some(seed), _) => motor::random(seed)
+            .ok_or(format!("seed {seed} draws no motor that commissioning takes"))
+            .map(|s| tell(&s)),
+        (_, Some(name)) => narx_sim::presets::preset(name)
+            .ok_or_else(|| format!("no motor {name:?}: {}", PRESETS.map(|preset| preset.name).join(" ")))
+            .map(|preset| tell(&motor::of_market(preset))),
+        _ => {
+            let begun = Instant::now();
+            let quality = measure(&PRESETS.each_ref(), arguments.motors);
+            println!("{}", quality.text());
+            println!("written to {} ({:.0} s)", arguments.out.display(), begun.elapsed().as_secs_f64());
+            quality.write(&root.join(&arguments.out)).map(|()| true)
+        }
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(reason) => {
+            eprintln!("{reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// These motors of the market, and so many random ones: seeds 0 and on.
+pub fn measure(presets: &[&Preset], motors: u64) -> Quality {
+    let of_market: Vec<Subject> = presets.iter().map(|preset| motor::of_market(preset)).collect();
+    let seeds: Vec<u64> = (0..motors).collect();
+    let drawn: Vec<Subject> = map(&seeds, |seed| motor::random(*seed)).into_iter().flatten().collect();
+    let mut quality = Quality::new(motors, drawn.len() as u64);
+    for (of, subjects) in [("presets", of_market), ("random motors", drawn)] {
+        let runs: Vec<run::Run> = map(&subjects, run::runs).into_iter().flatten().collect();
+        let (unseen, seen): (Vec<run::Run>, Vec<run::Run>) = runs.into_iter().partition(|run| run.unseen);
+        quality.judge(of, &seen);
+        if !unseen.is_empty() {
+            quality.judge(&format!("{of}, unseen"), &unseen);
+        }
+    }
+    quality
+}
+
+/// Every run of one motor; true if none missed a promise.
+fn tell(subject: &Subject) -> bool {
+    println!("{:#?}\nsupply: {:.2} V", subject.preset.motor, subject.supply);
+    let mut quality = Quality::new(0, 0);
+    for run in run::runs(subject) {
+        println!("{}: {}", run.what, table::words(&run.outcome));
+        quality.judge("this motor", std::slice::from_ref(&run));
+    }
+    for failure in &quality.failures {
+        println!("missed: {}", failure.what);
+    }
+    quality.failures.is_empty()
+}
