@@ -6,7 +6,7 @@ use crate::parity::Replayer;
 use crate::steps::{self, Outcome, Step};
 use crate::test::python;
 use crate::test::rust::EMBEDDED;
-use crate::{hangs, install, instructions, others, proof, qemu, slots, small};
+use crate::{hangs, instructions, others, proof, qemu, slots, small};
 use std::path::Path;
 use std::process::Command;
 
