@@ -68,8 +68,7 @@ pub struct Turned {
     pub rpm: f64,
 }
 
-/// Compiles the floor for this machine and lets it drive the simulated motor for two seconds: from standstill with hall sensors, without them from the
-/// set-point's speed, because it cannot start.
+/// Compiles the floor for this machine and lets it drive the simulated motor for two seconds, from the set-point's speed, because it cannot start.
 ///
 /// # Errors
 /// What the compiler said, or the line that is no command.
@@ -81,9 +80,9 @@ pub fn turn(root: &Path, mode: &str) -> Result<Turned, String> {
 
     let motor = preset(MOTOR).ok_or("no such motor")?.motor;
     let (speed, poles) = (RPM * TAU / 60.0, f64::from(motor.pole_pairs));
-    // In the sensorless tick's hands the rotor enters the first step's sector.
-    let (before, volts) = if mode == "hall" { (0.0, 1.0) } else { (speed, motor.torque_constant * speed) };
-    let config = PlantConfig { angle_deg: 30.0, speed: before, ..PlantConfig::new(motor, SUPPLY) };
+    // It is handed a motor that turns and enters the first step's sector.
+    let volts = motor.torque_constant * speed;
+    let config = PlantConfig { angle_deg: 30.0, speed, ..PlantConfig::new(motor, SUPPLY) };
     let mut plant = Plant::new(&config);
     let (millihertz, millivolt) = (RPM / 60.0 * poles * 1e3, volts * 1e3);
     let mut child = Command::new(&program)
