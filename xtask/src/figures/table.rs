@@ -99,11 +99,11 @@ mod tests {
         let tail = "\
   and 2 more in the file
 
-figure               goal     verdict  of what
+figure              goal     verdict  of what
 start  # cargo xtask bench --only start
-starts    99.80 %  >= 99.9  FAIL     998 of 1000
-slowest       2 s  <= 3     ok
-rate    210.5 1/s
+starts     99.80 %  >= 99.9  FAIL     998 of 1000
+slowest        2 s  <= 3     ok
+rate     210.5 1/s
 logs  # cargo xtask bench --only logs
   not measured: no python3
 ";
