@@ -9,6 +9,8 @@ use std::path::Path;
 /// Where texts go to: a semihosting host, a frame of the description, and who counts its length.
 const SINK: Goes = Goes::To("as core::fmt::Write>::write_str");
 const CHARACTERS: Goes = Goes::To("core::fmt::Write::write_char");
+/// A text with numbers in it, by the sink's table of functions.
+const PIECES: Goes = Goes::To("core::fmt::Write::write_fmt");
 
 /// What calls a pointer in the images, and where that goes. There is no executor: the loop polls the one task that there is, by its name.
 const KNOWN: Known = Known {
@@ -34,11 +36,12 @@ const KNOWN: Known = Known {
                 Goes::To("core::ops::function::FnOnce::call_once"),
                 SINK,
                 CHARACTERS,
+                PIECES,
             ],
         ),
-        ("narx_core::description::sections::", &[SINK, CHARACTERS]),
-        ("core::ops::function::FnOnce::call_once", &[SINK, CHARACTERS]),
-        ("core::iter::traits::iterator::Iterator::try_for_each::call", &[SINK, CHARACTERS]),
+        ("narx_core::description::sections::", &[SINK, CHARACTERS, PIECES]),
+        ("core::ops::function::FnOnce::call_once", &[SINK, CHARACTERS, PIECES]),
+        ("core::iter::traits::iterator::Iterator::try_for_each::call", &[SINK, CHARACTERS, PIECES]),
         ("core::fmt::", &[SINK, CHARACTERS]),
         ("narx_sim::shown::fixed", &[SINK, CHARACTERS]),
         // A checkpoint of the drive, a stored item: few functions, each called so often that its address stays in a register.
@@ -67,7 +70,7 @@ const CALLS: [(&str, &[&str]); 5] = [
         "node",
         &["Node::poll_frame", "::poll_bulk_frame", "::handle_frame", "::poll_storage", "::handle_storage"],
     ),
-    ("storage", &["narx_core::storage::Storage<F,_>::execute::{{closure}}"]),
+    ("storage", &["narx_core::storage::Storage<F>::execute::{{closure}}"]),
     ("master", &["Master::poll_frame", "Master::handle_frame"]),
 ];
 const MEASURED: &str = "tests/golden/instructions.toml";
