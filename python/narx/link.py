@@ -100,7 +100,10 @@ class BusLink(FreeLink):
 
     def __init__(self, bus: can.BusABC, master: _core.Master) -> None:
         super().__init__(master)
+        # python-can is an extra.
         import can
+
+        from narx._listener import Listener
 
         self._bus = bus
         self._begin = time.monotonic()
@@ -110,7 +113,7 @@ class BusLink(FreeLink):
         known = can.Notifier.find_instances(bus)
         self._own_notifier = not known
         self._notifier = known[0] if known else can.Notifier(bus, [], timeout=0.1)
-        self._listener = listener(self._hear, self._fail)
+        self._listener = Listener(self._hear, self._fail)
         self._notifier.add_listener(self._listener)
         self._thread = threading.Thread(target=self._talk, name="narx master", daemon=True)
         self._thread.start()
@@ -176,22 +179,6 @@ class BusLink(FreeLink):
                     return
                 due = self.master.next_poll(self.now) - self.now
                 self._changed.wait(min(max(due, 0.0005), 0.05))
-
-
-def listener(hear: Callable[[can.Message], None], fail: Callable[[Exception], None]) -> can.Listener:
-    """What a notifier calls."""
-    import can
-
-    class Listener(can.Listener):
-        def on_message_received(self, msg: can.Message) -> None:
-            hear(msg)
-
-        def on_error(self, exc: Exception) -> None:
-            fail(exc)
-            # The notifier tries again at once, and an adapter that is gone will say the same.
-            time.sleep(0.1)
-
-    return Listener()
 
 
 class SteppedLink(FreeLink):

@@ -53,7 +53,7 @@ def test_a_bench_is_programmed(bench: narx.Bench, tmp_path: Path) -> None:
         (image((0, 3, 0, 0), BODY) + b"x", "1537 bytes of an image of 1536"),
         (image((0, 3, 0, 0), BODY, hardware=BENCH + 2), "for hardware 4E580002h, the drive is 4E580000h"),
         (image((0, 0, 9, 9), BODY), "version 0.0.9+9, older than the 0.1.0+1 that runs"),
-        (image((0, 3, 0, 0), bytes(46 << 10)), "47616 bytes, the drive has room for 47104"),
+        (image((0, 3, 0, 0), bytes(50 << 10)), "51712 bytes, the drive has room for 51200"),
     ],
 )
 def test_a_file_that_is_no_image_for_this_drive(

@@ -78,7 +78,7 @@ test("what is no image for this drive is refused before anything is sent, and th
         [IMAGE.subarray(0, -8), "ImageError", "1528 bytes of an image of 1536"],
         [image({ hardware: "b-g431b-esc1" }), "ImageError", "the image is for hardware 4E580002h, the drive is 4E580000h"],
         [image({ version: "0.0.9+9" }), "ImageError", "the image is version 0.0.9+9, older than the 0.1.0+1 that runs"],
-        [image({ length: 46 << 10 }), "ImageError", "the image has 47616 bytes, the drive has room for 47104"],
+        [image({ length: 50 << 10 }), "ImageError", "the image has 51712 bytes, the drive has room for 51200"],
         [OTHER_KEY, "RefusedError", "the signature is not one that the board's bootloader believes"],
     ];
     for (const [bytes, name, message] of cases) {
