@@ -16,10 +16,11 @@ pub fn run(data: &[u8]) {
         assert!(log.frames.time.len() == frames || log.frames.time.len() + 1 == frames, "{frames}");
         assert!(log.lines <= lines.len());
 
-        // Two logs one behind the other are one log.
+        // Two logs one behind the other are one log, if the last line is whole: whether half a line counts is a question of the lines before it.
+        let whole = data.ends_with(b"\n");
         let cut = data.iter().position(|byte| *byte == b'\n').map_or(data.len(), |at| at + 1);
         let (first, second) = data.split_at(cut);
-        if first.ends_with(b"\n") {
+        if whole && first.ends_with(b"\n") {
             let mut parts = CanLog::new(Config { ends, encoders: u128::from(data.len() as u64) });
             parts.read_candump(first, 1);
             parts.read_candump(second, 1);
