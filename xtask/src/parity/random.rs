@@ -27,7 +27,7 @@ pub struct Random {
 
 impl Default for Random {
     fn default() -> Self {
-        Self { count: 1000, first: 1, ticks: 1_000_000 }
+        Self { count: 1000, first: 1, ticks: 400_000 }
     }
 }
 
