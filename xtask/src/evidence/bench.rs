@@ -83,6 +83,11 @@ fn rows(text: &mut String, part: &Part, missed: &mut Missed) {
     if let Some(reason) = &part.skipped {
         let _ = writeln!(text, "| {} | not measured | | | {} |", part.part, cell(reason));
     }
+    figures(text, part, missed);
+}
+
+/// A row for each figure of a part.
+pub(super) fn figures(text: &mut String, part: &Part, missed: &mut Missed) {
     for figure in &part.figures {
         let goal = figure.goal.map_or_else(String::new, |goal| goal.to_string());
         let verdict = match (figure.goal, figure.is_met()) {

@@ -1,9 +1,9 @@
 //! The start-up certificate: `cargo xtask certificate`.
 
+use super::bench::figures;
 use super::missed::Missed;
 use super::{FIGURES, Section, cell};
 use crate::certificate::{BREAKAWAY_MAX, Certificate};
-use crate::figures::value;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -32,24 +32,7 @@ pub(super) fn section(root: &Path) -> Result<Section, String> {
     let part = &certificate.part;
     // Writing to a string cannot fail.
     let _ = writeln!(text, "`{}`\n\n| figure | | goal | | of what |\n|---|---:|---|---|---|", part.command);
-    for figure in &part.figures {
-        let goal = figure.goal.map_or_else(String::new, |goal| goal.to_string());
-        let verdict = match (figure.goal, figure.is_met()) {
-            (None, _) => "",
-            (_, true) => "met",
-            (_, false) => {
-                missed.add(&figure.name);
-                "*missed*"
-            }
-        };
-        let _ = writeln!(
-            text,
-            "| {} | {} | {goal} | {verdict} | {} |",
-            cell(&figure.name),
-            value(figure),
-            cell(&figure.note)
-        );
-    }
+    figures(&mut text, part, &mut missed);
     text += &missed.explain(root, |name| part.figure(name).is_some())?;
     text += BREAKAWAY;
     let _ = writeln!(
