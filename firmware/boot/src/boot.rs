@@ -2,7 +2,7 @@
 
 use crate::image::Header;
 use crate::map::{Map, MapError};
-use crate::mark::{self, Mark, WORD_MAX};
+use crate::mark::{self, Mark, StatePages, WORD_MAX};
 use crate::verify::{Board, ImageError, Signatory};
 use core::cell::RefCell;
 use core::fmt;
@@ -183,12 +183,11 @@ pub(crate) fn mark_candidate<F: NorFlash>(flash: &mut F, map: &Map) -> Result<()
 fn write_state<'f, F: NorFlash>(
     flash: &'f mut F,
     map: &Map,
-    write: impl FnOnce(&mut BlockingFirmwareState<'_, Part<'_, 'f, F>>) -> Result<(), FirmwareUpdaterError>,
+    write: impl FnOnce(&mut BlockingFirmwareState<'_, StatePages<'f, F>>) -> Result<(), FirmwareUpdaterError>,
 ) -> Result<(), NorFlashErrorKind> {
-    let shared = Shared::new(RefCell::new(flash));
     let mut buffer = AlignedBuffer([0; WORD_MAX]);
     let word = buffer.as_mut().get_mut(..F::WRITE_SIZE).unwrap_or_default();
-    let mut state = BlockingFirmwareState::new(part(&shared, &map.state), word);
+    let mut state = BlockingFirmwareState::new(StatePages::new(flash, map), word);
     write(&mut state).map_err(|error| match error {
         FirmwareUpdaterError::Flash(kind) => kind,
         _ => NorFlashErrorKind::Other,

@@ -11,7 +11,9 @@
 
 use crate::map::Map;
 use embassy_boot::State;
-use embedded_storage::nor_flash::{NorFlash, NorFlashError, NorFlashErrorKind};
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
+};
 
 /// The longest word of a flash.
 pub(crate) const WORD_MAX: usize = 32;
@@ -40,7 +42,7 @@ pub enum Mark {
 impl Mark {
     /// Reads the state pages.
     pub(crate) fn read<F: NorFlash>(flash: &mut F, map: &Map) -> Result<Self, NorFlashErrorKind> {
-        let mut pages = StatePages { flash, from: map.state.start, to: map.state.end };
+        let mut pages = StatePages::new(flash, map);
         let magic = pages.word(0)?;
         match State::from(magic.as_ref()) {
             State::Swap => {}
@@ -62,7 +64,7 @@ impl Mark {
 
 /// Why the bootloader has refused the last candidate: a code of ours, 0 for none.
 pub(crate) fn verdict<F: NorFlash>(flash: &mut F, map: &Map) -> Result<u8, NorFlashErrorKind> {
-    let mut pages = StatePages { flash, from: map.state.start, to: map.state.end };
+    let mut pages = StatePages::new(flash, map);
     let last = (pages.to - pages.from) / F::WRITE_SIZE as u32 - 1;
     let word = pages.word(last)?;
     // Torn, it says nothing.
@@ -82,7 +84,8 @@ pub(crate) fn note_verdict<F: NorFlash>(flash: &mut F, map: &Map, code: u8) -> R
     flash.write(at, word).map_err(|error| error.kind())
 }
 
-struct StatePages<'f, F> {
+/// A flash of their own. Unlike a partition that shares its flash, it borrows nothing while it runs, so nothing of it can panic in an application.
+pub(crate) struct StatePages<'f, F> {
     flash: &'f mut F,
     from: u32,
     to: u32,
@@ -93,12 +96,15 @@ struct Word {
     length: usize,
 }
 
-impl<F: NorFlash> StatePages<'_, F> {
+impl<'f, F: NorFlash> StatePages<'f, F> {
+    pub(crate) fn new(flash: &'f mut F, map: &Map) -> Self {
+        Self { flash, from: map.state.start, to: map.state.end }
+    }
+
     fn word(&mut self, index: u32) -> Result<Word, NorFlashErrorKind> {
         let mut word = Word { bytes: [0; WORD_MAX], length: F::WRITE_SIZE.min(WORD_MAX) };
-        let at = self.from + index * F::WRITE_SIZE as u32;
         let place = word.bytes.get_mut(..word.length).unwrap_or_default();
-        self.flash.read(at, place).map_err(|error| error.kind())?;
+        self.read(index * F::WRITE_SIZE as u32, place)?;
         Ok(word)
     }
 
@@ -110,6 +116,38 @@ impl<F: NorFlash> StatePages<'_, F> {
             }
         }
         Ok(most)
+    }
+}
+
+impl<F> ErrorType for StatePages<'_, F> {
+    type Error = NorFlashErrorKind;
+}
+
+impl<F: NorFlash> ReadNorFlash for StatePages<'_, F> {
+    const READ_SIZE: usize = F::READ_SIZE;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
+        check_read(self, offset, bytes.len())?;
+        self.flash.read(self.from + offset, bytes).map_err(|error| error.kind())
+    }
+
+    fn capacity(&self) -> usize {
+        self.to.saturating_sub(self.from) as usize
+    }
+}
+
+impl<F: NorFlash> NorFlash for StatePages<'_, F> {
+    const WRITE_SIZE: usize = F::WRITE_SIZE;
+    const ERASE_SIZE: usize = F::ERASE_SIZE;
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
+        check_write(self, offset, bytes.len())?;
+        self.flash.write(self.from + offset, bytes).map_err(|error| error.kind())
+    }
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
+        check_erase(self, from, to)?;
+        self.flash.erase(self.from + from, self.from + to).map_err(|error| error.kind())
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the three legs do, and the circuit that comes of it until the next one changes.
 
+use super::phase::Phase;
 use super::wiring::{Wiring, dot};
 
 /// What a leg of the bridge does.
@@ -63,8 +64,8 @@ pub(crate) struct Circuit {
     pub(crate) has_diodes: bool,
     /// Where, and in which direction.
     pub(crate) diodes: [f64; 3],
-    /// The leg of the only diode, or of the first where two legs conduct and end together; 3 if there is none such.
-    pub(crate) lone: usize,
+    /// The leg of the only diode, or of the first where two legs conduct and end together.
+    pub(crate) lone: Option<Phase>,
     /// Parts of `s` and `d` in its current, positive where it would flow backwards.
     pub(crate) against: [f64; 2],
     /// Diode drops along the coordinates, and at the terminal of the one idle leg beside two that conduct, V.
@@ -80,7 +81,7 @@ impl Circuit {
             wiring: Wiring::of(legs),
             has_diodes: true,
             diodes: [0.0; 3],
-            lone: 3,
+            lone: None,
             against: [0.0; 2],
             drop_s: 0.0,
             drop_d: 0.0,
@@ -99,10 +100,10 @@ impl Circuit {
         if has_diodes | self.has_diodes {
             self.has_diodes = has_diodes;
             self.lone = match (a, b, c) {
-                (true, false, false) => 0,
-                (false, true, false) => 1,
-                (false, false, true) => 2,
-                _ => 3,
+                (true, false, false) => Some(Phase::A),
+                (false, true, false) => Some(Phase::B),
+                (false, false, true) => Some(Phase::C),
+                _ => None,
             };
             if has_diodes {
                 self.follow_diodes(legs, drop);
@@ -114,9 +115,9 @@ impl Circuit {
 
     #[inline]
     fn follow_diodes(&mut self, legs: &[Leg; 3], drop: f64) {
-        let (wiring, x) = (self.wiring, self.lone);
+        let wiring = self.wiring;
         self.diodes = [0.0; 3];
-        if x < 3 {
+        if let Some(x) = self.lone {
             let sign = legs[x].diode_sign();
             self.diodes[x] = sign;
             self.against = [sign * wiring.along[x], sign * wiring.across[x]];
@@ -136,8 +137,9 @@ impl Circuit {
         self.drop_d = drop * dot(&wiring.across, &diodes);
         self.drop_idle = drop * dot(&wiring.mean, &diodes);
         if wiring.conducting == 2 {
-            self.lone = if diodes[0] != 0.0 { 0 } else { 1 };
-            self.against = [diodes[self.lone] * wiring.along[self.lone], 0.0];
+            let first = if diodes[0] != 0.0 { Phase::A } else { Phase::B };
+            self.lone = Some(first);
+            self.against = [diodes[first] * wiring.along[first], 0.0];
         }
     }
 

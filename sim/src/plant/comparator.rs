@@ -34,8 +34,8 @@ impl Comparators {
         from: f64,
         to: f64,
     ) {
-        let mut crossings = [(0.0, 0u8); 3];
-        let mut count = 0;
+        // Who does not cross comes last.
+        let mut crossings = [(f64::INFINITY, 0u8); 3];
         for x in 0..3 {
             let bit = 1 << x;
             let (high, half) = (self.code & bit != 0, 0.5 * self.config.hysteresis);
@@ -47,12 +47,10 @@ impl Comparators {
             // A jump at the start of the interval switches at once; it may even switch back before the end, which
             // the next interval will tell.
             let part = if beyond(start[x]) { 0.0 } else { (edge - start[x]) / (end[x] - start[x]) };
-            crossings[count] = (from + part * (to - from), bit);
-            count += 1;
+            crossings[x] = (from + part * (to - from), bit);
         }
-        let crossings = &mut crossings[..count];
-        into_order(crossings, |a, b| a.0 > b.0);
-        for &mut (at, bit) in crossings {
+        into_order(&mut crossings, |a, b| a.0 > b.0);
+        for (at, bit) in crossings.into_iter().filter(|(_, bit)| *bit != 0) {
             self.code ^= bit;
             if self.pending.push_back((at + self.config.delay, self.code)).is_err() {
                 self.lost = self.lost.saturating_add(1);
@@ -79,11 +77,14 @@ impl Comparators {
 
 /// Three or four items: the library's sorting is made for more, and costs the browser 3 KB.
 fn into_order<T>(items: &mut [T], is_later: impl Fn(&T, &T) -> bool) {
-    for end in 1..items.len() {
-        let mut place = end;
-        while place > 0 && is_later(&items[place - 1], &items[place]) {
-            items.swap(place - 1, place);
-            place -= 1;
+    for end in 2..=items.len() {
+        let mut sorted = items.get_mut(..end).unwrap_or_default();
+        while let Some((item, before)) = sorted.split_last_mut()
+            && let Some(other) = before.last_mut()
+            && is_later(other, item)
+        {
+            core::mem::swap(other, item);
+            sorted = before;
         }
     }
 }

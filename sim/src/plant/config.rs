@@ -1,6 +1,6 @@
 //! What the plant is made of. SI units; angles in electrical degrees where a name ends in `_deg`.
 
-use super::injection::Phase;
+use super::phase::Phase;
 use narx_core::motor::Board;
 
 /// The whole plant.

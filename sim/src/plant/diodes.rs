@@ -3,6 +3,7 @@
 use super::circuit::{Leg, Reduced};
 use super::emf::Line;
 use super::event::{Event, First, Scene};
+use super::phase::Phase;
 use super::segment::Segment;
 use super::stage::{Stage, VOLTAGE_EDGE};
 
@@ -28,7 +29,7 @@ impl Stage {
         let (v, drop) = (self.electric.v, self.network.drop);
         let emf = self.legs_emf();
         let neutral = self.circuit.neutral(&emf, v, drop);
-        for x in 0..3 {
+        for x in Phase::ALL {
             let sign = self.circuit.diodes[x];
             if sign != 0.0 && self.electric.i[x] == 0.0 {
                 // L di/dt of a leg without current. The diode at the bus lets current out of the motor only.
@@ -63,23 +64,19 @@ impl Stage {
     /// Diodes that could start to conduct.
     fn starts(&self) -> [Option<Event>; 6] {
         let mut events = [None; 6];
-        let may_start = |x: usize| self.legs[x] == Leg::Idle && !self.open[x] && !self.held[x];
+        let may_start = |x: Phase| self.legs[x] == Leg::Idle && !self.open[x] && !self.held[x];
         if self.circuit.is_tied() {
-            for x in 0..3 {
+            for x in Phase::ALL {
                 if may_start(x) {
-                    events[2 * x] = Some(Event::HighStarts(x));
-                    events[2 * x + 1] = Some(Event::LowStarts(x));
+                    events[2 * x.index()] = Some(Event::HighStarts(x));
+                    events[2 * x.index() + 1] = Some(Event::LowStarts(x));
                 }
             }
         } else {
-            let mut next = 0;
-            for x in 0..3 {
-                for y in 0..3 {
-                    if x != y && may_start(x) && may_start(y) {
-                        events[next] = Some(Event::PairStarts(x, y));
-                        next += 1;
-                    }
-                }
+            let pairs = Phase::ALL.into_iter().flat_map(|x| Phase::ALL.map(|y| (x, y)));
+            let able = pairs.filter(|(x, y)| x != y && may_start(*x) && may_start(*y));
+            for (event, (x, y)) in events.iter_mut().zip(able) {
+                *event = Some(Event::PairStarts(x, y));
             }
         }
         events
@@ -151,7 +148,8 @@ impl Stage {
         let middle = segment.at(network, 0.5 * h);
         let mut first = First { scene: &scene, h, middle: &middle, end: &end, found: None };
         if circuit.has_diodes {
-            (0..3).filter(|x| circuit.diodes[*x] != 0.0).for_each(|x| first.consider(Event::Stops(x)));
+            let diodes = Phase::ALL.into_iter().filter(|x| circuit.diodes[*x] != 0.0);
+            diodes.for_each(|x| first.consider(Event::Stops(x)));
         }
         if circuit.wiring.conducting < 3 {
             self.starts().into_iter().flatten().for_each(|event| first.consider(event));

@@ -65,14 +65,14 @@ impl EmfShape {
                 (0.5 * k / mean_over_conduction(flank_deg), flank_deg / 360.0)
             }
         };
-        let winding = motor.phase_order.map(|phase| phase.index());
-        let lag_cos = winding.map(|x| [1.0, -0.5, -0.5][x]);
-        let lag_sin = winding.map(|x| [0.0, 0.5 * SQRT_3, -0.5 * SQRT_3][x]);
+        let winding = motor.phase_order;
+        let lag_cos = winding.map(|phase| [1.0, -0.5, -0.5][phase]);
+        let lag_sin = winding.map(|phase| [0.0, 0.5 * SQRT_3, -0.5 * SQRT_3][phase]);
         Self {
             nominal,
             peak: nominal,
             flank,
-            lag: winding.map(|x| [0.0, 1.0 / 3.0, 2.0 / 3.0][x]),
+            lag: winding.map(|phase| [0.0, 1.0 / 3.0, 2.0 / 3.0][phase]),
             lag_cos,
             lag_sin,
             mixes: core::array::from_fn(|index| Mix::new(Wiring::numbered(index), &lag_cos, &lag_sin)),

@@ -3,6 +3,7 @@
 use super::circuit::{Circuit, Reduced};
 use super::emf::Line;
 use super::network::Network;
+use super::phase::Phase;
 use super::segment::Segment;
 use super::stage::VOLTAGE_EDGE;
 
@@ -10,13 +11,13 @@ use super::stage::VOLTAGE_EDGE;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Event {
     /// The current of a leg's diode reaches zero.
-    Stops(usize),
+    Stops(Phase),
     /// The terminal of an idle leg rises above the bus.
-    HighStarts(usize),
+    HighStarts(Phase),
     /// The terminal of an idle leg falls below ground.
-    LowStarts(usize),
+    LowStarts(Phase),
     /// With all legs idle: back-EMF from the second to the first exceeds the bus.
-    PairStarts(usize, usize),
+    PairStarts(Phase, Phase),
     /// The bus rises above the source.
     SourceStops,
     /// The bus falls below the source.
@@ -34,11 +35,11 @@ pub(crate) struct Scene<'a> {
 
 impl Scene<'_> {
     /// Terminal voltage of the idle leg `x`.
-    fn idle_terminal(&self, x: usize, t: f64, v: f64) -> f64 {
+    fn idle_terminal(&self, x: Phase, t: f64, v: f64) -> f64 {
         if self.circuit.wiring.conducting == 2 {
             return self.segment.idle.at(t) + self.circuit.wiring.high_share * v;
         }
-        let emf = [0, 1, 2].map(|x| self.emf[x].at(t));
+        let emf = self.emf.map(|emf| emf.at(t));
         self.circuit.neutral(&emf, v, self.network.drop) + emf[x]
     }
 }

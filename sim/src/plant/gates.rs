@@ -1,5 +1,6 @@
 //! Gate signals of one period: the on-time is centred on the period's boundary, dead time delays turning on.
 
+use super::phase::Phase;
 use narx_core::motor::{Leg as Role, PwmCommand, Rectification, SampleMode, Step};
 use narx_core::units::Duty;
 
@@ -44,7 +45,7 @@ pub(crate) struct Gates {
     legs: [Role; 3],
     switched: bool,
     /// The switched leg, where there is just one.
-    only_switched: Option<usize>,
+    only_switched: Option<Phase>,
     rectification: Rectification,
     period: f64,
     dead_time: f64,
@@ -81,11 +82,11 @@ impl Gates {
         gates
     }
 
-    /// When this period's sample is taken, 1/65 536 of the period.
     pub(crate) fn asked(&self) -> [Gate; 3] {
         self.gates
     }
 
+    /// When this period's sample is taken, 1/65 536 of the period.
     pub(crate) fn sample_at(&self) -> u16 {
         self.sample_at
     }
@@ -97,7 +98,7 @@ impl Gates {
     pub(crate) fn set_step(&mut self, step: Step) {
         self.step = step;
         self.legs = step.legs();
-        let mut switched = (0..3).filter(|leg| self.legs[*leg] == Role::Switched);
+        let mut switched = Phase::ALL.into_iter().filter(|leg| self.legs[*leg] == Role::Switched);
         let first = switched.next();
         self.switched = first.is_some();
         self.only_switched = if switched.next().is_none() { first } else { None };
@@ -131,7 +132,7 @@ impl Gates {
     /// If at the edge `t` nothing happens but that one leg changes sides: the leg, the switch that is to turn on, and when its
     /// dead time will be over, s.
     #[inline]
-    pub(crate) fn side_change(&self, t: f64) -> Option<(usize, Gate, f64)> {
+    pub(crate) fn side_change(&self, t: f64) -> Option<(Phase, Gate, f64)> {
         let leg = self.only_switched?;
         if self.waits || self.rectification != Rectification::Synchronous {
             return None;
@@ -146,7 +147,7 @@ impl Gates {
 
     /// `leg` changes sides at `t`, without waiting out its dead time. Returns when the next gate changes.
     #[inline]
-    pub(crate) fn change_sides(&mut self, leg: usize, gate: Gate, t: f64) -> f64 {
+    pub(crate) fn change_sides(&mut self, leg: Phase, gate: Gate, t: f64) -> f64 {
         self.drivers[leg].last_on = self.gates[leg];
         self.drivers[leg].off_since = t;
         self.gates[leg] = gate;
@@ -211,7 +212,7 @@ impl Gates {
     }
 
     /// `leg` turned off at `t`, and waits.
-    pub(crate) fn turn_off(&mut self, leg: usize, t: f64) {
+    pub(crate) fn turn_off(&mut self, leg: Phase, t: f64) {
         let driver = &mut self.drivers[leg];
         driver.last_on = core::mem::take(&mut self.gates[leg]);
         driver.off_since = t;

@@ -1,28 +1,8 @@
 //! Faults with a physical cause: what breaks, not which fault bit comes of it.
 
+use super::phase::Phase;
 use crate::shown::Shown;
 use core::fmt;
-
-/// A phase, a leg or a hall line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// A.
-    A,
-    /// B.
-    B,
-    /// C.
-    C,
-}
-
-impl Phase {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::A, Self::B, Self::C];
-
-    /// 0, 1 or 2.
-    pub const fn index(self) -> usize {
-        self as usize
-    }
-}
 
 /// Something that goes wrong while the plant runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -207,9 +187,9 @@ impl Injected {
             Injection::Ambient(value) => self.ambient = number(value),
             Injection::Supply(value) => self.supply = number(value),
             Injection::Leak(value) => self.leak = number(value),
-            Injection::Driver(leg) => self.driver[leg.index()] = active,
-            Injection::OpenPhase(phase) => self.open[phase.index()] = active,
-            Injection::HallStuck { line, high } => self.hall_stuck[line.index()] = active.then_some(high),
+            Injection::Driver(leg) => self.driver[leg] = active,
+            Injection::OpenPhase(phase) => self.open[phase] = active,
+            Injection::HallStuck { line, high } => self.hall_stuck[line] = active.then_some(high),
             Injection::HallSwapped(line) => self.hall_swapped = active.then_some(line),
             Injection::HallGlitches(rate) => self.hall_glitches = number(rate),
             Injection::HallSupplyLost => self.hall_supply_lost = active,

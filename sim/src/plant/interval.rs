@@ -4,6 +4,7 @@ use super::circuit::{Leg, Reduced};
 use super::diodes::Change;
 use super::event::Event;
 use super::network::{Loop, Network};
+use super::phase::Phase;
 use super::segment::{Kind, Pace, Segment, Sums};
 use super::stage::{Stage, VOLTAGE_EDGE};
 
@@ -61,11 +62,11 @@ impl Stage {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn attempt(&mut self, h: f64, topology: Loop, three: bool) -> Attempt {
         let circuit = &self.circuit;
-        let several = circuit.has_diodes && circuit.lone == 3;
+        let several = circuit.has_diodes && circuit.lone.is_none();
         let modes = self.network.modes(topology, self.source_on);
         if modes.is_long(h)
             || several
-            || (circuit.lone < 3 && self.electric.i[circuit.lone] == 0.0 && !self.just_started)
+            || (circuit.lone.is_some_and(|x| self.electric.i[x] == 0.0) && !self.just_started)
         {
             return Attempt::Unclear;
         }
@@ -81,11 +82,10 @@ impl Stage {
                 return Attempt::Starts(1.0);
             }
         }
-        let stop = if circuit.lone < 3 { self.stop(&segment, h) } else { None };
-        let (h, end, event) = match stop {
-            Some((t, end)) => {
+        let (h, end, event) = match self.stop(&segment, h) {
+            Some((t, end, event)) => {
                 segment.end_at(t);
-                (t, end, Some(Event::Stops(circuit.lone)))
+                (t, end, Some(event))
             }
             None => (h, segment.at(&self.network, h), None),
         };
@@ -148,9 +148,8 @@ impl Stage {
             self.diode_events += 1;
             segment = self.segment(h);
         }
-        let stop = if self.circuit.lone < 3 { self.stop(&segment, h) } else { None };
-        let (t, end, event) = match stop {
-            Some((t, end)) => (t, end, Some(Event::Stops(self.circuit.lone))),
+        let (t, end, event) = match self.stop(&segment, h) {
+            Some((t, end, event)) => (t, end, Some(event)),
             None => (h, segment.at(&self.network, h), None),
         };
         let solved = Solved::of(&self.network, &segment, t, end, event);
@@ -167,7 +166,9 @@ impl Stage {
     /// Then the interval begins anew; not in a loop there, before which the compiler would load all constants.
     #[inline(never)]
     fn start_idle_leg(&mut self, sign: f64, limit: f64) -> f64 {
-        let Some(x) = (0..3).find(|x| self.legs[*x] == Leg::Idle && !self.open[*x] && !self.held[*x]) else {
+        let Some(x) =
+            Phase::ALL.into_iter().find(|x| self.legs[*x] == Leg::Idle && !self.open[*x] && !self.held[*x])
+        else {
             return self.interval_closely(limit);
         };
         self.set_leg(x, if sign > 0.0 { Leg::HighDiode } else { Leg::LowDiode });
@@ -230,7 +231,7 @@ impl Stage {
     /// True if some diode may have to turn on or off now, at the start of `segment`.
     fn is_unsettled(&self, segment: &Segment) -> bool {
         let circuit = &self.circuit;
-        if (0..3).any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
+        if Phase::ALL.into_iter().any(|x| circuit.diodes[x] != 0.0 && self.electric.i[x] == 0.0) {
             return true;
         }
         let (v, edge) = (self.electric.v, self.network.drop + VOLTAGE_EDGE);
@@ -256,7 +257,7 @@ impl Stage {
         // Half way the parabola through both ends with the known mean is 3/2 of the mean less a quarter of both ends.
         let middle = |sum: f64, a: f64, b: f64| 1.5 * sum * per_h - 0.25 * (a + b);
         let (s, d) = (middle(sums.s, segment.start.s, end.s), middle(sums.d, segment.start.d, end.d));
-        if circuit.lone < 3 {
+        if circuit.lone.is_some() {
             let against = |s: f64, d: f64| circuit.against[0] * s + circuit.against[1] * d > 0.0;
             let ends = matches!(event, Some(Event::Stops(_)));
             return !(against(s, d) || (!ends && against(end.s, end.d)));
@@ -316,9 +317,11 @@ impl Stage {
         }
     }
 
-    /// When the current of the only diode ends, if that is within the next `h` seconds, and the state then.
+    /// When the current of the only diode ends, if there is one and that is within the next `h` seconds, the state then, and the
+    /// event.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn stop(&self, segment: &Segment, h: f64) -> Option<(f64, Reduced)> {
+    fn stop(&self, segment: &Segment, h: f64) -> Option<(f64, Reduced, Event)> {
+        let event = Event::Stops(self.circuit.lone?);
         let mut t = segment.expected_zero(&self.network, &self.circuit.against);
         // Where it does not converge, the end of the interval tells.
         for _ in 0..4 {
@@ -329,7 +332,7 @@ impl Stage {
             let [s, d] = self.circuit.against;
             let value = s * at.s + d * at.d;
             if value.abs() < STOPPED {
-                return Some((t, at));
+                return Some((t, at, event));
             }
             let slope = segment.slopes(&self.network, t, &at);
             t -= value / (s * slope.s + d * slope.d);

@@ -33,6 +33,7 @@ mod interval;
 mod ledger;
 mod mechanics;
 mod network;
+mod phase;
 mod segment;
 mod stage;
 mod way;
@@ -43,9 +44,10 @@ pub use config::{
     PlantConfig, SupplyConfig,
 };
 pub use gates::Gate;
-pub use injection::{Injection, InjectionError, InjectionOptions, Phase};
+pub use injection::{Injection, InjectionError, InjectionOptions};
 pub use inputs::{Input, InputError};
 pub use ledger::Ledger;
+pub use phase::Phase;
 
 use crate::random::Random;
 use comparator::Comparators;

@@ -10,6 +10,7 @@ use super::gates::Gate;
 use super::ledger::Ledger;
 use super::mechanics::Shaft;
 use super::network::Network;
+use super::phase::Phase;
 
 /// A current below this is none, A.
 const CURRENT_ZERO: f64 = 1e-9;
@@ -132,7 +133,7 @@ impl Stage {
     }
 
     #[inline]
-    pub(crate) fn set_leg(&mut self, x: usize, leg: Leg) {
+    pub(crate) fn set_leg(&mut self, x: Phase, leg: Leg) {
         self.legs[x] = leg;
         self.changed = true;
     }
@@ -222,7 +223,7 @@ impl Stage {
 
     /// Gate signals from now on.
     pub(crate) fn set_gates(&mut self, gates: &[Gate; 3]) {
-        for x in 0..3 {
+        for x in Phase::ALL {
             let leg = match gates[x] {
                 _ if self.open[x] => Leg::Idle,
                 Gate::High => Leg::HighSwitch,
@@ -245,7 +246,7 @@ impl Stage {
 
     /// Turns the switch `gate` of `leg` on.
     #[inline]
-    pub(crate) fn turn_on(&mut self, leg: usize, gate: Gate) {
+    pub(crate) fn turn_on(&mut self, leg: Phase, gate: Gate) {
         if !self.open[leg] {
             self.set_leg(leg, if gate == Gate::High { Leg::HighSwitch } else { Leg::LowSwitch });
             self.held[leg] = false;
@@ -254,7 +255,7 @@ impl Stage {
 
     /// True if the current of `leg` would certainly go on through the diode beside the switch `gate` for the next `h`
     /// seconds, whether that switch is on or off.
-    pub(crate) fn stays(&self, leg: usize, gate: Gate, h: f64) -> bool {
+    pub(crate) fn stays(&self, leg: Phase, gate: Gate, h: f64) -> bool {
         let Network { drop, rate, per_l, .. } = self.network;
         let i = match gate {
             Gate::Low => self.electric.i[leg],
@@ -275,7 +276,7 @@ impl Stage {
     /// What the drop of a diode in `leg`, beside the switch `gate`, does to the currents in a dead time of `h` seconds: it
     /// is much shorter than L / R, so that it acts as a whole.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn drop_of_dead_time(&mut self, leg: usize, gate: Gate, h: f64) {
+    pub(crate) fn drop_of_dead_time(&mut self, leg: Phase, gate: Gate, h: f64) {
         self.refresh();
         let wiring = self.circuit.wiring;
         if wiring.conducting < 2 {
@@ -296,7 +297,7 @@ impl Stage {
 
     /// Breaks or mends cables.
     pub(crate) fn set_open(&mut self, open: [bool; 3]) {
-        for x in 0..3 {
+        for x in Phase::ALL {
             if open[x] && !self.open[x] {
                 let before = self.stored();
                 self.set_leg(x, Leg::Idle);
@@ -310,7 +311,7 @@ impl Stage {
 
     /// A current that has turned round at once goes through the other diode of its leg.
     fn turn_diodes(&mut self) {
-        for x in 0..3 {
+        for x in Phase::ALL {
             if self.legs[x].is_diode() {
                 self.set_leg(x, if self.electric.i[x] > 0.0 { Leg::LowDiode } else { Leg::HighDiode });
             }
@@ -318,9 +319,9 @@ impl Stage {
     }
 
     /// Leg `x` carries no current any more; the others still sum to zero.
-    pub(crate) fn end_current(&mut self, x: usize) {
+    pub(crate) fn end_current(&mut self, x: Phase) {
         self.changed = true;
-        let (y, z) = ((x + 1) % 3, (x + 2) % 3);
+        let [y, z] = x.others();
         let i = &mut self.electric.i;
         let left = 0.5 * (i[y] - i[z]);
         *i = [0.0; 3];

@@ -2,6 +2,7 @@
 //! between two switching events.
 
 use super::gates::Gate;
+use super::phase::Phase;
 use super::{INSTANT, Plant};
 use narx_core::motor::Step;
 
@@ -79,13 +80,13 @@ impl Plant {
     /// on: the circuit is then the same as with that switch, but for the diode's drop, and where nothing else can happen the
     /// dead time needs no interval of its own. True if that is so beside the switch `gate` for `h` seconds.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn may_skip_dead_time(&self, leg: usize, gate: Gate, h: f64, over: f64, goal: f64) -> bool {
+    fn may_skip_dead_time(&self, leg: Phase, gate: Gate, h: f64, over: f64, goal: f64) -> bool {
         over <= goal && !self.injected.driver[leg] && self.stage.stays(leg, gate, h)
     }
 
     /// An interval that goes on beyond the edge at which `leg` begins to change sides to `gate`, to the end of its dead time.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn run_through_dead_time(&mut self, leg: usize, gate: Gate, over: f64) {
+    fn run_through_dead_time(&mut self, leg: Phase, gate: Gate, over: f64) {
         let edge = self.gates_until;
         self.run_to(over);
         if self.t > edge {

@@ -32,7 +32,7 @@ pub(super) struct Function {
 pub(super) struct Code {
     /// Every one, those of the compiler's library included.
     pub(super) functions: BTreeMap<u32, Function>,
-    /// Functions whose addresses stand in constants: tables of methods, vectors.
+    /// Functions whose addresses stand in constants: tables of methods. Vectors the processor alone enters: who asks names them.
     pub(super) tables: BTreeSet<u32>,
 }
 
@@ -272,7 +272,7 @@ fn words(contents: &str) -> impl Iterator<Item = u32> {
     let mut constants = false;
     contents.lines().flat_map(move |line| {
         if let Some(section) = line.strip_prefix("Contents of section ") {
-            constants = [".rodata", ".data", ".vector_table"].iter().any(|name| section.starts_with(name));
+            constants = [".rodata", ".data"].iter().any(|name| section.starts_with(name));
         }
         let groups =
             line.strip_prefix(' ').filter(|_| constants).map_or("", |line| line.get(..41).unwrap_or(line));
@@ -349,6 +349,7 @@ mod tests {
     #[test]
     fn constants_are_read_as_words() {
         let text = "\nContents of section .text:\n 0400 01070000                             ....\n\
+                    Contents of section .vector_table:\n 0000 01050000                             ....\n\
                     Contents of section .rodata:\n 0900 01070000 ffffffff                    ........\n";
         assert_eq!(words(text).collect::<Vec<_>>(), [0x701, u32::MAX]);
     }

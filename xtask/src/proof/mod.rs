@@ -31,16 +31,11 @@ const HEAD: &str = "\
 #         never more. Where calls by a pointer go, and what is on a path more than once, xtask/src/proof/stack.rs names.
 # core    every call of narx.h but narx_storage_*, linked for the Cortex-M4F. Proven: the program has no panic in it. storage_NAME: the same lists as of
 #         the image qemu, once narx_storage_* are linked, too.
-# qemu    what runs in the image qemu after boot, its simulated motor included, and can panic; and what asks for texts. All of it is reached on paper
-#         only, for these reasons:
+# qemu    what runs in the image qemu after boot, its simulated motor included, and can panic; and what asks for texts. Nothing of ours does; what is left of
+#         libraries is reached on paper only, for these reasons:
 #         resumed   The compiler writes into every async function a panic for who polls it once more after its end. `.await` never does. Who polls by
 #                   hand: the loop (`Background::run_with`), a task that has no end (`Mailbox::serve` returns `!`); `finish` and narx_storage_*, which
 #                   poll a future of their own until it is ready and drop it.
-#         embassy_boot, hstdout_fmt     A RefCell that is borrowed for the length of one call which calls nobody back, in the background alone. The one
-#                                       interrupt that nobody can mask prints without it.
-#         World::serve_update           embassy-boot's partitions must be whole pages: `Map` is a constant, and `Slot::new` has checked it at boot.
-#         narx_sim::plant               Arrays of the motor's three legs, by numbers that come from `0..3` and from arrays of such, which the compiler
-#                                       forgets where they are kept in an `Event`.
 #         sequential_storage            An item's length was compared with its buffer before the buffer is cut (`read_item`); a key of one byte is in
 #                                       every buffer, and who writes a value behind it asks for room; the buffer that `ItemIter::next` takes comes
 #                                       back in every turn of its loop; what is asserted of the cache holds for one that keeps nothing.
@@ -109,7 +104,8 @@ pub fn regenerate(root: &Path, check: bool) -> Outcome {
 }
 
 /// Where the image qemu is once it has booted: the background for ever, and what interrupts it.
-const AFTER_BOOT: [&str; 5] = ["Background<B>::run", "PendSV", "SysTick", "DefaultHandler", "NonMaskableInt"];
+const AFTER_BOOT: [&str; 6] =
+    ["Background<B>::run", "PendSV", "SysTick", "DefaultHandler", "NonMaskableInt", "HardFault"];
 
 /// What is known of the control interrupt.
 struct Tick {

@@ -2,9 +2,9 @@
 //! (Arm, *Semihosting for AArch32 and AArch64*, operations of the same names.)
 
 use core::ffi::CStr;
-use core::fmt;
+use core::fmt::{self, Write as _};
 use cortex_m_semihosting::{debug, nr, syscall1};
-use heapless::Vec;
+use heapless::{String, Vec};
 
 /// Bytes of a path at most, its end mark included.
 const PATH_MAX: usize = 1024;
@@ -55,6 +55,16 @@ pub fn arguments(line: &mut [u8]) -> impl Iterator<Item = &str> {
 pub fn print(text: &CStr) {
     // SAFETY: WRITE0 reads from there to the zero behind the text.
     unsafe { syscall1!(WRITE0, text.as_ptr()) };
+}
+
+/// Prints a line of 62 bytes at most; of a longer one nothing. Unlike `hprintln!` it keeps no handle for all, whose lock could panic.
+pub fn print_line(text: fmt::Arguments<'_>) {
+    let mut line = String::<64>::new();
+    if write!(line, "{text}\n\0").is_ok()
+        && let Ok(line) = CStr::from_bytes_until_nul(line.as_bytes())
+    {
+        print(line);
+    }
 }
 
 /// Reads a whole file into `buffer`.

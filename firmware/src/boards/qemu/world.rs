@@ -5,13 +5,12 @@ use super::slots::Slots;
 use super::trouble::{Task, Trouble};
 use super::uart::Uart;
 use super::watchdog::Watchdog;
-use super::{kept, pace, program, stack};
+use super::{kept, pace, program, semihosting, stack};
 use crate::board::{BackgroundSide, TickSide};
 use crate::boards::cortex_m as image;
 use crate::self_test::clock::{TickMonitor, Tolerance};
 use crate::self_test::walk::Walk;
 use cortex_m::peripheral::SCB;
-use cortex_m_semihosting::hprintln;
 use heapless::spsc::{Consumer, Producer};
 use narx_boot::Server;
 use narx_core::bus::narmotion::update::UpdateCode;
@@ -124,7 +123,7 @@ impl World {
         let used = stack::high_water();
         if used > self.stack {
             self.stack = used;
-            hprintln!("stack: {} bytes used at most", used);
+            semihosting::print_line(format_args!("stack: {used} bytes used at most"));
         }
     }
 
