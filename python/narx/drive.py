@@ -349,7 +349,7 @@ class Start:
         self._asked: float | None = None
         # In which of them the start ends is the modes' business.
         self._closed_loop: bool | None = None
-        self._idle = False
+        self._refusal = 0
 
     def done(self) -> bool:
         """Whether it is over, one way or the other."""
@@ -369,9 +369,16 @@ class Start:
             case State.OPEN_LOOP:
                 return turns and not self.ends_in_closed_loop()
             case State.STANDBY:
-                self._idle = self._link.now >= self._asked + 4 * ANSWER
-                return self._idle
+                return self.is_refused()
         return False
+
+    def is_refused(self) -> bool:
+        """Whether the drive says so, which a request for Standby makes it forget. One whose time passes slowly may be in Standby for long."""
+        if self._asked is None or self._link.now < self._asked + 4 * ANSWER:
+            return False
+        self._asked = self._link.now
+        self._refusal = self._read(START_REFUSAL)
+        return self._refusal != 0
 
     def ends_in_closed_loop(self) -> bool:
         if self._closed_loop is None:
@@ -386,14 +393,13 @@ class Start:
             code = self._read(EXTENDED_FAULT_CODE)
             self._link.wait(lambda: drive.fault is not None, ANSWER)
             raise StartError(f"the drive is in Fault: {drive.fault or f'code {code:#06x}'} ({names})")
-        if not self._idle:
+        if self._refusal == 0:
             return
-        refusal = self._read(START_REFUSAL)
         rejected = self._read(REJECTED_PARAMETER)
-        if refusal == 2 and rejected != 0xFFFF:
+        if self._refusal == 2 and rejected != 0xFFFF:
             row = Parameters.rows[rejected]
             raise StartError(f'the drive refused the start: parameter {rejected} "{row.name}" does not fit the others')
-        reason = REFUSALS.get(refusal, f"reason {refusal}" if refusal else "it stays in Standby")
+        reason = REFUSALS.get(self._refusal, f"reason {self._refusal}")
         raise StartError(f"the drive refused the start: {reason}")
 
 

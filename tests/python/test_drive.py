@@ -240,3 +240,34 @@ def test_lines_and_services(drive: narx.Drive) -> None:
         drive.start(1000)
     drive.stop()
     assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+
+
+class SlowBus:
+    """A simulated bus on which eight seconds of the master's are one of the drive's, as of an emulator on a busy host."""
+
+    realtime = False
+
+    def __init__(self, bus: Any) -> None:
+        self._bus = bus
+        self.send = bus.send
+
+    @property
+    def time(self) -> float:
+        return 8.0 * float(self._bus.time)
+
+    def recv(self, timeout: float) -> can.Message | None:
+        message: can.Message | None = self._bus.recv(timeout / 8.0)
+        return message
+
+
+def test_a_slow_drive_has_its_time_to_start_and_to_refuse() -> None:
+    slow: Any = SlowBus(can.Bus(channel="slow", realtime=False, **BUS))
+    with slow._bus, narx.Drive(slow) as drive:
+        assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
+        enable = "Closed-loop Hall Effect Sensors enable"
+        drive.parameters[enable] = 0
+        with pytest.raises(narx.StartError, match="the drive refused the start: no mode is enabled"):
+            drive.start(2000)
+        drive.parameters[enable] = 1
+        drive.start(2000)
+        assert drive.state is narx.State.HALL_CLOSED_LOOP
