@@ -12,7 +12,7 @@ use stm32_metapac::{FLASH, Interrupt, PWR, RCC, TAMP, UID};
 /// What stands in a register that outlives a reset when the program has come to where it must not.
 const PROGRAM: u32 = u32::from_be_bytes(*b"fail");
 
-/// Why the chip began anew (RM0440, section 7.4.28); the next call does not know.
+/// Why the chip began anew (RM0440, section 7.4.28; bits as in ST's stm32g431xx.h); the next call does not know.
 pub fn cause() -> ResetCause {
     let flags = RCC.csr().read();
     RCC.csr().write_value({

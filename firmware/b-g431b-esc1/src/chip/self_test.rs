@@ -8,7 +8,7 @@ use narx_firmware::self_test::walk::Walk;
 use stm32_metapac::rcc::vals::Lptimsel;
 use stm32_metapac::{LPTIM1, RCC};
 
-/// The oscillator's nominal rate, Hz (DS12589, section 5.3.9: 29.5 to 34 kHz).
+/// The oscillator's nominal rate, Hz: within 5 % (DS12589, features). Of the STM32WLE5's ST promises 29.5 to 34 kHz over supply and temperature.
 const OSCILLATOR: u32 = 32_000;
 /// Fast: the oscillator's own error. Slow: ticks that are lost while pages are erased, too.
 const TOLERANCE: Tolerance = Tolerance { slow: 400, fast: 120 };
@@ -48,7 +48,7 @@ impl Tests {
     }
 }
 
-/// LPTIM1 counts the oscillator and wraps every two seconds.
+/// LPTIM1 counts the oscillator (LPTIM1SEL in RCC_CCIPR: ST's stm32g431xx.h) and wraps every two seconds.
 fn start_counter() {
     RCC.csr().modify(|control| control.set_lsion(true));
     super::wait_for(|| RCC.csr().read().lsirdy());
