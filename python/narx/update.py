@@ -19,7 +19,12 @@ def update(link: Link, image: bytes, progress: Callable[[str, int, int], None] |
         if progress is not None and state is not None and state != told:
             told = state
             progress(*state)
-        return link.master.poll_update()
+        is_over = link.master.poll_update()
+        if is_over and progress is not None and told is not None:
+            # A drive that has just started counts from 0.
+            stage, _, total = told
+            progress(stage, total, total)
+        return is_over
 
     link.master.update(image)
     link.wake()

@@ -208,5 +208,5 @@ def operated(command):
 
 def spin(drive, rpm):
     """Starts the motor of the Python package's drive, however much slower than the wall's its time passes."""
-    drive.start(rpm, wait=False)
-    assert drive.wait_for(lambda: drive.state is narx.State.HALL_CLOSED_LOOP, 60.0)
+    drive.start(rpm)
+    assert drive.state is narx.State.HALL_CLOSED_LOOP

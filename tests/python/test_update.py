@@ -28,17 +28,17 @@ def test_signatures_are_those_of_the_standard() -> None:
 
 
 def test_a_bench_is_programmed(bench: narx.Bench, tmp_path: Path) -> None:
-    stages: list[str] = []
+    told: list[tuple[str, int]] = []
 
     def progress(stage: str, done: int, total: int) -> None:
         assert 0 <= done <= total == 512 + len(BODY)
-        if not stages or stages[-1] != stage:
-            stages.append(stage)
+        told.append((stage, done))
 
     bench.run(0.7)
     assert bench.drive.info.software == "0.1"
     bench.drive.update(write(tmp_path, image((0, 3, 1, 99), BODY)), progress)
-    assert stages == ["asking", "erasing", "sending", "verifying", "restarting"]
+    assert list(dict(told)) == ["asking", "erasing", "sending", "verifying", "restarting"]
+    assert told[-1] == ("restarting", 512 + len(BODY)), "it ends with all that there is"
     assert (bench.drive.info.software, bench.drive.info.build_number) == ("0.3", 99)
     bench.drive.start(2000)
     assert bench.drive.state == narx.State.HALL_CLOSED_LOOP
