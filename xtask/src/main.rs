@@ -154,7 +154,7 @@ fn main() -> ExitCode {
         Job::Bench(arguments) => bench::command(root, &arguments),
         Job::Quality(arguments) => quality::command(root, &arguments),
         Job::Speed { python } => bench::speed(root, python),
-        Job::Worlds(arguments) => worlds::command(&arguments),
+        Job::Worlds(arguments) => worlds::command(root, &arguments),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Audit => audit::command(root),

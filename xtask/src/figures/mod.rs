@@ -9,6 +9,7 @@ pub(crate) use table::value;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
+use std::process::Command;
 use std::str::FromStr;
 use std::{fs, io};
 
@@ -224,6 +225,19 @@ pub fn machine() -> String {
     let model = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(": "));
     let model = model.map_or("an unnamed processor", |(_, model)| model);
     format!("{model}, {} threads, {}", narx_host::parallel::threads(), std::env::consts::ARCH)
+}
+
+/// The commit that is checked out, with `-dirty` if files were changed since; of an archive nobody knows it.
+pub fn commit(root: &Path) -> String {
+    let told = Command::new("git")
+        // No tags: a hash is what `git checkout` takes on every clone.
+        .args(["describe", "--always", "--dirty", "--exclude", "*", "--abbrev=12"])
+        .current_dir(root)
+        .output();
+    match told {
+        Ok(told) if told.status.success() => String::from_utf8_lossy(&told.stdout).trim().to_owned(),
+        _ => "unknown".into(),
+    }
 }
 
 #[cfg(test)]
