@@ -72,8 +72,8 @@ enum Job {
     },
     /// Measure where the sensorless start succeeds and where not any more; made anew: docs/evidence/starts.json, certificate.svg
     Certificate(certificate::Arguments),
-    /// Replay recordings that nobody has chosen on every target that `test` has built, and compare every digest
-    Conformance(parity::Random),
+    /// Replay recordings that nobody has chosen on every target that `test` has built, and compare every digest; made anew: docs/evidence/conformance.json
+    Conformance(parity::Arguments),
     /// Make tests/coverage.md anew: each row of the specification, its code and its tests
     Coverage {
         /// Write nothing; fail if the page is out of date or names what does not exist
@@ -158,7 +158,7 @@ fn main() -> ExitCode {
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Audit => audit::command(root),
-        Job::Conformance(random) => parity::command(root, random),
+        Job::Conformance(arguments) => parity::command(root, &arguments),
         Job::Callgrind { check } => callgrind::command(root, check),
         Job::Certificate(arguments) => certificate::command(root, &arguments),
         Job::Coverage { check } => coverage::command(root, check),

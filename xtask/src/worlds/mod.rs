@@ -46,11 +46,15 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
         println!("{story}");
         return if story.broken.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }
-    let total = live(arguments, figures::commit(root));
+    let path = arguments.out.as_ref().map(|out| root.join(out).join("worlds.json"));
+    let mut written = Ok(());
+    let total = live(arguments, figures::commit(root), |total| {
+        if let Some(path) = &path {
+            written = figures::write(path, total);
+        }
+    });
     println!("{total}");
-    if let Some(out) = &arguments.out
-        && let Err(reason) = total.write(&root.join(out).join("worlds.json"))
-    {
+    if let Err(reason) = written {
         eprintln!("{reason}");
         return ExitCode::FAILURE;
     }
@@ -58,8 +62,8 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
 }
 
 /// Worlds one after another until their hours are full. They end in any order and are added in that of their numbers, so that the sum is the same on every
-/// machine.
-fn live(arguments: &Arguments, commit: String) -> Total {
+/// machine. `keep` gets it after every simulated hour, so that a run which is ended early has come to something, and at the end.
+fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> Total {
     let Arguments { hours, first, .. } = arguments;
     let mut total = Total::new(format!("cargo xtask worlds --hours {hours} --first {first}"), commit, *first);
     // Worlds last about half a minute: enough of them, and the last are not begun.
@@ -79,11 +83,16 @@ fn live(arguments: &Arguments, commit: String) -> Total {
                 if story.broken.is_some() {
                     println!("{story}\n  commit {}", total.commit);
                 }
+                let hour = total.hours.floor();
                 total.add(&story);
                 next += 1;
+                if total.hours.floor() > hour {
+                    keep(&total);
+                }
             }
             total.hours < *hours
         },
     );
+    keep(&total);
     total
 }

@@ -3,7 +3,7 @@
 use super::mishap::KINDS;
 use super::never::NEVER;
 use super::world::{Story, TICK};
-use crate::figures;
+use crate::parity::Counts;
 use narx_core::motor::State;
 use narx_core::motor::fault::FaultWord;
 use narx_sim::plant::Injection;
@@ -11,9 +11,6 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::fs;
 use std::path::Path;
-
-/// A count of each, in the order in which they are named.
-type Counts = Vec<(String, u64)>;
 
 /// Sums over worlds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,6 +53,12 @@ fn counts<'a>(names: impl IntoIterator<Item = &'a str>) -> Counts {
     names.into_iter().map(|name| (name.to_owned(), 0)).collect()
 }
 
+fn add<'a>(counts: &mut Counts, more: impl IntoIterator<Item = (&'a str, u64)>) {
+    for (name, count) in more {
+        *counts.entry(name.to_owned()).or_default() += count;
+    }
+}
+
 impl Total {
     /// Of no world yet.
     pub fn new(command: String, commit: String, first: u64) -> Self {
@@ -71,7 +74,7 @@ impl Total {
             frames: 0,
             mishaps: counts(KINDS.map(|kind| kind.name())),
             injections: counts(Injection::NAMES),
-            states: counts(State::ALL.map(|state| state.name())),
+            states: counts(State::ALL.map(State::name)),
             faults: counts(FaultWord::all().iter_names().map(|(name, _)| name)),
             invariants: counts(NEVER.map(|never| never.name())),
             unable: Vec::new(),
@@ -86,26 +89,17 @@ impl Total {
         self.resets += story.resets;
         self.bus_offs += story.bus_offs;
         self.frames += story.frames;
-        for ((_, all), count) in self.mishaps.iter_mut().zip(story.mishaps) {
-            *all += count;
-        }
-        for ((_, all), count) in self.injections.iter_mut().zip(story.injections) {
-            *all += count;
-        }
-        for ((_, all), ticks) in self.states.iter_mut().zip(story.states) {
-            *all += ticks;
-        }
-        let ticks: u64 = self.states.iter().map(|(_, ticks)| ticks).sum();
-        self.hours = ticks as f64 * TICK / 3600.0;
-        let seen = FaultWord::all().iter().map(|fault| u64::from(story.faults & fault.bits() != 0));
-        for ((_, all), count) in self.faults.iter_mut().zip(seen) {
-            *all += count;
-        }
+        add(&mut self.mishaps, KINDS.map(|kind| kind.name()).into_iter().zip(story.mishaps));
+        add(&mut self.injections, Injection::NAMES.into_iter().zip(story.injections));
+        add(&mut self.states, State::ALL.map(State::name).into_iter().zip(story.states));
+        let faults = FaultWord::from_bits_truncate(story.faults);
+        add(&mut self.faults, faults.iter_names().map(|(name, _)| (name, 1)));
+        self.hours = self.states.values().sum::<u64>() as f64 * TICK / 3600.0;
         if story.unable {
             self.unable.push(story.seed);
         }
         if let Some(broken) = &story.broken {
-            self.invariants[broken.never as usize].1 += 1;
+            add(&mut self.invariants, [(broken.never.name(), 1)]);
             self.failures.push((story.seed, broken.to_string()));
         }
     }
@@ -117,14 +111,6 @@ impl Total {
     pub fn read(path: &Path) -> Result<Self, String> {
         let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
-    }
-
-    /// Writes it.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), String> {
-        figures::write(path, self)
     }
 }
 
