@@ -263,6 +263,12 @@ mod tests {
     }
 
     #[test]
+    fn files_without_history_have_no_commit() {
+        assert_eq!(commit(Path::new("/")), "unknown");
+        assert_eq!(commit(Path::new("/nowhere")), "unknown");
+    }
+
+    #[test]
     fn goals_are_met_at_their_bound_and_missed_by_what_was_not_reached() {
         for (figure, met) in [
             (Figure::new("", 99.9, "%").at_least(99.9), true),

@@ -6,7 +6,7 @@ use super::table::Table;
 use crate::bench::map;
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Recordings of one origin, on every target.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,14 @@ impl Set {
             seconds: table.seconds().to_vec(),
         })
     }
+
+    /// How long each target took, in a line.
+    pub(super) fn times(&self, targets: &[&dyn Replay]) -> String {
+        let times = targets.iter().zip(&self.seconds);
+        let times: Vec<String> =
+            times.map(|(target, seconds)| format!("{} {seconds:.1} s", target.name())).collect();
+        format!("{}, {} ticks: {}", self.name, self.ticks, times.join(", "))
+    }
 }
 
 /// Everything in one file.
@@ -64,15 +72,6 @@ impl Conformance {
     /// Digests that are equal.
     pub fn digests(&self) -> u64 {
         self.sets.iter().flat_map(|set| &set.equal).sum()
-    }
-
-    /// Reads the file.
-    ///
-    /// # Errors
-    /// There is none, or it is not one of these.
-    pub fn read(path: &Path) -> Result<Self, String> {
-        let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
     }
 }
 

@@ -42,12 +42,6 @@ impl Random {
     pub fn compare(&self, targets: &[&dyn Replay], directory: &Path) -> steps::Outcome {
         let (sets, files) = self.sets(targets, directory)?;
         let ticks: u64 = sets.iter().map(|set| set.ticks).sum();
-        let each = |set: &Set| {
-            let times = targets.iter().zip(&set.seconds);
-            let times: Vec<String> =
-                times.map(|(target, seconds)| format!("{} {seconds:.1} s", target.name())).collect();
-            format!("{}, {} ticks: {}", set.name, set.ticks, times.join(", "))
-        };
         let closing = format!(
             "{} digests equal: {} recordings of worlds from {} on, {ticks} ticks, x {} targets",
             files.len() * targets.len(),
@@ -55,7 +49,7 @@ impl Random {
             self.first,
             targets.len()
         );
-        Ok([closing].into_iter().chain(sets.iter().map(each)).collect())
+        Ok([closing].into_iter().chain(sets.iter().map(|set| set.times(targets))).collect())
     }
 
     /// The same as sets, with the files that were replayed.

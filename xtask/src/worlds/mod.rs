@@ -65,7 +65,9 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
 /// machine. `keep` gets it after every simulated hour, so that a run which is ended early has come to something, and at the end.
 fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> Total {
     let Arguments { hours, first, .. } = arguments;
-    let mut total = Total::new(format!("cargo xtask worlds --hours {hours} --first {first}"), commit, *first);
+    let command =
+        |hours: f64| format!("cargo xtask worlds --hours {hours} --first {first} --out docs/evidence");
+    let mut total = Total::new(command(*hours), commit, *first);
     // Worlds last about half a minute: enough of them, and the last are not begun.
     let worlds = (hours * 3600.0 / 20.0).ceil() as u64;
     let seeds: Vec<u64> = (*first..first + worlds).collect();
@@ -87,12 +89,15 @@ fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> 
                 total.add(&story);
                 next += 1;
                 if total.hours.floor() > hour {
+                    // So far, and no further: what runs these worlds again.
+                    total.command = command(total.hours.floor());
                     keep(&total);
                 }
             }
             total.hours < *hours
         },
     );
+    total.command = command(*hours);
     keep(&total);
     total
 }

@@ -9,8 +9,6 @@ use narx_core::motor::fault::FaultWord;
 use narx_sim::plant::Injection;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::fs;
-use std::path::Path;
 
 /// Sums over worlds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -102,15 +100,6 @@ impl Total {
             add(&mut self.invariants, [(broken.never.name(), 1)]);
             self.failures.push((story.seed, broken.to_string()));
         }
-    }
-
-    /// Reads the file.
-    ///
-    /// # Errors
-    /// There is none, or it is not one of these.
-    pub fn read(path: &Path) -> Result<Self, String> {
-        let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
     }
 }
 
