@@ -6,7 +6,7 @@ use std::{env, fs};
 /// The images, and the memory that each stands in.
 const IMAGES: [(&str, &str); 8] = [
     ("qemu", "memory.x"),
-    ("replay", "memory.x"),
+    ("replay", "large.x"),
     ("count", "memory.x"),
     ("plant", "memory.x"),
     ("stack", "memory.x"),

@@ -1,8 +1,9 @@
 //! Worlds in which everything goes wrong at once: a few here, hours of them by `cargo xtask worlds`.
 
 use narx_core::motor::State;
+use narx_sim::plant::{Injection, InjectionOptions, Phase};
 use xtask::bench::map;
-use xtask::worlds::{KINDS, run};
+use xtask::worlds::{Broken, KINDS, NEVER, Never, Story, Total, run};
 
 #[test]
 fn nothing_happens_that_may_not_and_afterwards_the_motor_turns() {
@@ -24,4 +25,39 @@ fn nothing_happens_that_may_not_and_afterwards_the_motor_turns() {
 fn a_world_is_its_number() {
     assert_eq!(run(1_000_001, false), run(1_000_001, false));
     assert_ne!(run(1_000_001, false).digest, run(1_000_002, false).digest);
+}
+
+/// What is summed up is what the worlds tell; what has happened that may not stands under its name, with its number.
+#[test]
+fn worlds_add_up() {
+    let story = run(1_000_001, false);
+    let broken = Broken { time: 0.5, never: Never::Store, what: "gone".into() };
+    let other = Story { seed: 7, unable: true, broken: Some(broken), ..story.clone() };
+    let mut total = Total::new("command".into(), "commit".into(), 1);
+    total.add(&story);
+    total.add(&other);
+    assert_eq!((total.worlds, total.boots, total.frames), (2, 2 * story.boots, 2 * story.frames));
+    assert!((total.hours * 3600.0 - 2.0 * story.seconds).abs() < 1e-6, "{} h", total.hours);
+    for (kind, count) in KINDS.iter().zip(story.mishaps) {
+        assert_eq!(total.mishaps[kind.name()], 2 * count, "{}", kind.name());
+    }
+    let breaks: u64 = total.injections.values().sum();
+    assert_eq!(breaks, total.mishaps["breaks"]);
+    for never in NEVER {
+        assert_eq!(total.invariants[never.name()], u64::from(never == Never::Store), "{}", never.name());
+    }
+    assert_eq!(total.failures, [(7, "at 0.5000 s: gone".to_owned())]);
+    assert_eq!(total.unable, [7]);
+}
+
+#[test]
+fn every_injection_counts_under_its_own_name() {
+    for (index, name) in Injection::NAMES.into_iter().enumerate() {
+        let options = InjectionOptions {
+            value: Some(Injection::some_value(name)),
+            phase: Some(Phase::ALL[0]),
+            high: true,
+        };
+        assert_eq!(Injection::named(name, options).unwrap().index(), index, "{name}");
+    }
 }

@@ -6,7 +6,7 @@ use narx_core::recording::{Recording, Replayable, replay, replay_until};
 use narx_core::units::Duty;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use xtask::parity::{Answer, Native, Random, Replay, compare, locate};
+use xtask::parity::{Answer, Covered, Native, Random, Replay, Set, compare, locate};
 
 /// The drive on a target that gets one bit of one output wrong from its tick 3000 on.
 #[derive(Deserialize)]
@@ -101,6 +101,31 @@ fn the_table_is_green_only_if_every_target_is_the_same() {
     assert!(wrong.lines().all(|line| line.contains("faulty: differs first in tick 3000")), "{wrong}");
     let wrong = compare(&[&Native, &Broken], &files[..1]).unwrap_err();
     assert!(wrong.ends_with("broken: did not start"), "{wrong}");
+}
+
+#[test]
+fn a_set_counts_the_digests_of_each_target() {
+    let files = &vectors()[..2];
+    let set = Set::of("vectors", &[&Native, &Native], files).unwrap();
+    assert_eq!((set.recordings, set.equal.as_slice()), (2, [2, 2].as_slice()));
+    let ticks =
+        |file: &PathBuf| Recording::open(&std::fs::read(file).unwrap()).unwrap().verify().unwrap().ticks;
+    assert_eq!(set.ticks, files.iter().map(ticks).sum::<u64>());
+    let wrong = Set::of("vectors", &[&Native, &faulty::<false>()], files).unwrap_err();
+    assert!(wrong.contains("faulty: differs first in tick 3000"), "{wrong}");
+}
+
+/// The vectors lead through every state and every transition but a boot that fails, which the recording of a drive cannot begin with.
+#[test]
+fn what_the_vectors_cover_is_counted() {
+    let all = vectors().into_iter().map(|file| Covered::of(&std::fs::read(file).unwrap()));
+    let covered = all.fold(Covered::default(), Covered::and);
+    assert_eq!(covered.states.values().sum::<u64>(), covered.ticks);
+    assert!(covered.states.values().all(|ticks| *ticks > 0), "{:?}", covered.states);
+    let missing: Vec<&String> =
+        covered.transitions.iter().filter(|(_, times)| **times == 0).map(|(name, _)| name).collect();
+    assert_eq!(missing, ["T06", "T46"]);
+    assert_eq!(Covered::of(b"narxrec\n"), Covered::default());
 }
 
 #[test]

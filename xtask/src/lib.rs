@@ -4,6 +4,7 @@ pub mod archive;
 pub mod audit;
 pub mod bench;
 pub mod board;
+pub mod branches;
 pub mod callgrind;
 pub mod certificate;
 pub mod commutations;

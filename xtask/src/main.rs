@@ -6,6 +6,7 @@ use std::process::{Command, ExitCode};
 use xtask::archive;
 use xtask::audit;
 use xtask::bench;
+use xtask::branches;
 use xtask::callgrind;
 use xtask::certificate;
 use xtask::coverage;
@@ -53,7 +54,7 @@ enum Job {
     },
     /// Measure control quality: the promises on every preset and on random motors, as percentiles; made anew: docs/evidence/quality.json
     Quality(quality::Arguments),
-    /// Let everything go wrong at once, and watch what may never happen
+    /// Let everything go wrong at once, and watch what may never happen; with `--hours 100 --out docs/evidence` made anew: docs/evidence/worlds.json
     Worlds(worlds::Arguments),
     /// Test everything, or one target; installs what that needs
     Test {
@@ -64,6 +65,8 @@ enum Job {
     Archive,
     /// Check licences, sources and bans of every crate, with cargo-deny
     Audit,
+    /// Measure which branches of the core the Rust tests take, with llvm-cov; made anew: docs/evidence/branches.json
+    Branches(branches::Arguments),
     /// Make tests/golden/callgrind.toml anew: instructions of a simulated tick on this machine
     Callgrind {
         /// Write nothing; fail if a figure is another one
@@ -72,8 +75,8 @@ enum Job {
     },
     /// Measure where the sensorless start succeeds and where not any more; made anew: docs/evidence/starts.json, certificate.svg
     Certificate(certificate::Arguments),
-    /// Replay recordings that nobody has chosen on every target that `test` has built, and compare every digest
-    Conformance(parity::Random),
+    /// Replay recordings that nobody has chosen on every target that `test` has built, and compare every digest; made anew: docs/evidence/conformance.json
+    Conformance(parity::Arguments),
     /// Make tests/coverage.md anew: each row of the specification, its code and its tests
     Coverage {
         /// Write nothing; fail if the page is out of date or names what does not exist
@@ -154,11 +157,12 @@ fn main() -> ExitCode {
         Job::Bench(arguments) => bench::command(root, &arguments),
         Job::Quality(arguments) => quality::command(root, &arguments),
         Job::Speed { python } => bench::speed(root, python),
-        Job::Worlds(arguments) => worlds::command(&arguments),
+        Job::Worlds(arguments) => worlds::command(root, &arguments),
         Job::Test { target } => test::run(root, target),
         Job::Instructions { check } => instructions::command(root, check),
         Job::Audit => audit::command(root),
-        Job::Conformance(random) => parity::command(root, random),
+        Job::Conformance(arguments) => parity::command(root, &arguments),
+        Job::Branches(arguments) => branches::command(root, &arguments),
         Job::Callgrind { check } => callgrind::command(root, check),
         Job::Certificate(arguments) => certificate::command(root, &arguments),
         Job::Coverage { check } => coverage::command(root, check),

@@ -14,7 +14,7 @@ pub const PACKAGE: Package = Package { name: "qemu-system-arm", provides: PROGRA
 /// What is emulated. All have flash at 0 and RAM at 2000_0000h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine {
-    /// An MPS2 board with image AN386: a Cortex-M4F, 4 MB each.
+    /// An MPS2 board with image AN386: a Cortex-M4F, 4 MB each, and 16 MB of PSRAM at 2100_0000h.
     Mps2M4,
     /// A BBC micro:bit: a Cortex-M0 with 256 KB of flash and 16 KB of RAM.
     Microbit,

@@ -8,7 +8,11 @@
 fn main() {}
 
 #[cfg(target_os = "none")]
-use narx_firmware::boards::qemu::{ARGUMENTS_MAX, RECORDING_MAX, semihosting};
+use narx_firmware::boards::qemu::{ARGUMENTS_MAX, semihosting};
+
+/// Bytes of a recording that it can hold: 10^6 ticks are 4.3 MB.
+#[cfg(target_os = "none")]
+const RECORDING_MAX: usize = 12 << 20;
 
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]

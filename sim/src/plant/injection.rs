@@ -126,6 +126,26 @@ impl Injection {
         })
     }
 
+    /// Where its name is in [`Injection::NAMES`].
+    pub const fn index(&self) -> usize {
+        match self {
+            Self::Ambient(_) => 0,
+            Self::Supply(_) => 1,
+            Self::Leak(_) => 2,
+            Self::Driver(_) => 3,
+            Self::OpenPhase(_) => 4,
+            Self::HallStuck { .. } => 5,
+            Self::HallSwapped(_) => 6,
+            Self::HallGlitches(_) => 7,
+            Self::HallSupplyLost => 8,
+            Self::BlockedRotor => 9,
+            Self::Pressure(_) => 10,
+            Self::Break => 11,
+            Self::Dsi1 => 12,
+            Self::Dsi2 => 13,
+        }
+    }
+
     /// A value that a fault of this name may have, to end it by; 0 for those without one.
     pub fn some_value(name: &str) -> f64 {
         match Self::named(name, InjectionOptions::default()) {

@@ -2,15 +2,19 @@
 //! figures that are committed in docs/evidence; measuring them takes minutes to hours, making the page does not.
 
 mod bench;
+mod branches;
+mod conformance;
 mod missed;
 mod quality;
 mod starts;
+mod worlds;
 
 use crate::steps::{self, Outcome};
+use serde::de::DeserializeOwned;
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
+use std::{fs, io};
 
 /// A part of the page.
 pub(crate) struct Section {
@@ -24,7 +28,16 @@ pub(crate) struct Section {
 type Make = fn(&Path) -> Result<Section, String>;
 
 /// The page, in this order.
-const SECTIONS: [Make; 5] = [bench::control, quality::section, starts::section, bench::cost, bench::speed];
+const SECTIONS: [Make; 8] = [
+    bench::control,
+    quality::section,
+    starts::section,
+    worlds::section,
+    conformance::section,
+    branches::section,
+    bench::cost,
+    bench::speed,
+];
 
 const PAGE: &str = "docs/EVIDENCE.md";
 /// Where figures are kept.
@@ -71,6 +84,17 @@ fn render(root: &Path) -> Result<String, String> {
     Ok(text)
 }
 
+/// Reads figures; nothing if nobody has measured them.
+fn read<T: DeserializeOwned>(root: &Path, name: &str) -> Result<Option<T>, String> {
+    let path = root.join(FIGURES).join(name);
+    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    match fs::read_to_string(&path) {
+        Ok(text) => serde_json::from_str(&text).map(Some).map_err(|error| failed(&error)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(failed(&error)),
+    }
+}
+
 /// A cell of a table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
@@ -96,6 +120,19 @@ mod tests {
         for section in page.split("\n## ").skip(1) {
             let title = section.lines().next().unwrap();
             assert!(section.contains("`cargo xtask "), "{title} names no command");
+        }
+    }
+
+    #[test]
+    fn what_nobody_has_measured_says_so_and_how() {
+        let nowhere = Path::new("/nowhere");
+        for (make, command) in [
+            (worlds::section as Make, "cargo xtask worlds --hours 100"),
+            (conformance::section, "cargo xtask conformance --out"),
+            (branches::section, "cargo xtask branches"),
+        ] {
+            let text = make(nowhere).unwrap().text;
+            assert!(text.starts_with(&format!("Not measured: `{command}")), "{text}");
         }
     }
 

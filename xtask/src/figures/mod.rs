@@ -9,6 +9,7 @@ pub(crate) use table::value;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
+use std::process::Command;
 use std::str::FromStr;
 use std::{fs, io};
 
@@ -226,6 +227,19 @@ pub fn machine() -> String {
     format!("{model}, {} threads, {}", narx_host::parallel::threads(), std::env::consts::ARCH)
 }
 
+/// The commit that is checked out, with `-dirty` if files were changed since; of an archive nobody knows it.
+pub fn commit(root: &Path) -> String {
+    let told = Command::new("git")
+        // No tags: a hash is what `git checkout` takes on every clone.
+        .args(["describe", "--always", "--dirty", "--exclude", "*", "--abbrev=12"])
+        .current_dir(root)
+        .output();
+    match told {
+        Ok(told) if told.status.success() => String::from_utf8_lossy(&told.stdout).trim().to_owned(),
+        _ => "unknown".into(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -246,6 +260,12 @@ mod tests {
         assert_eq!(Report::read(&path), Ok(report));
         fs::remove_file(&path).unwrap();
         assert_eq!(Report::read(&path), Ok(Report::default()));
+    }
+
+    #[test]
+    fn files_without_history_have_no_commit() {
+        assert_eq!(commit(Path::new("/")), "unknown");
+        assert_eq!(commit(Path::new("/nowhere")), "unknown");
     }
 
     #[test]

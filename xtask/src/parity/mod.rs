@@ -4,20 +4,24 @@
 //! the recorded one, bisection over the number of ticks finds the first tick that differs, and its outputs tell how.
 
 mod answer;
+mod covered;
 mod difference;
+mod evidence;
 mod random;
 mod replayer;
 mod table;
 
 pub use answer::Answer;
+pub use covered::{Counts, Covered};
 pub use difference::{Difference, locate};
+pub use evidence::{Conformance, Set};
 pub use random::Random;
 pub use replayer::{Native, Replay, Replayer};
 pub use table::Table;
 
 use crate::test::{self, Target};
-use crate::{install, steps, vectors};
-use clap::ValueEnum;
+use crate::{figures, install, steps, vectors};
+use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -30,9 +34,46 @@ pub fn run(root: &Path, targets: &[Target]) -> steps::Outcome {
     on(root, targets, |all| compare(all, &files))
 }
 
-/// [`run_random`] as a command, on every target.
-pub fn command(root: &Path, random: Random) -> ExitCode {
-    steps::finish(run_random(root, Target::value_variants(), random))
+/// Arguments of `conformance`.
+#[derive(Args, Clone, Debug)]
+pub struct Arguments {
+    #[command(flatten)]
+    random: Random,
+    /// Replay the committed vectors, too, and write conformance.json here
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+/// [`run_random`] as a command, on every target; with `--out` vectors and random recordings, and what they came to.
+pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+    let Arguments { random, out } = arguments;
+    steps::finish(match out {
+        None => run_random(root, Target::value_variants(), *random),
+        Some(out) => measure(root, *random, &root.join(out).join("conformance.json")),
+    })
+}
+
+fn measure(root: &Path, random: Random, path: &Path) -> steps::Outcome {
+    let vectors = vectors::recordings(root)?;
+    let directory = install::target_directory(root).join("parity");
+    on(root, Target::value_variants(), |targets| {
+        let mut sets = vec![Set::of("vectors", targets, &vectors)?];
+        let (made, files) = random.sets(targets, &directory)?;
+        sets.extend(made);
+        let conformance = Conformance {
+            command: format!(
+                "cargo xtask conformance --count {} --first {} --ticks {} --out docs/evidence",
+                random.count, random.first, random.ticks
+            ),
+            commit: figures::commit(root),
+            targets: targets.iter().map(|target| target.name().to_owned()).collect(),
+            sets,
+            covered: evidence::covered(&[vectors.as_slice(), &files].concat()),
+        };
+        figures::write(path, &conformance)?;
+        let closing = format!("{} digests equal, written to {}", conformance.digests(), path.display());
+        Ok([closing].into_iter().chain(conformance.sets.iter().map(|set| set.times(targets))).collect())
+    })
 }
 
 /// The same of recordings that are made for it.

@@ -1,13 +1,12 @@
 //! Conformance vectors that are made when they are needed: windows of worlds in which everything goes wrong, and one long life.
 
+use super::evidence::Set;
 use super::replayer::Replay;
-use super::table::Table;
 use crate::bench::map;
 use crate::steps;
 use crate::worlds::{Window, long, windows};
 use clap::Args;
 use narx_core::motor::State;
-use narx_core::recording::Recording;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -27,7 +26,7 @@ pub struct Random {
 
 impl Default for Random {
     fn default() -> Self {
-        Self { count: 1000, first: 1, ticks: 400_000 }
+        Self { count: 1000, first: 1, ticks: 1_000_000 }
     }
 }
 
@@ -41,31 +40,38 @@ impl Random {
     /// # Errors
     /// Every digest that differs, with the first tick and output, or a state in which no recording begins.
     pub fn compare(&self, targets: &[&dyn Replay], directory: &Path) -> steps::Outcome {
-        let found = self.windows()?;
-        let mut recordings: Vec<(String, Vec<u8>)> = found
+        let (sets, files) = self.sets(targets, directory)?;
+        let ticks: u64 = sets.iter().map(|set| set.ticks).sum();
+        let closing = format!(
+            "{} digests equal: {} recordings of worlds from {} on, {ticks} ticks, x {} targets",
+            files.len() * targets.len(),
+            files.len(),
+            self.first,
+            targets.len()
+        );
+        Ok([closing].into_iter().chain(sets.iter().map(|set| set.times(targets))).collect())
+    }
+
+    /// The same as sets, with the files that were replayed.
+    pub(super) fn sets(
+        &self,
+        targets: &[&dyn Replay],
+        directory: &Path,
+    ) -> Result<(Vec<Set>, Vec<PathBuf>), String> {
+        let mut recordings: Vec<(String, Vec<u8>)> = self
+            .windows()?
             .into_iter()
             .enumerate()
             .map(|(index, window)| (format!("random-{index:04}"), window.recording))
             .collect();
         recordings.push(("long".into(), long(self.first, self.ticks)));
         let files = write(directory, &recordings)?;
-        let table = Table::new(targets, &files);
-        let wrong = table.differences(targets, &files);
-        if !wrong.is_empty() {
-            return Err(format!("{}\nThe recordings are in {}", wrong.join("\n"), directory.display()));
-        }
-        let ticks: u64 = recordings
-            .iter()
-            .filter_map(|(_, bytes)| Recording::open(bytes).ok()?.verify().ok())
-            .map(|end| end.ticks)
-            .sum();
-        Ok(vec![format!(
-            "{} digests equal: {} recordings of worlds from {} on, {ticks} ticks, x {} targets",
-            table.len(),
-            files.len(),
-            self.first,
-            targets.len()
-        )])
+        let (life, windows) = files.split_last().ok_or("no recording")?;
+        let sets = [("windows of worlds", windows), ("one life", std::slice::from_ref(life))];
+        let sets: Result<Vec<Set>, String> =
+            sets.into_iter().map(|(name, files)| Set::of(name, targets, files)).collect();
+        let sets = sets.map_err(|wrong| format!("{wrong}\nThe recordings are in {}", directory.display()))?;
+        Ok((sets, files))
     }
 
     /// Windows until there are enough and every state is among them, of each state the same number as far as there are.

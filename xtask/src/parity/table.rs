@@ -5,6 +5,7 @@ use super::difference::locate;
 use super::replayer::{Replay, stem};
 use std::fmt;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// What every target answered to every recording.
 #[derive(Debug)]
@@ -13,15 +14,23 @@ pub struct Table {
     stems: Vec<String>,
     /// A column for each target.
     answers: Vec<Vec<Result<Answer, String>>>,
+    /// How long each took, s.
+    seconds: Vec<f64>,
 }
 
 impl Table {
     /// Asks every target about every file.
     pub fn new(targets: &[&dyn Replay], files: &[PathBuf]) -> Self {
+        let ask = |target: &&dyn Replay| {
+            let begun = Instant::now();
+            (target.replay(files, None), begun.elapsed().as_secs_f64())
+        };
+        let (answers, seconds) = targets.iter().map(ask).unzip();
         Self {
             names: targets.iter().map(|target| target.name().to_owned()).collect(),
             stems: files.iter().map(|file| stem(file)).collect(),
-            answers: targets.iter().map(|target| target.replay(files, None)).collect(),
+            answers,
+            seconds,
         }
     }
 
@@ -33,6 +42,21 @@ impl Table {
     /// Whether there is no cell.
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Ticks of all recordings, as the first target has replayed them.
+    pub fn ticks(&self) -> u64 {
+        self.answers.first().into_iter().flatten().flatten().map(|answer| answer.ticks).sum()
+    }
+
+    /// On each target the number of recordings whose digest is the recorded one.
+    pub fn equal(&self) -> Vec<u64> {
+        self.answers.iter().map(|column| column.iter().filter(|cell| is_same(cell)).count() as u64).collect()
+    }
+
+    /// How long each target took, s.
+    pub fn seconds(&self) -> &[f64] {
+        &self.seconds
     }
 
     /// A line for every cell that is not as it should be. Targets that differ from the first one are asked again for
@@ -67,6 +91,11 @@ impl Table {
     }
 }
 
+/// Whether the replay came to what was recorded.
+fn is_same(cell: &Result<Answer, String>) -> bool {
+    cell.as_ref().is_ok_and(|answer| answer.recorded == Some(answer.digest))
+}
+
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let wide = self.stems.iter().map(String::len).max().unwrap_or(0);
@@ -81,7 +110,7 @@ impl fmt::Display for Table {
             }
             for (name, column) in self.names.iter().zip(&self.answers) {
                 let verdict = match &column[row] {
-                    Ok(answer) if answer.recorded == Some(answer.digest) => "same",
+                    cell if is_same(cell) => "same",
                     Ok(_) => "DIFFERS",
                     Err(_) => "ERROR",
                 };

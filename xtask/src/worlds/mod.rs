@@ -6,17 +6,20 @@
 mod mishap;
 mod never;
 mod peace;
+mod total;
 mod windows;
 mod world;
 
 pub use mishap::{KINDS, Kind};
-pub use never::Broken;
+pub use never::{Broken, NEVER, Never};
+pub use total::Total;
 pub use windows::{Window, long, windows};
 pub use world::{Story, run};
 
-use narx_core::motor::State;
+use crate::figures;
 use narx_host::parallel::{for_each, threads};
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// What `worlds` is asked for.
@@ -31,87 +34,70 @@ pub struct Arguments {
     /// This world alone, told event by event
     #[arg(long)]
     world: Option<u64>,
+    /// Where worlds.json goes; without it nowhere
+    #[arg(long)]
+    out: Option<PathBuf>,
 }
 
 /// Runs worlds until their simulated time adds up; fails if something happened that may not.
-pub fn command(arguments: &Arguments) -> ExitCode {
+pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     if let Some(seed) = arguments.world {
         let story = run(seed, true);
         println!("{story}");
         return if story.broken.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE };
     }
+    let path = arguments.out.as_ref().map(|out| root.join(out).join("worlds.json"));
+    let mut written = Ok(());
+    let total = live(arguments, figures::commit(root), |total| {
+        if let Some(path) = &path {
+            written = figures::write(path, total);
+        }
+    });
+    println!("{total}");
+    if let Err(reason) = written {
+        eprintln!("{reason}");
+        return ExitCode::FAILURE;
+    }
+    if total.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Worlds one after another until their hours are full. They end in any order and are added in that of their numbers, so that the sum is the same on every
+/// machine. `keep` gets it after every simulated hour, so that a run which is ended early has come to something, and at the end.
+fn live(arguments: &Arguments, commit: String, mut keep: impl FnMut(&Total)) -> Total {
+    let Arguments { hours, first, .. } = arguments;
+    let command =
+        |hours: f64| format!("cargo xtask worlds --hours {hours} --first {first} --out docs/evidence");
+    let mut total = Total::new(command(*hours), commit, *first);
     // Worlds last about half a minute: enough of them, and the last are not begun.
-    let worlds = (arguments.hours * 3600.0 / 20.0).ceil() as u64;
-    let seeds: Vec<u64> = (arguments.first..arguments.first + worlds).collect();
-    let mut total = Total::default();
+    let worlds = (hours * 3600.0 / 20.0).ceil() as u64;
+    let seeds: Vec<u64> = (*first..first + worlds).collect();
+    let mut ended: BTreeMap<usize, Story> = BTreeMap::new();
+    let mut next = 0;
     for_each(
         &seeds,
         threads(),
         |seed, _| run(*seed, false),
         |finished| {
-            if let Some((_, story)) = finished {
+            ended.extend(finished);
+            while total.hours < *hours
+                && let Some(story) = ended.remove(&next)
+            {
                 if story.broken.is_some() {
-                    println!("{story}");
+                    println!("{story}\n  commit {}", total.commit);
                 }
+                let hour = total.hours.floor();
                 total.add(&story);
+                next += 1;
+                if total.hours.floor() > hour {
+                    // So far, and no further: what runs these worlds again.
+                    total.command = command(total.hours.floor());
+                    keep(&total);
+                }
             }
-            total.seconds < arguments.hours * 3600.0
+            total.hours < *hours
         },
     );
-    println!("{total}");
-    if total.broken == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-}
-
-/// What many worlds come to.
-#[derive(Default)]
-struct Total {
-    worlds: u64,
-    broken: u64,
-    unable: u64,
-    seconds: f64,
-    boots: u64,
-    frames: u64,
-    mishaps: BTreeMap<&'static str, u64>,
-    states: [u64; 8],
-    faults: u32,
-}
-
-impl Total {
-    fn add(&mut self, story: &Story) {
-        self.worlds += 1;
-        self.broken += u64::from(story.broken.is_some());
-        self.unable += u64::from(story.unable);
-        self.seconds += story.seconds;
-        self.boots += story.boots;
-        self.frames += story.frames;
-        self.faults |= story.faults;
-        for (kind, count) in story.mishaps.iter().enumerate() {
-            *self.mishaps.entry(KINDS[kind].name()).or_default() += count;
-        }
-        for (all, ticks) in self.states.iter_mut().zip(story.states) {
-            *all += ticks;
-        }
-    }
-}
-
-impl std::fmt::Display for Total {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { worlds, broken, unable, seconds, boots, frames, .. } = self;
-        writeln!(
-            f,
-            "{worlds} worlds, {:.2} simulated hours, {boots} boots, {frames} frames",
-            seconds / 3600.0
-        )?;
-        let states = State::ALL.iter().zip(self.states);
-        let shares = states.map(|(state, ticks)| format!("{} {:.0} s", state.name(), ticks as f64 * 1e-4));
-        writeln!(f, "states: {}", shares.collect::<Vec<_>>().join(", "))?;
-        writeln!(f, "fault bits seen: {:#010x}", self.faults)?;
-        let kinds = self.mishaps.iter().map(|(name, count)| format!("{name} {count}"));
-        writeln!(f, "mishaps: {}", kinds.collect::<Vec<_>>().join(", "))?;
-        writeln!(
-            f,
-            "{unable} worlds whose motor does not start in a drive to which nothing has happened either"
-        )?;
-        write!(f, "{broken} worlds in which something happened that may not")
-    }
+    total.command = command(*hours);
+    keep(&total);
+    total
 }

@@ -18,11 +18,92 @@ const EMF_SHARE: f64 = 1.5;
 const LATE: u32 = 1;
 /// A voltage above the limit is seen by the next sample, and by the one behind it if noise hides it.
 const HIGH: u32 = 2;
+
+/// What may never happen, and what has to in peace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Never {
+    /// Outside the driving states no switch is on.
+    Bridge,
+    /// No drive turns a motor right after power-up.
+    Rest,
+    /// Nothing drives on a command that has expired.
+    Expired,
+    /// Nothing drives with a critical fault.
+    Critical,
+    /// Nothing drives with the bus above its limit.
+    Voltage,
+    /// Fault has a cause.
+    Cause,
+    /// The parameter store survives.
+    Store,
+    /// Physics is made of numbers.
+    Numbers,
+    /// The bus rises no further than the windings lift it.
+    Rise,
+    /// The drive sends what its protocol knows.
+    Frames,
+    /// In peace it gets to Standby.
+    Standby,
+    /// In peace it answers, and takes its parameters.
+    Answers,
+    /// In peace it turns, if an untouched drive does.
+    Turns,
+}
+
+/// All of them.
+pub const NEVER: [Never; 13] = [
+    Never::Bridge,
+    Never::Rest,
+    Never::Expired,
+    Never::Critical,
+    Never::Voltage,
+    Never::Cause,
+    Never::Store,
+    Never::Numbers,
+    Never::Rise,
+    Never::Frames,
+    Never::Standby,
+    Never::Answers,
+    Never::Turns,
+];
+
+impl Never {
+    /// What a summary calls it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Bridge => "outside the driving states the bridge is off",
+            Self::Rest => "no motor turns within 0.5 s of power-up",
+            Self::Expired => "no bridge stays on when the command has expired",
+            Self::Critical => "no bridge stays on with a critical fault",
+            Self::Voltage => "no bridge stays on above 62 V",
+            Self::Cause => "Fault has a critical fault as its cause",
+            Self::Store => "the parameter store is never broken",
+            Self::Numbers => "the simulated motor stays within the numbers",
+            Self::Rise => "the bus rises no further than the windings' energy lifts it",
+            Self::Frames => "every frame of the drive is one that its protocol knows",
+            Self::Standby => "all mended, it gets to Standby",
+            Self::Answers => "all mended, it answers every request and takes every parameter",
+            Self::Turns => "all mended, it turns the motor, if a drive to which nothing has happened does",
+        }
+    }
+
+    /// That it has happened.
+    pub(super) fn broken<T>(self, what: impl Into<String>) -> Checked<T> {
+        Err((self, what.into()))
+    }
+}
+
+/// What goes on, unless something has happened that may not.
+pub(super) type Checked<T = ()> = Result<T, (Never, String)>;
+
 /// Something that may never happen has happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
     /// When, s of the world's time.
     pub time: f64,
+    /// Which of all.
+    pub never: Never,
     /// What.
     pub what: String,
 }
@@ -44,23 +125,24 @@ pub(super) struct Watch {
 
 impl Watch {
     /// Looks at a tick.
-    pub(super) fn tick(&mut self, bench: &Bench) -> Result<(), String> {
+    pub(super) fn tick(&mut self, bench: &Bench) -> Checked {
         self.ticks += 1;
         let (status, command) = (bench.status(), bench.command());
         let driving = status.state.is_driving();
         if !driving && (command.step != Step::Coast || command.commutations.iter().next().is_some()) {
-            return Err(format!("the bridge is on in {}: {command:?}", status.state.name()));
+            return Never::Bridge.broken(format!("the bridge is on in {}: {command:?}", status.state.name()));
         }
         if driving && self.ticks < REST {
-            return Err(format!("{} ticks after power-up it drives", self.ticks));
+            return Never::Rest.broken(format!("{} ticks after power-up it drives", self.ticks));
         }
         self.expired = if driving && status.command_expired { self.expired + 1 } else { 0 };
         self.critical = if driving && !status.critical.is_empty() { self.critical + 1 } else { 0 };
         if self.expired > LATE {
-            return Err(format!("it drives ({}) though the command has expired", status.state.name()));
+            return Never::Expired
+                .broken(format!("it drives ({}) though the command has expired", status.state.name()));
         }
         if self.critical > LATE {
-            return Err(format!(
+            return Never::Critical.broken(format!(
                 "it drives ({}) with a critical fault: {:?}",
                 status.state.name(),
                 status.critical
@@ -68,27 +150,28 @@ impl Watch {
         }
         self.high = if driving && bench.plant().observe().bus_voltage > BUS_MAX { self.high + 1 } else { 0 };
         if self.high > HIGH {
-            return Err(format!("it drives ({}) with the bus above {BUS_MAX} V", status.state.name()));
+            return Never::Voltage
+                .broken(format!("it drives ({}) with the bus above {BUS_MAX} V", status.state.name()));
         }
         if status.state == State::Fault && status.critical.is_empty() {
-            return Err("it is in Fault without a critical fault".into());
+            return Never::Cause.broken("it is in Fault without a critical fault");
         }
         if status.faults.intersects(FaultWord::STORE) {
-            return Err(format!("the parameter store is broken: {:?}", status.faults));
+            return Never::Store.broken(format!("the parameter store is broken: {:?}", status.faults));
         }
         Ok(())
     }
 
     /// Looks at the physics, which changes less quickly than it costs to look. `stored` is the most that the windings have held, J.
-    pub(super) fn physics(bench: &Bench, stored: f64, capacitance: f64) -> Result<(), String> {
+    pub(super) fn physics(bench: &Bench, stored: f64, capacitance: f64) -> Checked {
         let seen = bench.plant().observe();
         let [a, b, c] = seen.current;
         if !(a + b + c + seen.speed + seen.bus_voltage + seen.angle + seen.winding_temperature).is_finite() {
-            return Err(format!("physics has left the numbers: {seen:?}"));
+            return Never::Numbers.broken(format!("physics has left the numbers: {seen:?}"));
         }
         let top = (BUS_MAX * BUS_MAX + 2.0 * EMF_SHARE * stored / capacitance).sqrt();
         if seen.bus_voltage > top {
-            return Err(format!(
+            return Never::Rise.broken(format!(
                 "the bus has risen to {:.1} V; the windings can lift it to {top:.1} V",
                 seen.bus_voltage
             ));
@@ -97,11 +180,14 @@ impl Watch {
     }
 
     /// Looks at a frame of the drive.
-    pub(super) fn frame(frame: &Frame, address: u8) -> Result<(), String> {
+    pub(super) fn frame(frame: &Frame, address: u8) -> Checked {
         let Ok(id) = MessageId::of(frame) else { return Ok(()) };
         if id.source != address || id.kind != MessageKind::SlaveTx {
             return Ok(());
         }
-        FromDrive::decode(frame).map(drop).map_err(|error| format!("{frame:?} of the drive: {error:?}"))
+        match FromDrive::decode(frame) {
+            Ok(_) => Ok(()),
+            Err(error) => Never::Frames.broken(format!("{frame:?} of the drive: {error:?}")),
+        }
     }
 }

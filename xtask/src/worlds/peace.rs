@@ -1,5 +1,6 @@
 //! After the trouble: everything is mended, and it has to work.
 
+use super::never::{Checked, Never};
 use super::world::{TICK, World, master};
 use narx_core::bus::narmotion::DigitalOutputs;
 use narx_core::dictionary::{Access, Parameters, number};
@@ -21,7 +22,7 @@ const ANSWER: f64 = 5.0;
 
 impl World {
     /// Everything is mended, and the operator pulls himself together: Standby, and the parameters as they were commissioned.
-    pub(super) fn make_peace(&mut self) -> Result<(), String> {
+    pub(super) fn make_peace(&mut self) -> Checked {
         self.say(|| "peace".into());
         self.cut_at = None;
         self.bench.flash().restore_power();
@@ -40,20 +41,20 @@ impl World {
         let is_standby = |state| state == State::Standby;
         self.run(ACKNOWLEDGED)?;
         if !self.until(CALM, rests)? {
-            return Err(format!("asked for Standby it is in {:?}", self.bench.status()));
+            return Never::Standby.broken(format!("asked for Standby it is in {:?}", self.bench.status()));
         }
         self.ask(Request::DisableHallSupply(false))?;
         self.ask(Request::DigitalOutputs(DigitalOutputs::default()))?;
         let parameters = self.setting.commissioning.parameters.clone();
         self.write_all(&parameters)?;
         if !self.until(CALM, is_standby)? {
-            return Err(format!("all is mended, and it is in {:?}", self.bench.status()));
+            return Never::Standby.broken(format!("all is mended, and it is in {:?}", self.bench.status()));
         }
         Ok(())
     }
 
     /// Waits for a state; false if it does not come.
-    fn until(&mut self, seconds: f64, holds: impl Fn(State) -> bool) -> Result<bool, String> {
+    fn until(&mut self, seconds: f64, holds: impl Fn(State) -> bool) -> Checked<bool> {
         let until = self.ticks + (seconds / TICK) as u64;
         while !holds(self.bench.status().state) && self.ticks < until {
             self.tick()?;
@@ -62,7 +63,7 @@ impl World {
     }
 
     /// Writes every parameter that is another one; commands and what the drive alone writes stay.
-    fn write_all(&mut self, parameters: &Parameters) -> Result<(), String> {
+    fn write_all(&mut self, parameters: &Parameters) -> Checked {
         for (row, raw) in parameters.iter() {
             let now = self.bench.node().parameters().raw(row.number);
             if row.access == Access::ReadOnly || row.command || now == raw {
@@ -73,30 +74,35 @@ impl World {
         Ok(())
     }
 
-    fn write(&mut self, number: u16, raw: i32) -> Result<(), String> {
+    fn write(&mut self, number: u16, raw: i32) -> Checked {
         self.ask(Request::Write { number, raw })?;
         if self.bench.node().parameters().raw(number) == raw {
             return Ok(());
         }
-        Err(format!("parameter {number} does not become {raw}"))
+        Never::Answers.broken(format!("parameter {number} does not become {raw}"))
     }
 
     /// Asks, and waits for the answer.
-    fn ask(&mut self, request: Request) -> Result<(), String> {
+    fn ask(&mut self, request: Request) -> Checked {
         self.answer = None;
-        self.master.request(request).map_err(|error| format!("{request:?}: {error:?}"))?;
+        if let Err(error) = self.master.request(request) {
+            return Never::Answers.broken(format!("{request:?}: {error:?}"));
+        }
         for _ in 0..(ANSWER / TICK) as u32 {
             self.tick()?;
             if let Some(answer) = self.answer.take() {
-                return answer.result.map(drop).map_err(|error| format!("{request:?}: {error}"));
+                return match answer.result {
+                    Ok(_) => Ok(()),
+                    Err(error) => Never::Answers.broken(format!("{request:?}: {error}")),
+                };
             }
         }
-        Err(format!("{request:?}: no end within {ANSWER} s"))
+        Never::Answers.broken(format!("{request:?}: no end within {ANSWER} s"))
     }
 
     /// It has to start, and to turn as it was asked to, if a drive that nothing has happened to does: some motors in a led field kick back more than
     /// a source without a sink takes.
-    pub(super) fn work(&mut self) -> Result<(), String> {
+    pub(super) fn work(&mut self) -> Checked {
         if self.turns()? {
             return Ok(());
         }
@@ -108,14 +114,14 @@ impl World {
         untouched.say(|| "another drive, to which nothing has happened".into());
         untouched.run(ACKNOWLEDGED)?;
         if untouched.turns()? {
-            return Err(format!("all is mended, and it does not turn: {status}"));
+            return Never::Turns.broken(format!("all is mended, and it does not turn: {status}"));
         }
         self.unable = true;
         Ok(())
     }
 
     /// Whether it starts.
-    fn turns(&mut self) -> Result<bool, String> {
+    fn turns(&mut self) -> Checked<bool> {
         let rpm = if self.setting.mode == Mode::OpenLoop {
             engineering::value(&self.setting.commissioning.parameters, number::OPEN_LOOP_SPEED).unwrap_or(0.0)
         } else {

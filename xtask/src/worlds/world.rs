@@ -1,13 +1,14 @@
 //! One world from its number to its end.
 
 use super::mishap::{Fate, KINDS, Mishap};
-use super::never::{Broken, Watch};
+use super::never::{Broken, Checked, Watch};
+use narx_core::dictionary::number;
 use narx_core::master::{Answer, Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::can::Attachment;
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
-use narx_sim::plant::{LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
+use narx_sim::plant::{Injection, LoadConfig, MotorConfig, PlantConfig, SupplyConfig};
 use narx_sim::presets::PRESETS;
 use narx_sim::random::Random;
 use std::collections::hash_map::DefaultHasher;
@@ -32,10 +33,16 @@ pub struct Story {
     pub seconds: f64,
     /// Power-ups.
     pub boots: u64,
+    /// Restarts without a power-cut, because the operator has asked for them.
+    pub resets: u64,
+    /// Times that the drive's controller left the bus.
+    pub bus_offs: u64,
     /// Frames on the bus.
     pub frames: u64,
     /// Mishaps in the order of [`KINDS`].
     pub mishaps: [u64; KINDS.len()],
+    /// What was broken, in the order of [`Injection::NAMES`].
+    pub injections: [u64; Injection::NAMES.len()],
     /// Ticks in each state.
     pub states: [u64; 8],
     /// Every fault bit that was seen.
@@ -69,7 +76,7 @@ pub fn run(seed: u64, tell: bool) -> Story {
     let mut world = World::new(seed, tell);
     let broken = world.live().err();
     let time = world.time();
-    Story { broken: broken.map(|what| Broken { time, what }), ..world.story() }
+    Story { broken: broken.map(|(never, what)| Broken { time, never, what }), ..world.story() }
 }
 
 pub(super) struct World {
@@ -86,8 +93,13 @@ pub(super) struct World {
     pub(super) cut_at: Option<u64>,
     pub(super) answer: Option<Answer>,
     pub(super) boots: u64,
+    pub(super) resets: u64,
+    pub(super) bus_offs: u64,
+    /// As the drive counts them, since its last boot.
+    pub(super) bus_offs_seen: i32,
     pub(super) frames: u64,
     pub(super) mishaps: [u64; KINDS.len()],
+    pub(super) injections: [u64; Injection::NAMES.len()],
     pub(super) states: [u64; 8],
     pub(super) faults: u32,
     pub(super) peak: f64,
@@ -130,8 +142,12 @@ impl World {
             cut_at: None,
             answer: None,
             boots: 1,
+            resets: 0,
+            bus_offs: 0,
+            bus_offs_seen: 0,
             frames: 0,
             mishaps: [0; KINDS.len()],
+            injections: [0; Injection::NAMES.len()],
             states: [0; 8],
             faults: 0,
             peak: 0.0,
@@ -150,8 +166,11 @@ impl World {
             seed: self.seed,
             seconds: self.time(),
             boots: self.boots,
+            resets: self.resets,
+            bus_offs: self.bus_offs,
             frames: self.frames,
             mishaps: self.mishaps,
+            injections: self.injections,
             states: self.states,
             faults: self.faults,
             peak: self.peak,
@@ -182,11 +201,14 @@ impl World {
     }
 
     /// Trouble, then peace: and in peace it has to work.
-    fn live(&mut self) -> Result<(), String> {
+    fn live(&mut self) -> Checked {
         while self.ticks < TROUBLE {
             let mishap = self.next()?;
             self.say(|| format!("{mishap:?}"));
             self.mishaps[mishap.kind() as usize] += 1;
+            if let Mishap::Break(injection) = &mishap {
+                self.injections[injection.index()] += 1;
+            }
             self.happen(mishap);
         }
         self.make_peace()?;
@@ -194,7 +216,7 @@ impl World {
     }
 
     /// Waits for the next mishap.
-    pub(super) fn next(&mut self) -> Result<Mishap, String> {
+    pub(super) fn next(&mut self) -> Checked<Mishap> {
         // Often soon, sometimes late: the square of an even draw.
         let share = self.fate.between(0.0, 1.0);
         self.run(PAUSE.0 + (PAUSE.1 - PAUSE.0) * share * share)?;
@@ -245,7 +267,7 @@ impl World {
         }
     }
 
-    pub(super) fn run(&mut self, seconds: f64) -> Result<(), String> {
+    pub(super) fn run(&mut self, seconds: f64) -> Checked {
         let until = self.ticks + (seconds / TICK) as u64;
         while self.ticks < until {
             self.tick()?;
@@ -253,7 +275,7 @@ impl World {
         Ok(())
     }
 
-    pub(super) fn tick(&mut self) -> Result<(), String> {
+    pub(super) fn tick(&mut self) -> Checked {
         self.ticks += 1;
         let now = self.bench.now_ns() / 1000;
         if self.ticks >= self.silent_until {
@@ -268,6 +290,8 @@ impl World {
         let before = self.bench.status().state;
         self.bench.step();
         self.tell_state(before);
+        self.resets +=
+            u64::from(before != State::Initialization && self.bench.status().state == State::Initialization);
         let now = self.bench.now_ns() / 1000;
         while let Some(received) = self.bench.receive() {
             self.master.handle_frame(&received.frame, now);
@@ -290,6 +314,7 @@ impl World {
             // Two windings in series carry the most.
             let stored = 0.5 * motor.inductance * self.peak * self.peak;
             Watch::physics(&self.bench, stored, inverter.capacitance)?;
+            self.count_bus_offs();
         }
         if self.cut_at.is_some_and(|tick| tick <= self.ticks) || self.bench.flash().is_off() {
             self.cut();
@@ -303,6 +328,13 @@ impl World {
         self.faults |= status.faults.bits();
         (status.state as u8, command.step as u8, command.duty.to_bits()).hash(&mut self.hasher);
         self.peak = self.peak.max(self.bench.plant().observe().peak_current);
+    }
+
+    /// The drive's own count, which begins anew with it.
+    fn count_bus_offs(&mut self) {
+        let now = self.bench.node().read_parameter(number::BUS_OFFS).unwrap_or_default();
+        self.bus_offs += u64::from((now - self.bus_offs_seen).max(0).unsigned_abs());
+        self.bus_offs_seen = now;
     }
 
     /// The power is gone, and comes back; the flash has what it has, and the rotor stands.

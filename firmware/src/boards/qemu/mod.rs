@@ -30,7 +30,7 @@ use panic_semihosting as _;
 pub const CLOCK_HZ: u32 = 25_000_000;
 /// The motor on the board, unless another one is asked for.
 pub const MOTOR: &str = "bly172s-24v";
-/// Bytes of a recording that the images can hold.
+/// Bytes of a recording that the images which measure can hold.
 pub const RECORDING_MAX: usize = 3 << 20;
 /// Bytes of arguments that they take.
 pub const ARGUMENTS_MAX: usize = 64 << 10;

@@ -1,0 +1,140 @@
+//! What recordings lead the drive through.
+
+use narx_core::motor::fault::FaultWord;
+use narx_core::motor::state::TRANSITIONS;
+use narx_core::motor::{Drive, Event, PwmCommand, Samples, State, Status};
+use narx_core::recording::{Recording, Replayable, replay_with};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Counts by name.
+pub type Counts = BTreeMap<String, u64>;
+
+/// The events that a recording can hold, by name.
+const EVENTS: [&str; 7] = [
+    "command",
+    "coefficients",
+    "coefficients rejected",
+    "slow measurements",
+    "health",
+    "hall calibration",
+    "set-point",
+];
+
+const fn index(event: &Event) -> usize {
+    match event {
+        Event::Command(_) => 0,
+        Event::Coefficients(_) => 1,
+        Event::CoefficientsRejected => 2,
+        Event::Slow(_) => 3,
+        Event::Health(_) => 4,
+        Event::CalibrateHall(_) => 5,
+        Event::SetPoint(_) => 6,
+    }
+}
+
+/// Sums over recordings. What none of them reached is there with 0.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Covered {
+    /// Ticks in all.
+    pub ticks: u64,
+    /// Ticks in each state.
+    pub states: Counts,
+    /// How often each transition of Table 7 was taken.
+    pub transitions: Counts,
+    /// Recordings in which each fault was seen.
+    pub faults: Counts,
+    /// Events of each kind.
+    pub events: Counts,
+}
+
+impl Default for Covered {
+    fn default() -> Self {
+        let counts = |names: &[&str]| names.iter().map(|name| ((*name).to_owned(), 0)).collect();
+        Self {
+            ticks: 0,
+            states: counts(&State::ALL.map(State::name)),
+            transitions: counts(&TRANSITIONS.map(|row| row.name)),
+            faults: counts(&FaultWord::all().iter_names().map(|(name, _)| name).collect::<Vec<_>>()),
+            events: counts(&EVENTS),
+        }
+    }
+}
+
+impl Covered {
+    /// What one recording leads through; a replay that fails says so elsewhere, and covers nothing.
+    pub fn of(bytes: &[u8]) -> Self {
+        let mut covered = Self::default();
+        let count = |counts: &mut Counts, name: &str, by| *counts.entry(name.to_owned()).or_default() += by;
+        let (mut states, mut steps, mut events) = ([0; 8], [[0; 8]; 8], [0; EVENTS.len()]);
+        let (mut faults, mut before) = (FaultWord::empty(), None);
+        let replayed = Recording::open(bytes).ok().and_then(|recording| {
+            replay_with::<Watched>(&recording, |watched, _, _| {
+                let state = watched.drive.state();
+                states[state as usize] += 1;
+                if let Some(before) = before.replace(state)
+                    && before != state
+                {
+                    steps[before as usize][state as usize] += 1;
+                }
+                faults |= watched.drive.faults();
+                events = watched.events;
+            })
+            .ok()
+        });
+        let Some(outcome) = replayed else { return covered };
+        covered.ticks = outcome.ticks;
+        for (state, ticks) in State::ALL.into_iter().zip(states) {
+            count(&mut covered.states, state.name(), ticks);
+        }
+        // Rows of one name lead from the same state to the same.
+        for name in covered.transitions.clone().into_keys() {
+            if let Some(row) = TRANSITIONS.iter().find(|row| row.name == name) {
+                count(&mut covered.transitions, &name, steps[row.from as usize][row.to as usize]);
+            }
+        }
+        faults.iter_names().for_each(|(name, _)| count(&mut covered.faults, name, 1));
+        EVENTS.into_iter().zip(events).for_each(|(name, times)| count(&mut covered.events, name, times));
+        covered
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        self.ticks += other.ticks;
+        for (all, more) in [
+            (&mut self.states, other.states),
+            (&mut self.transitions, other.transitions),
+            (&mut self.faults, other.faults),
+            (&mut self.events, other.events),
+        ] {
+            for (name, count) in more {
+                *all.entry(name).or_default() += count;
+            }
+        }
+        self
+    }
+}
+
+/// A drive whose events are counted.
+#[derive(Deserialize)]
+struct Watched {
+    drive: Drive,
+    #[serde(skip)]
+    events: [u64; EVENTS.len()],
+}
+
+impl Replayable for Watched {
+    fn handle_event(&mut self, event: Event) {
+        self.events[index(&event)] += 1;
+        self.drive.handle_event(event);
+    }
+
+    fn step(&mut self, samples: &Samples) -> PwmCommand {
+        self.drive.step(samples)
+    }
+
+    fn poll_status(&mut self) -> Option<Status> {
+        self.drive.poll_status()
+    }
+}
