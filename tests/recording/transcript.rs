@@ -1,5 +1,6 @@
 //! What nodes were told and asked runs again to the same answers, and what was damaged is never believed.
 
+use crate::support::container;
 use narx_core::bus::{BusState, Frame, Id};
 use narx_core::dictionary::Parameters;
 use narx_core::eddycan::TxDriver;
@@ -10,7 +11,7 @@ use narx_core::recording::transcript::{
     replay, replay_until,
 };
 use narx_core::recording::{
-    Kind, LABEL_MAX, ReadError, RecordError, Recording, ReplayError, header, replay_any, replay_any_until,
+    Kind, LABEL_MAX, MAGIC, ReadError, RecordError, Recording, ReplayError, header, replay_any, replay_any_until,
 };
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -50,8 +51,10 @@ fn transcript(quiet: u64) -> Vec<u8> {
 
 #[test]
 fn every_vector_of_a_node_replays() {
+    let mut size = 0;
     for file in files() {
         let bytes = std::fs::read(&file).unwrap();
+        size += bytes.len();
         let outcome = replay_any(&bytes).unwrap();
         assert!(outcome.is_identical() && outcome.ticks > 1000, "{}: {outcome:?}", file.display());
         // Its parts lead to the whole.
@@ -61,6 +64,7 @@ fn every_vector_of_a_node_replays() {
         assert_eq!(part.ticks, outcome.ticks / 2);
         assert_ne!(part.digest, outcome.digest);
     }
+    assert!(size < 1_000_000, "{size} bytes");
 }
 
 /// A poll that answers nothing changes nothing: that is why a transcript may leave it out, and why a shell may ask as often as it likes.
@@ -175,15 +179,29 @@ fn what_does_not_fit_is_refused() {
     assert!(matches!(full, RecordError::Sink(_)), "{full:?}");
 }
 
+/// Calls that nobody writes down, with check values that are right.
 #[test]
-fn a_repetition_of_nothing_is_malformed() {
+fn what_no_shell_does_is_malformed() {
     let good = transcript(3);
-    let at = good.windows(2).position(|pair| pair == [0xff, 2]).expect("two more polls");
-    for (byte, value) in [(at + 1, 0), (at, 0x7f)] {
-        let mut bad = good.clone();
-        bad[byte] = value;
-        // The check value finds it first.
-        assert!(matches!(replay_any(&bad), Err(ReplayError::Read(ReadError::Checksum { .. }))));
+    let payload = |at: usize| {
+        let length = usize::from(u16::from_le_bytes([good[at + 1], good[at + 2]]));
+        (&good[at + 3..at + 3 + length], at + 3 + length + 4)
+    };
+    let (header, at) = payload(MAGIC.len() + 1);
+    let (setup, _) = payload(at);
+    for (calls, expected) in [
+        (&[0xff, 2][..], "a call that can be repeated"),
+        (&[10, 1, 0xff, 0], "a call that can be repeated"),
+        (&[10, 1, 0xff, 0x80], "how often a call is repeated"),
+        (&[0x7f], "a call that this device knows"),
+        (&[10], "a call that this device knows"),
+    ] {
+        let file = container(&[(b'H', header), (b'S', setup), (b'C', calls)]);
+        let refused = replay_any(&file).unwrap_err();
+        let ReplayError::Read(ReadError::Malformed { expected: found, .. }) = refused else {
+            panic!("{calls:?}: {refused:?}");
+        };
+        assert_eq!(found, expected, "{calls:?}");
     }
 }
 
