@@ -3,8 +3,7 @@
 use crate::status::narx_status_t;
 use crate::{pointer, text};
 use core::ffi::c_char;
-use narx_core::motor::Drive;
-use narx_core::recording::{Outcome, Prefix, Recording, ReplayError, replay, replay_until};
+use narx_core::recording::{Outcome, Prefix, replay_any, replay_any_until};
 
 /// Room for the longest line that narx_replay_until writes, the closing 0 included.
 pub const NARX_OUTPUTS_TEXT_SIZE: usize = 1024;
@@ -24,9 +23,10 @@ pub struct narx_outcome_t {
     pub other_behaviour: u16,
 }
 
-/// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length` bytes.
+/// Runs a drive from a recording's initial state through all of its ticks, or a node or TX-Driver through the calls of its transcript: what
+/// is said of ticks then holds for calls. `bytes` is the recording, `length` bytes.
 ///
-/// The drive that it runs lives on the stack. Any context.
+/// What it runs lives on the stack. Any context.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_replay(
     bytes: *const u8,
@@ -37,7 +37,7 @@ pub unsafe extern "C" fn narx_replay(
     let run = || unsafe {
         pointer::check(outcome)?;
         let recording = pointer::bytes(bytes, length)?;
-        pointer::write(outcome, whole(recording)?.into())
+        pointer::write(outcome, replay_any(recording)?.into())
     };
     pointer::status(run())
 }
@@ -61,7 +61,7 @@ pub unsafe extern "C" fn narx_replay_until(
     let run = || unsafe {
         pointer::check(outcome)?;
         let recording = pointer::bytes(bytes, length)?;
-        match prefix(recording, ticks) {
+        match replay_any_until(recording, ticks) {
             Ok(prefix) => {
                 match prefix.last {
                     Some(outputs) => text::write(text, text_size, outputs)?,
@@ -76,14 +76,6 @@ pub unsafe extern "C" fn narx_replay_until(
         }
     };
     pointer::status(run())
-}
-
-fn whole(bytes: &[u8]) -> Result<Outcome, ReplayError> {
-    replay::<Drive>(&Recording::open(bytes)?)
-}
-
-fn prefix(bytes: &[u8], ticks: u64) -> Result<Prefix, ReplayError> {
-    replay_until::<Drive>(&Recording::open(bytes)?, ticks)
 }
 
 impl From<Outcome> for narx_outcome_t {

@@ -211,7 +211,7 @@ impl From<ParameterStatus> for narx_status_t {
 impl From<ReplayError> for narx_status_t {
     fn from(error: ReplayError) -> Self {
         match error {
-            ReplayError::State => NARX_ERROR_STATE,
+            ReplayError::State | ReplayError::Features { .. } => NARX_ERROR_STATE,
             ReplayError::Read(error) => match error {
                 ReadError::NotARecording => NARX_ERROR_NOT_A_RECORDING,
                 ReadError::ContainerVersion { .. } => NARX_ERROR_CONTAINER_VERSION,

@@ -50,7 +50,8 @@ class Replay(Trace):
 def replay(recording: bytes | bytearray | str | PathLike[str], until: int | None = None) -> Replay:
     """Runs a drive through a recording, or its first `until` ticks, and compares what it answers with what was recorded.
 
-    `recording` is the recording's bytes, or the path of a file. Raises RecordingError for bytes that are no recording.
+    A transcript, of what a drive's node or a TX-Driver was told and asked, runs as well: its ticks are calls, and it has no columns. `recording` is
+    the recording's bytes, or the path of a file. Raises RecordingError for bytes that are no recording.
     """
     data = bytes(recording) if isinstance(recording, bytes | bytearray) else Path(recording).read_bytes()
     columns, units, ticks, digest, recorded, outputs, label, same = _core.replay(data, until)

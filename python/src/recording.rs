@@ -2,9 +2,12 @@
 
 use crate::error;
 use crate::trace;
-use narx_core::recording::record_scoped;
+use narx_core::recording::{
+    BEHAVIOUR_VERSION, ReplayError, header, record_scoped, replay_any, replay_any_until,
+};
 use narx_sim::recording::RecordingBuffer;
 use narx_sim::replayed::{Replayed, replayed};
+use narx_sim::trace::Trace;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyBytes, PyDict};
@@ -14,7 +17,8 @@ use pyo3::types::{PyBytes, PyDict};
 type Answer<'py> =
     (Bound<'py, PyDict>, Bound<'py, PyDict>, u64, u64, Option<u64>, Option<String>, String, bool);
 
-/// Runs a drive through a recording, or its first `until` ticks, and compares what it answers with what was recorded.
+/// Runs a drive through a recording, or its first `until` ticks, and compares what it answers with what was recorded; or a node or TX-Driver through its
+/// transcript.
 #[pyfunction]
 #[pyo3(signature = (recording, until=None))]
 pub(crate) fn replay<'py>(
@@ -24,10 +28,31 @@ pub(crate) fn replay<'py>(
 ) -> PyResult<Answer<'py>> {
     let refused = |ticks| error::parameter(format!("until {ticks}: must be a number of ticks, 0 or more"));
     let until = until.map(|ticks| u64::try_from(ticks).map_err(|_| refused(ticks))).transpose()?;
-    let answer = py.detach(|| replayed(&recording, until)).map_err(error::recording)?;
+    let answer = py.detach(|| run(&recording, until)).map_err(error::recording)?;
     let Replayed { trace, ticks, digest, recorded_digest, outputs, label, same_behaviour } = answer;
     let (columns, units) = trace::columns(py, trace)?;
     Ok((columns, units, ticks, digest, recorded_digest, outputs, label, same_behaviour))
+}
+
+/// Of a transcript there is no table: what a node was told has other shapes than columns.
+fn run(bytes: &[u8], until: Option<u64>) -> Result<Replayed, ReplayError> {
+    let header = header(bytes)?;
+    if !header.kind.is_transcript() {
+        return replayed(bytes, until);
+    }
+    let (ticks, digest, recorded_digest) = match until {
+        None => replay_any(bytes).map(|found| (found.ticks, found.digest, Some(found.recorded_digest)))?,
+        Some(calls) => replay_any_until(bytes, calls).map(|found| (found.ticks, found.digest, None))?,
+    };
+    Ok(Replayed {
+        trace: Trace::new(&[]),
+        ticks,
+        digest,
+        recorded_digest,
+        outputs: None,
+        label: header.label.into(),
+        same_behaviour: header.behaviour_version == BEHAVIOUR_VERSION,
+    })
 }
 
 /// The recording that a scope's record of inputs is (big-endian words, as they are downloaded), the number of its first tick since power-up, and

@@ -11,11 +11,13 @@
 //!
 //! One call of [`Bench::step`] is one control tick. Same configuration, same frames, same bits.
 
+mod node;
 mod scope_memory;
 mod signals;
 #[cfg(feature = "tx-drivers")]
 mod tx_drivers;
 
+pub(crate) use node::BenchNode;
 pub use signals::SIGNALS;
 
 use crate::can::{Attachment, Bus, BusStatistics, NodeIndex, NotQueued, Received};
@@ -36,6 +38,7 @@ use alloc::vec::Vec;
 use narx_core::bus::Frame;
 use narx_core::dictionary::Parameters;
 use narx_core::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
+use narx_core::motor::event::Health;
 use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};
@@ -84,7 +87,7 @@ pub struct BenchConfig {
 pub struct Bench {
     plant: Plant,
     drive: Drive,
-    node: Node,
+    node: BenchNode,
     scope: Scope<ScopeMemory>,
     keeper: Keeper<ScopeMemory>,
     chip: Chip,
@@ -92,6 +95,9 @@ pub struct Bench {
     report: Option<(u64, Report)>,
     #[cfg(feature = "update")]
     slots: Slots,
+    /// There is a bootloader.
+    #[cfg(feature = "update")]
+    programmable: bool,
     identity: Identity,
     bus: Bus<PLACES, QUEUE>,
     device: NodeIndex,
@@ -108,6 +114,9 @@ pub struct Bench {
     /// Record from the next boot on.
     record: bool,
     recorder: Option<Recorder<RecordingBuffer>>,
+    /// Write down what the node is told and asked, from the next boot on.
+    #[cfg(feature = "transcripts")]
+    transcribe: bool,
     label: String,
     #[cfg(feature = "tx-drivers")]
     tx_drivers: TxDrivers,
@@ -131,7 +140,7 @@ impl Bench {
         let [device, host, monitor, other] = bus.attach_first();
         bus.set_attachment(monitor, Attachment::ListenOnly);
         bus.set_attachment(other, Attachment::Detached);
-        let node = Node::with_parameters(IDENTITY, board, config.parameters.clone());
+        let node = BenchNode::new(Node::with_parameters(IDENTITY, board, config.parameters.clone()));
         let mut bench = Self {
             plant: Plant::new(&config.plant),
             drive: Drive::new(Coefficients::default()),
@@ -142,6 +151,8 @@ impl Bench {
             report: None,
             #[cfg(feature = "update")]
             slots: Slots::new(&IDENTITY),
+            #[cfg(feature = "update")]
+            programmable: true,
             identity: IDENTITY,
             bus,
             device,
@@ -157,6 +168,8 @@ impl Bench {
             hall: 0,
             record: true,
             recorder: None,
+            #[cfg(feature = "transcripts")]
+            transcribe: false,
             label: config.label.chars().take(60).collect(),
             #[cfg(feature = "tx-drivers")]
             tx_drivers: TxDrivers::new(config.plant.seed),
@@ -175,10 +188,16 @@ impl Bench {
         let Opened { parameters, .. } = opened.clone();
         // A set that does not build leaves the drive with none: the node says so, and it refuses to start.
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
-        self.node = Node::with_parameters(self.identity, board, parameters);
+        self.node = BenchNode::new(Node::with_parameters(self.identity, board, parameters));
+        #[cfg(feature = "transcripts")]
+        if self.transcribe {
+            self.node.begin_transcript(self.identity, &self.label);
+        }
         self.node.attach_storage(&opened);
         #[cfg(feature = "update")]
-        self.slots.attach(&mut self.node);
+        if self.programmable {
+            self.slots.attach(&mut self.node);
+        }
         (self.scope, self.keeper) = (Scope::default(), Keeper::new(ScopeMemory::new()));
         self.event = self.node.poll_event();
         self.recorder = self.record.then(|| self.recorder()).flatten();
@@ -207,6 +226,36 @@ impl Bench {
     #[must_use]
     pub fn without_recording(self) -> Self {
         Self { record: false, recorder: None, ..self }
+    }
+
+    /// The same bench, whose drive has no bootloader: it is powered up anew, and cannot be programmed over CAN.
+    #[cfg(feature = "update")]
+    #[must_use]
+    pub fn without_programming(mut self) -> Self {
+        self.programmable = false;
+        self.boot();
+        self
+    }
+
+    /// The same bench, powered up anew, which writes down what its node is told and asked: [`Bench::transcript`].
+    #[cfg(feature = "transcripts")]
+    #[must_use]
+    pub fn with_transcript(mut self) -> Self {
+        self.transcribe = true;
+        self.boot();
+        self
+    }
+
+    /// What the node was told and asked since it last booted, to be [run again](narx_core::recording::transcript); nothing without
+    /// [`Bench::with_transcript`].
+    #[cfg(feature = "transcripts")]
+    pub fn transcript(&self) -> Vec<u8> {
+        self.node.transcript()
+    }
+
+    /// Tells the node what its shell would have found out about store and self-tests.
+    pub fn set_health(&mut self, health: Health) {
+        self.node.handle_health(health);
     }
 
     /// One control tick.

@@ -1,12 +1,13 @@
 //! The slots of the virtual drive and its bootloader: signatures, swaps and reverts are those of a board. The program in an image is not run;
 //! the drive takes its version and stays what it is.
 
+use crate::bench::BenchNode;
 use crate::flash::Sparse;
 use crate::internal_flash::InternalFlash;
 use narx_boot::sign::SecretKey;
 use narx_boot::{Board, Header, Map, Outcome, Server, Slot, Version, boot, hardware, key};
+use narx_core::node::Identity;
 use narx_core::node::update::{Report, Slots as Attached};
-use narx_core::node::{Identity, Node};
 
 /// As on the ST board.
 const MAP: Map = Map::B_G431B_ESC1;
@@ -56,7 +57,7 @@ impl Slots {
     }
 
     /// What the node is told at power-up.
-    pub(crate) fn attach(&mut self, node: &mut Node) {
+    pub(crate) fn attach(&mut self, node: &mut BenchNode) {
         // A flash that has its power can be read.
         let Ok(slots) = self.server.slots() else { return };
         let running = if self.is_filled { slots.running } else { self.version.into() };
@@ -64,7 +65,7 @@ impl Slots {
     }
 
     /// Lets the flash do what the node asks for; what it has done is told when a flash would be ready.
-    pub(crate) fn serve(&mut self, node: &mut Node, now: u64) {
+    pub(crate) fn serve(&mut self, node: &mut BenchNode, now: u64) {
         if let Some((_, report)) = self.report.take_if(|(due, _)| *due <= now) {
             node.handle_update(report);
         }

@@ -52,7 +52,7 @@ fn versions_have_errors_of_their_own() {
     let newer = LAYOUT_VERSION + 1;
     let file = record(&Header { layout_version: newer, ..here }, &[], &ticks);
     let error = Recording::open(&file).unwrap_err();
-    assert_eq!(error, ReadError::LayoutVersion { found: newer });
+    assert_eq!(error, ReadError::LayoutVersion { found: newer, known: here.layout_version });
     assert!(error.to_string().starts_with("recorded by a newer narx"), "{error}");
 
     let file = record(&Header { kind: Kind::Node, ..here }, &[], &ticks);

@@ -7,4 +7,5 @@ mod parity;
 mod replay;
 mod round_trip;
 mod support;
+mod transcript;
 mod vectors;

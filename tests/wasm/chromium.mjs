@@ -1,13 +1,13 @@
 // Replays recordings in Chromium, in the page's context: `node chromium.mjs [--ticks N] FILE...`
 
 import { PACKAGE, start } from "./browser.mjs";
-import { main } from "./replayer.mjs";
+import { isTranscript, main } from "./replayer.mjs";
 
 const browser = await start();
 try {
     const { page } = await browser.open();
     await main(async (bytes, ticks) => {
-        const { found, reason } = await page.evaluate(inPage, [PACKAGE, bytes.toString("base64"), ticks]);
+        const { found, reason } = await page.evaluate(inPage, [PACKAGE, bytes.toString("base64"), ticks, isTranscript(bytes)]);
         if (reason !== undefined) {
             throw new Error(reason);
         }
@@ -18,9 +18,10 @@ try {
 }
 
 /** Runs in the page. An exception would come back with the browser's words around it. */
-async function inPage([folder, base64, ticks]) {
-    const { default: init, replay } = await import(`${folder}lab.js`);
-    await init();
+async function inPage([folder, base64, ticks, transcript]) {
+    const module = await import(`${folder}${transcript ? "full" : "lab"}.js`);
+    await module.default();
+    const replay = transcript ? module.replayTranscript : module.replay;
     const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
     try {
         return { found: replay(bytes, ticks ?? undefined) };

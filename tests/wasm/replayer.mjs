@@ -4,6 +4,9 @@ import { readFile } from "node:fs/promises";
 import { basename } from "node:path";
 import process from "node:process";
 
+/** Whether a recording is of a node or a TX-Driver: the kind, behind magic, version and a chunk's head, is not that of a drive. */
+export const isTranscript = (bytes) => bytes[12] > 1;
+
 /** Replays what the command line names with `replay(bytes, ticks)`, and sets the exit code. */
 export async function main(replay) {
     const files = process.argv.slice(2);

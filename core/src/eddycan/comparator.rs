@@ -1,12 +1,28 @@
 //! A comparator: is the position above a fraction of the measuring range?
 
 use crate::bus::eddycan::Position;
+use serde::{Deserialize, Serialize};
 
 /// What a sensor measures, from its start to its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "[Position; 2]", into = "[Position; 2]")]
 pub struct MeasuringRange {
     start: Position,
     end: Position,
+}
+
+impl From<MeasuringRange> for [Position; 2] {
+    fn from(range: MeasuringRange) -> Self {
+        [range.start, range.end]
+    }
+}
+
+impl TryFrom<[Position; 2]> for MeasuringRange {
+    type Error = &'static str;
+
+    fn try_from([start, end]: [Position; 2]) -> Result<Self, Self::Error> {
+        Self::new(start, end).ok_or("a measuring range whose end lies beyond its start")
+    }
 }
 
 impl MeasuringRange {

@@ -39,10 +39,11 @@ use heartbeat::Heartbeat;
 use outbox::Outbox;
 use pdo::Timer;
 use sensing::Sensing;
+use serde::{Deserialize, Serialize};
 use store::Store;
 
 /// What a driver is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Variant {
     /// Sensors of it.
     pub channels: Channels,

@@ -5,9 +5,10 @@ use super::configuration::Configuration;
 use super::encoder::Encoder;
 use super::filter::Filter;
 use crate::bus::eddycan::{Channels, Position, Reading};
+use serde::{Deserialize, Serialize};
 
 /// What the board has sampled at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sample {
     /// Position of each channel; the second one of a driver of one channel does not count.
     pub positions: [Position; 2],

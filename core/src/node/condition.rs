@@ -4,9 +4,10 @@ use super::Node;
 use crate::dictionary::number;
 use crate::motor::event::Health;
 use bitflags::bitflags;
+use serde::{Deserialize, Serialize};
 
 /// Why the device started (parameter 302).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetCause {
     /// The board cannot tell.
     #[default]
@@ -27,7 +28,7 @@ pub enum ResetCause {
 
 bitflags! {
     /// Self-tests (parameter 303).
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
     pub struct SelfTests: u16 {
         /// RAM, at boot.
         const RAM = 1 << 0;

@@ -124,13 +124,9 @@ impl Log {
             return Some(Request::Erase);
         }
         match &mut self.download {
-            Some(Download { next, step: step @ Step::Due, .. }) => {
+            Some(Download { next, step: step @ (Step::Requested | Step::Due), .. }) => {
                 *step = Step::Asked;
                 Some(Request::Read(*next))
-            }
-            Some(Download { step: step @ Step::Requested, .. }) => {
-                *step = Step::Due;
-                None
             }
             _ => None,
         }

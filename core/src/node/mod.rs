@@ -62,14 +62,14 @@ use serde::{Deserialize, Serialize};
 use storage::Flash;
 
 /// What the shell does for the node.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Action {
     /// Restart the device. Every frame queued before has been polled by then.
     Reboot,
 }
 
 /// Levels that the shell applies to the board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Outputs {
     /// DSIO1 and DSIO2.
     pub digital: DigitalOutputs,

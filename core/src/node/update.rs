@@ -63,7 +63,7 @@ impl Default for Condition {
 }
 
 /// What the shell is to do with the slot. Offsets are bytes from its beginning.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request {
     /// Take back a mark, if there is one.
     Clear,
@@ -96,7 +96,7 @@ pub enum Request {
 }
 
 /// What has become of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Report {
     /// Done.
     Done,

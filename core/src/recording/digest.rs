@@ -14,6 +14,14 @@ type Way = crc::Table<1>;
 
 static CRC64: Crc<u64, Way> = Crc::<u64, Way>::new(&CRC_64_XZ);
 
+/// CRC-64/XZ of bytes as they come.
+pub(super) type Check = crc::Digest<'static, u64, Way>;
+
+/// Of none yet.
+pub(super) const fn check() -> Check {
+    CRC64.digest()
+}
+
 /// CRC-64/XZ over the outputs of all ticks in order: every PWM command, and after it the status if that tick
 /// reported one. Each begins with a letter (`P`, `S`), then its fields in the order of their declaration, little
 /// endian, nothing between them: `bool` and enumerations one byte (numbered from 0 in the order of declaration
@@ -21,12 +29,12 @@ static CRC64: Crc<u64, Way> = Crc::<u64, Way>::new(&CRC_64_XZ);
 /// command's commutations are their count, then instant and step of each.
 #[derive(Clone)]
 pub struct Digest {
-    crc: crc::Digest<'static, u64, Way>,
+    crc: Check,
 }
 
 impl Default for Digest {
     fn default() -> Self {
-        Self { crc: CRC64.digest() }
+        Self { crc: check() }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What can go wrong, with the place where it did.
 
-use super::{CHUNK_BYTES, CONTAINER_VERSION, LABEL_MAX, LAYOUT_VERSION};
+use super::{CHUNK_BYTES, CONTAINER_VERSION, LABEL_MAX};
 use core::fmt;
 
 /// Why bytes are not a recording that this version can read. Offsets count from the start of the file.
@@ -13,12 +13,14 @@ pub enum ReadError {
         /// The version in the file.
         found: u8,
     },
-    /// Recorded with another layout of the drive's state.
+    /// Recorded with another layout of the drive's state, or of the calls of a transcript.
     LayoutVersion {
         /// The version in the file.
         found: u16,
+        /// The one that this narx reads.
+        known: u16,
     },
-    /// Not a recording of a drive.
+    /// A recording of something else than was asked for.
     Kind {
         /// The kind in the file.
         found: u8,
@@ -67,7 +69,7 @@ pub enum RecordError<E> {
     LabelTooLong,
     /// The initial state is longer than 65 535 bytes.
     StateTooLong,
-    /// An event does not fit in a chunk.
+    /// An event or a call does not fit in a chunk.
     EventTooLong,
     /// The sink refused.
     Sink(E),
@@ -80,6 +82,14 @@ pub enum ReplayError {
     Read(ReadError),
     /// The initial state is not one of this drive.
     State,
+    /// The node that was recorded has other features than this build: its answers would be others. Bits in the order of
+    /// [`NodeSetup::features`](super::transcript::NodeSetup::features).
+    Features {
+        /// Those of the transcript.
+        recorded: u8,
+        /// Those of this build.
+        here: u8,
+    },
 }
 
 impl From<ReadError> for ReplayError {
@@ -105,14 +115,19 @@ impl fmt::Display for ReadError {
             Self::ContainerVersion { found } => {
                 write!(f, "container version {found}, but this narx reads version {CONTAINER_VERSION}")
             }
-            Self::LayoutVersion { found } => {
-                let age = if found > LAYOUT_VERSION { "a newer" } else { "an older" };
-                write!(
-                    f,
-                    "recorded by {age} narx: state layout {found}, but this one reads layout {LAYOUT_VERSION}"
-                )
+            Self::LayoutVersion { found, known } => {
+                let age = if found > known { "a newer" } else { "an older" };
+                write!(f, "recorded by {age} narx: state layout {found}, but this one reads layout {known}")
             }
-            Self::Kind { found } => write!(f, "recording of kind {found}, expected 1 (drive)"),
+            Self::Kind { found } => {
+                let name = match found {
+                    1 => " (drive)",
+                    2 => " (node)",
+                    3 => " (TX-Driver)",
+                    _ => "",
+                };
+                write!(f, "recording of kind {found}{name}, which is not replayed here")
+            }
             Self::Truncated { at, expected } => {
                 write!(f, "truncated: the file ends at byte {at}, expected {expected}")
             }
@@ -134,7 +149,9 @@ impl<E: fmt::Display> fmt::Display for RecordError<E> {
         match self {
             Self::LabelTooLong => write!(f, "the label is longer than {LABEL_MAX} bytes"),
             Self::StateTooLong => write!(f, "the initial state is longer than 65535 bytes"),
-            Self::EventTooLong => write!(f, "an event does not fit in a chunk of {CHUNK_BYTES} bytes"),
+            Self::EventTooLong => {
+                write!(f, "an event or a call does not fit in a chunk of {CHUNK_BYTES} bytes")
+            }
             Self::Sink(error) => write!(f, "the recording could not be written: {error}"),
         }
     }
@@ -145,6 +162,10 @@ impl fmt::Display for ReplayError {
         match self {
             Self::Read(error) => error.fmt(f),
             Self::State => write!(f, "the recording's initial state is not a state of this drive"),
+            Self::Features { recorded, here } => write!(
+                f,
+                "recorded by a node with features {recorded:#04x}, but this one has {here:#04x} (accelerometer 1, description 2, log 4, scope 8)"
+            ),
         }
     }
 }

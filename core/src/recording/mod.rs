@@ -22,7 +22,7 @@
 //!
 //! | chunk | payload |
 //! |---|---|
-//! | `H` | kind (1 drive, 2 node) u8, behaviour version u16, layout version u16, tick rate in Hz u32, label length u8, label UTF-8 |
+//! | `H` | kind (1 drive; 2 node and 3 TX-Driver: [`transcript`]) u8, behaviour version u16, layout version u16, tick rate in Hz u32, label length u8, label UTF-8 |
 //! | `S` | initial state, postcard |
 //! | `T` | tick records, whole ones, at most [`CHUNK_BYTES`] together |
 //! | `E` | number of ticks u64, output digest u64 ([`Digest`]) |
@@ -45,6 +45,7 @@
 //!
 //! Varints are LEB128: seven bits a byte, low ones first, the top bit says that more follow.
 
+mod any;
 mod bytes;
 mod digest;
 mod error;
@@ -53,13 +54,15 @@ mod read;
 mod replay;
 mod scoped;
 mod tick;
+pub mod transcript;
 mod write;
 
 pub use crate::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
+pub use any::{replay_any, replay_any_until};
 pub use digest::Digest;
 pub use error::{ReadError, RecordError, ReplayError};
 pub use outputs::Outputs;
-pub use read::{End, Recording, Tick, Ticks};
+pub use read::{End, Recording, Tick, Ticks, header};
 pub use replay::{Outcome, Player, Prefix, Replayable, replay, replay_until, replay_with};
 pub use scoped::{Scoped, ScopedError, record_scoped};
 pub use write::{Full, Recorder, Sink};
@@ -89,6 +92,16 @@ pub enum Kind {
     Drive = 1,
     /// The node around it: frames, time, store results, status.
     Node = 2,
+    /// A TX-Driver: frames, time, samples, store results.
+    TxDriver = 3,
+}
+
+impl Kind {
+    /// Whether it is a [`transcript`].
+    #[must_use]
+    pub const fn is_transcript(self) -> bool {
+        !matches!(self, Self::Drive)
+    }
 }
 
 /// What a recording says of itself.
@@ -107,6 +120,12 @@ pub struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
+    /// Whether its state or calls are of the layout that is known here.
+    const fn check_layout(&self, known: u16) -> Result<(), ReadError> {
+        let found = self.layout_version;
+        if found == known { Ok(()) } else { Err(ReadError::LayoutVersion { found, known }) }
+    }
+
     /// Header of a drive recorded by this version. `tick_rate` in Hz.
     pub const fn drive(tick_rate: u32, label: &'a str) -> Self {
         Self {
@@ -124,5 +143,6 @@ mod tag {
     pub(super) const HEADER: u8 = b'H';
     pub(super) const STATE: u8 = b'S';
     pub(super) const TICKS: u8 = b'T';
+    pub(super) const CALLS: u8 = b'C';
     pub(super) const END: u8 = b'E';
 }

@@ -35,6 +35,27 @@ pub struct End {
     pub digest: u64,
 }
 
+impl End {
+    /// The payload of the end chunk.
+    pub(super) fn read(mut payload: Cursor<'_>) -> Result<Self, ReadError> {
+        let end = Self { ticks: payload.u64("the tick count")?, digest: payload.u64("the output digest")? };
+        if payload.rest().is_empty() {
+            Ok(end)
+        } else {
+            Err(ReadError::Malformed { at: payload.at(), expected: "the end of the end chunk" })
+        }
+    }
+}
+
+/// What a recording of whatever kind says of itself.
+///
+/// # Errors
+/// The bytes are none.
+pub fn header(file: &[u8]) -> Result<Header<'_>, ReadError> {
+    let payload = Chunks::open(file)?.expect(tag::HEADER, "a header chunk")?;
+    decode_header(payload).map_err(ReadError::within_chunk)
+}
+
 impl<'a> Recording<'a> {
     /// Reads header and initial state. Ticks are checked as [`ticks`](Self::ticks) hands them out, or all at once
     /// by [`verify`](Self::verify).
@@ -42,6 +63,10 @@ impl<'a> Recording<'a> {
         let mut body = Chunks::open(file)?;
         let payload = body.expect(tag::HEADER, "a header chunk")?;
         let header = decode_header(payload).map_err(ReadError::within_chunk)?;
+        if header.kind != Kind::Drive {
+            return Err(ReadError::Kind { found: header.kind as u8 });
+        }
+        header.check_layout(LAYOUT_VERSION)?;
         let state = body.expect(tag::STATE, "a state chunk")?.rest();
         Ok(Self { header, state, body })
     }
@@ -120,17 +145,12 @@ impl Ticks<'_> {
         Ok(Some(tick))
     }
 
-    fn finish(&self, mut payload: Cursor<'_>) -> Result<End, ReadError> {
-        let end = End { ticks: payload.u64("the tick count")?, digest: payload.u64("the output digest")? };
-        if !payload.rest().is_empty() {
-            return Err(ReadError::Malformed { at: payload.at(), expected: "the end of the end chunk" });
-        }
+    fn finish(&self, payload: Cursor<'_>) -> Result<End, ReadError> {
+        let end = End::read(payload)?;
         if end.ticks != self.read {
             return Err(ReadError::TickCount { stored: end.ticks, read: self.read });
         }
-        if !self.chunks.file.rest().is_empty() {
-            return Err(ReadError::TrailingBytes { at: self.chunks.file.at() });
-        }
+        self.chunks.ended()?;
         Ok(end)
     }
 }
@@ -150,7 +170,7 @@ impl Iterator for Ticks<'_> {
 
 /// The chunks of a file, each checked before it is handed out.
 #[derive(Clone)]
-struct Chunks<'a> {
+pub(super) struct Chunks<'a> {
     file: Cursor<'a>,
     crc: crc::Digest<'static, u32>,
 }
@@ -162,7 +182,7 @@ impl fmt::Debug for Chunks<'_> {
 }
 
 impl<'a> Chunks<'a> {
-    fn open(bytes: &'a [u8]) -> Result<Self, ReadError> {
+    pub(super) fn open(bytes: &'a [u8]) -> Result<Self, ReadError> {
         let mut file = Cursor::new(bytes, 0);
         // A file that ends inside the magic is cut short only if what is there agrees.
         if !MAGIC.starts_with(bytes) && !bytes.starts_with(&MAGIC) {
@@ -178,8 +198,22 @@ impl<'a> Chunks<'a> {
         Ok(Self { file, crc })
     }
 
+    /// Offset of the next chunk in the file.
+    pub(super) const fn at(&self) -> usize {
+        self.file.at()
+    }
+
+    /// Nothing follows.
+    pub(super) const fn ended(&self) -> Result<(), ReadError> {
+        if self.file.rest().is_empty() {
+            Ok(())
+        } else {
+            Err(ReadError::TrailingBytes { at: self.file.at() })
+        }
+    }
+
     /// The next chunk's tag and payload.
-    fn read(&mut self, expected: &'static str) -> Result<(u8, Cursor<'a>), ReadError> {
+    pub(super) fn read(&mut self, expected: &'static str) -> Result<(u8, Cursor<'a>), ReadError> {
         let start = self.file.clone();
         let tag = self.file.u8(expected)?;
         let length = self.file.u16("a chunk's length")?;
@@ -198,7 +232,7 @@ impl<'a> Chunks<'a> {
     }
 
     /// The next chunk's payload if it has this tag.
-    fn expect(&mut self, tag: u8, expected: &'static str) -> Result<Cursor<'a>, ReadError> {
+    pub(super) fn expect(&mut self, tag: u8, expected: &'static str) -> Result<Cursor<'a>, ReadError> {
         let at = self.file.at();
         match self.read(expected)? {
             (found, payload) if found == tag => Ok(payload),
@@ -207,16 +241,15 @@ impl<'a> Chunks<'a> {
     }
 }
 
-fn decode_header(mut from: Cursor<'_>) -> Result<Header<'_>, ReadError> {
+pub(super) fn decode_header(mut from: Cursor<'_>) -> Result<Header<'_>, ReadError> {
     let kind = match from.u8("the kind")? {
         1 => Kind::Drive,
+        2 => Kind::Node,
+        3 => Kind::TxDriver,
         found => return Err(ReadError::Kind { found }),
     };
     let behaviour_version = from.u16("the behaviour version")?;
     let layout_version = from.u16("the layout version")?;
-    if layout_version != LAYOUT_VERSION {
-        return Err(ReadError::LayoutVersion { found: layout_version });
-    }
     let tick_rate = from.u32("the tick rate")?;
     let at = from.at();
     let length = usize::from(from.u8("the label's length")?);

@@ -45,17 +45,8 @@ pub struct Recorder<S> {
 impl<S: Sink> Recorder<S> {
     /// Begins a recording with the drive's serialised `state` before the first recorded tick.
     pub fn new(sink: S, header: &Header<'_>, state: &[u8]) -> Result<Self, RecordError<S::Error>> {
-        let mut output = Output { sink, crc: CRC32.digest() };
-        output.write(&MAGIC)?;
-        output.write(&[CONTAINER_VERSION])?;
-        let payload = encode_header(header).ok_or(RecordError::LabelTooLong)?;
-        output.chunk(tag::HEADER, &payload)?;
-        if state.len() > usize::from(u16::MAX) {
-            return Err(RecordError::StateTooLong);
-        }
-        output.chunk(tag::STATE, state)?;
         Ok(Self {
-            output,
+            output: Output::begin(sink, header, state)?,
             payload: Payload::new(),
             before: Samples::default(),
             ticks: 0,
@@ -96,13 +87,7 @@ impl<S: Sink> Recorder<S> {
     /// Writes the end record and hands the sink back.
     pub fn finish(mut self) -> Result<S, RecordError<S::Error>> {
         self.flush()?;
-        let [count, digest] = [self.ticks.to_le_bytes(), self.digest.value().to_le_bytes()];
-        let mut end = Vec::<u8, 16>::new();
-        // Sixteen bytes fit in sixteen.
-        let _ = end.extend_from_slice(&count);
-        let _ = end.extend_from_slice(&digest);
-        self.output.chunk(tag::END, &end)?;
-        Ok(self.output.sink)
+        self.output.end(self.ticks, self.digest.value())
     }
 
     /// Appends to the chunk in the making; false, with nothing changed, when it does not fit.
@@ -126,7 +111,7 @@ impl<S: Sink> Recorder<S> {
 
 /// The sink with the running check.
 #[derive(Clone)]
-struct Output<S> {
+pub(super) struct Output<S> {
     sink: S,
     crc: crc::Digest<'static, u32>,
 }
@@ -138,13 +123,37 @@ impl<S: fmt::Debug> fmt::Debug for Output<S> {
 }
 
 impl<S: Sink> Output<S> {
+    /// Everything before the first tick or call.
+    pub(super) fn begin(sink: S, header: &Header<'_>, state: &[u8]) -> Result<Self, RecordError<S::Error>> {
+        let mut output = Self { sink, crc: CRC32.digest() };
+        output.write(&MAGIC)?;
+        output.write(&[CONTAINER_VERSION])?;
+        let payload = encode_header(header).ok_or(RecordError::LabelTooLong)?;
+        output.chunk(tag::HEADER, &payload)?;
+        if state.len() > usize::from(u16::MAX) {
+            return Err(RecordError::StateTooLong);
+        }
+        output.chunk(tag::STATE, state)?;
+        Ok(output)
+    }
+
+    /// The end record; hands the sink back.
+    pub(super) fn end(mut self, count: u64, digest: u64) -> Result<S, RecordError<S::Error>> {
+        let mut end = Vec::<u8, 16>::new();
+        // Sixteen bytes fit in sixteen.
+        let _ = end.extend_from_slice(&count.to_le_bytes());
+        let _ = end.extend_from_slice(&digest.to_le_bytes());
+        self.chunk(tag::END, &end)?;
+        Ok(self.sink)
+    }
+
     fn write(&mut self, bytes: &[u8]) -> Result<(), RecordError<S::Error>> {
         self.crc.update(bytes);
         self.sink.write(bytes).map_err(RecordError::Sink)
     }
 
     /// `payload` is no longer than 65 535 bytes.
-    fn chunk(&mut self, tag: u8, payload: &[u8]) -> Result<(), RecordError<S::Error>> {
+    pub(super) fn chunk(&mut self, tag: u8, payload: &[u8]) -> Result<(), RecordError<S::Error>> {
         let [low, high] = (payload.len() as u16).to_le_bytes();
         self.write(&[tag, low, high])?;
         self.write(payload)?;

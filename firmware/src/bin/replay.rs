@@ -1,4 +1,4 @@
-//! Replays drive recordings on the emulated board: `replay [--ticks N] FILE...`.
+//! Replays recordings on the emulated board: `replay [--ticks N] FILE...`.
 //!
 //! Prints for every file `STEM TICKS DIGEST RECORDED`; with `--ticks`, of its first N ticks, `STEM TICKS DIGEST - ` and the
 //! last tick's outputs; `STEM error MESSAGE` for one that cannot be replayed, and then ends with exit code 1.
@@ -25,8 +25,7 @@ fn main() -> ! {
 #[cfg(target_os = "none")]
 mod image {
     use cortex_m_semihosting::hprintln;
-    use narx_core::motor::Drive;
-    use narx_core::recording::{Recording, ReplayError, replay, replay_until};
+    use narx_core::recording::{ReplayError, replay_any, replay_any_until};
     use narx_firmware::boards::qemu::{semihosting, stem};
 
     /// Replays every file; false if one could not be.
@@ -60,13 +59,12 @@ mod image {
     }
 
     fn print_outcome(stem: &str, bytes: &[u8], ticks: Option<u64>) -> Result<(), ReplayError> {
-        let recording = Recording::open(bytes)?;
         let Some(ticks) = ticks else {
-            let outcome = replay::<Drive>(&recording)?;
+            let outcome = replay_any(bytes)?;
             hprintln!("{} {} {:016x} {:016x}", stem, outcome.ticks, outcome.digest, outcome.recorded_digest);
             return Ok(());
         };
-        let prefix = replay_until::<Drive>(&recording, ticks)?;
+        let prefix = replay_any_until(bytes, ticks)?;
         match prefix.last {
             Some(outputs) => hprintln!("{} {} {:016x} - {}", stem, prefix.ticks, prefix.digest, outputs),
             None => hprintln!("{} {} {:016x} -", stem, prefix.ticks, prefix.digest),

@@ -6,6 +6,8 @@ use crate::can::{Bus, NodeIndex};
 use crate::random::Random;
 use crate::sensor::{EddyCurrent, Encoder, Shaft};
 use narx_core::eddycan::{Configuration, Sample, TxDriver, Variant};
+#[cfg(feature = "transcripts")]
+use {super::notes::Notes, alloc::vec::Vec};
 
 /// Frames in its controller. So what it sends is never older than one frame, and a position that waits in the device is replaced by the next.
 const MAILBOXES: usize = 1;
@@ -21,6 +23,18 @@ pub struct Device {
     encoder: Option<Encoder>,
     noise: Random,
     place: NodeIndex,
+    #[cfg(feature = "transcripts")]
+    notes: Option<Notes>,
+}
+
+/// Writes down a call, where that is wanted. Nothing of it is compiled into a bench without transcripts.
+macro_rules! note {
+    ($self:ident, $($call:tt)*) => {
+        #[cfg(feature = "transcripts")]
+        if let Some(notes) = &mut $self.notes {
+            notes.$($call)*;
+        }
+    };
 }
 
 impl Device {
@@ -39,7 +53,17 @@ impl Device {
             Variant { channels: config.channels, ranges, sample_rate: SAMPLE_RATE, firmware: FIRMWARE };
         let driver = TxDriver::new(variant, stored);
         bus.set_bitrate(place, driver.bitrate().bits_per_second());
-        Ok(Self { driver, variant, stored, sensors, encoder: config.encoder, noise, place })
+        Ok(Self {
+            driver,
+            variant,
+            stored,
+            sensors,
+            encoder: config.encoder,
+            noise,
+            place,
+            #[cfg(feature = "transcripts")]
+            notes: None,
+        })
     }
 
     /// The device itself.
@@ -63,6 +87,20 @@ impl Device {
         self.sensors = sensors;
     }
 
+    /// Powers it up anew from what it has stored, and writes down what it is told and asked from then on: [`Device::transcript`].
+    #[cfg(feature = "transcripts")]
+    pub fn begin_transcript(&mut self, label: &str) {
+        self.driver = TxDriver::new(self.variant, self.stored);
+        self.notes = Notes::new(self.variant, self.stored, label);
+    }
+
+    /// What it was told and asked since it last started, to be [run again](narx_core::recording::transcript); nothing without
+    /// [`Device::begin_transcript`].
+    #[cfg(feature = "transcripts")]
+    pub fn transcript(&self) -> Vec<u8> {
+        self.notes.as_ref().map_or_else(Vec::new, |notes| notes.finish(&self.driver))
+    }
+
     /// One pass of its loop.
     pub(super) fn step<const NODES: usize, const QUEUE: usize>(
         &mut self,
@@ -74,18 +112,25 @@ impl Device {
         if state.is_off() {
             bus.discard(self.place);
         }
+        note!(self, bus_state(state));
         self.driver.handle_bus_state(state);
         let sample = self.sample(shaft);
+        note!(self, sample(sample));
         self.driver.handle_sample(sample);
         while let Some(received) = bus.receive(self.place) {
+            note!(self, frame(&received.frame, received.time_ns / 1000));
             self.driver.handle_frame(&received.frame, received.time_ns / 1000);
         }
+        note!(self, poll(now_ns / 1000));
         self.driver.poll(now_ns / 1000);
+        note!(self, outputs(self.driver.outputs()));
         if let Some(configuration) = self.driver.poll_store() {
+            note!(self, stored(configuration));
             self.stored = configuration;
             self.driver.handle_store(true);
         }
         if self.driver.take_reset() {
+            note!(self, reset(self.variant, self.stored));
             self.driver = TxDriver::new(self.variant, self.stored);
             bus.discard(self.place);
             bus.set_bitrate(self.place, self.driver.bitrate().bits_per_second());
@@ -93,6 +138,7 @@ impl Device {
         while bus.queued(self.place) < MAILBOXES
             && let Some(frame) = self.driver.poll_frame()
         {
+            note!(self, sent(frame));
             // Room was just seen.
             let _ = bus.send(self.place, frame, now_ns);
         }

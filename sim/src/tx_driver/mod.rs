@@ -9,6 +9,8 @@
 
 mod config;
 mod device;
+#[cfg(feature = "transcripts")]
+mod notes;
 
 pub use config::{AddError, TxDriverConfig};
 pub use device::Device;

@@ -16,7 +16,9 @@ mod real;
 pub mod recording;
 pub mod scope;
 pub mod slcan;
+mod sound;
 pub mod storage;
+pub mod transcript;
 pub mod tx_driver;
 pub mod tx_master;
 pub mod update;
@@ -31,7 +33,7 @@ pub struct Target {
 }
 
 /// All of them.
-pub const TARGETS: [Target; 14] = [
+pub const TARGETS: [Target; 15] = [
     Target { name: "boot", run: boot::run },
     Target { name: "bus", run: bus::run },
     Target { name: "candump", run: candump::run },
@@ -43,6 +45,7 @@ pub const TARGETS: [Target; 14] = [
     Target { name: "scope", run: scope::run },
     Target { name: "slcan", run: slcan::run },
     Target { name: "storage", run: storage::run },
+    Target { name: "transcript", run: transcript::run },
     Target { name: "tx_driver", run: tx_driver::run },
     Target { name: "tx_master", run: tx_master::run },
     Target { name: "update", run: update::run },

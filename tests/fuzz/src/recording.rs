@@ -3,12 +3,10 @@
 
 use crate::program::Program;
 use crate::real;
-use crc::{CRC_32_ISO_HDLC, Crc};
+use crate::sound::Sound;
 use narx_core::motor::{Drive, Event, Step};
-use narx_core::recording::{CONTAINER_VERSION, Header, MAGIC, Recorder, Recording, Tick, replay};
+use narx_core::recording::{Header, Recorder, Recording, Tick, replay};
 use narx_sim::recording::RecordingBuffer;
-
-static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// First byte modulo 3: 0 the file, 1 places and bytes that change in a real one, 2 the payload of a chunk of ticks behind a real state.
 pub fn run(data: &[u8]) {
@@ -97,28 +95,4 @@ fn chunk(payload: &[u8]) {
     assert_eq!(read(&again), Some(ticks));
     let outcome = replay::<Drive>(&Recording::open(&again).expect("our own")).expect("our own");
     assert!(outcome.is_identical());
-}
-
-/// A file whose check values are right, whatever it says.
-#[derive(Clone)]
-struct Sound {
-    file: Vec<u8>,
-    checked: Vec<u8>,
-}
-
-impl Sound {
-    fn begin() -> Self {
-        let mut file = MAGIC.to_vec();
-        file.push(CONTAINER_VERSION);
-        Self { checked: file.clone(), file }
-    }
-
-    fn chunk(&mut self, tag: u8, payload: &[u8]) {
-        let mut bytes = vec![tag];
-        bytes.extend((payload.len() as u16).to_le_bytes());
-        bytes.extend(payload);
-        self.checked.extend(&bytes);
-        self.file.extend(&bytes);
-        self.file.extend(CRC32.checksum(&self.checked).to_le_bytes());
-    }
 }

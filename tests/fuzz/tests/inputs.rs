@@ -121,6 +121,7 @@ targets! {
     scope 1_000,
     slcan 10_000,
     storage 50,
+    transcript 2_000,
     tx_driver 5_000,
     tx_master 10_000,
     update 500,

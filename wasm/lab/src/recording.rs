@@ -5,8 +5,9 @@ use narx_core::motor::Drive;
 use narx_core::recording::{self, Recording, record_scoped};
 use narx_sim::recording::RecordingBuffer;
 use narx_sim::replayed::replayed;
-use narx_wasm_values::error::{error, range_error, shown};
+use narx_wasm_values::error::error;
 use narx_wasm_values::options::set;
+use narx_wasm_values::replay::{count, part, whole};
 use narx_wasm_values::trace::Trace;
 use wasm_bindgen::prelude::*;
 
@@ -44,41 +45,22 @@ export interface ScopeRecording {
 #[wasm_bindgen(unchecked_return_type = "Replay")]
 pub fn replay(bytes: &[u8], until: Option<f64>) -> Result<JsValue, JsValue> {
     let file = Recording::open(bytes).map_err(|refused| error(&refused))?;
-    let found = Object::new();
-    match until {
+    let found = match until {
         None => {
             let outcome = recording::replay::<Drive>(&file).map_err(|refused| error(&refused))?;
-            set(&found, "ticks", outcome.ticks as f64);
-            set(&found, "digest", hex(outcome.digest));
-            set(&found, "recordedDigest", hex(outcome.recorded_digest));
-            if let Some(version) = outcome.other_behaviour {
-                set(&found, "otherBehaviour", version);
-            }
+            whole(&outcome)
         }
         Some(until) => {
             let prefix = recording::replay_until::<Drive>(&file, count(until)?);
             let prefix = prefix.map_err(|refused| error(&refused))?;
-            set(&found, "ticks", prefix.ticks as f64);
-            set(&found, "digest", hex(prefix.digest));
+            let found = part(&prefix);
             if let Some(outputs) = prefix.last {
                 set(&found, "outputs", outputs.to_string());
             }
+            found
         }
-    }
+    };
     Ok(found.into())
-}
-
-fn count(until: f64) -> Result<u64, JsValue> {
-    // Above 2^53 a number no longer counts one by one.
-    if (0.0..=js_sys::Number::MAX_SAFE_INTEGER).contains(&until) && until.fract() == 0.0 {
-        return Ok(until as u64);
-    }
-    let until = shown(&until.into());
-    Err(range_error(&format!("until {until}: must be a whole number of ticks, 0 or more")))
-}
-
-fn hex(digest: u64) -> String {
-    format!("{digest:016x}")
 }
 
 /// The trace of a recording that runs again, or of its first `until` ticks: what the drive was given, what it answered, and what it thought meanwhile. Its

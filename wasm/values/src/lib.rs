@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `frame.rs` | `Frame` | [`narx_core::bus::Frame`] |
 //! | `trace.rs` | `Trace` | [`narx_sim::trace::Trace`] |
+//! | `replay.rs` | what a replay found | [`narx_core::recording::Outcome`] |
 //! | `options.rs`, `error.rs` | option objects, errors | |
 #![forbid(unsafe_code)]
 
@@ -18,5 +19,6 @@ static ALLOCATOR: LockedAllocator<FreeListAllocator> = LockedAllocator::new(Free
 pub mod error;
 pub mod frame;
 pub mod options;
+pub mod replay;
 #[cfg(feature = "trace")]
 pub mod trace;

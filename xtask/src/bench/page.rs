@@ -7,7 +7,8 @@ use std::process::Command;
 
 /// Compressed, bytes: those of `tests/wasm/size.test.mjs`.
 const MODULES: [(&str, f64); 3] = [("narx", 153_600.0), ("core", 61_440.0), ("lab", 153_600.0)];
-/// A picture at 60 Hz leaves this, ms.
+/// Processor time of a picture's worth of motor at 60 Hz: what is asked for, and what there is, ms.
+const MEDIAN: f64 = 0.5;
 const FRAME: f64 = 16.7;
 
 /// Builds and measures.
@@ -36,17 +37,13 @@ fn measure(context: &Context<'_>) -> Result<Part, String> {
             Figure::new(format!("module {module} of the page, compressed"), bytes, "bytes").at_most(limit),
         );
     }
-    for mode in driven::MODES {
-        for (key, name) in [("median", "median"), ("p99", "99 of 100 within")] {
-            let time = figure(&format!("{mode}.{key}"))?;
-            figures.push(
-                Figure::new(
-                    format!("a sixtieth of a second of motor in WebAssembly, {mode}, {name}"),
-                    time,
-                    "ms",
-                )
-                .at_most(FRAME),
-            );
+    for mode in ["hall", "sensorless", "open-loop"] {
+        for (rows, kept) in [("", ""), (".rows", ", every tick kept")] {
+            for (key, name, goal) in [("median", "median", MEDIAN), ("p99", "99 of 100 within", FRAME)] {
+                let name = format!("16.7 ms of motor in WebAssembly, {mode}{kept}, {name}");
+                let time = figure(&format!("{mode}{rows}.{key}"))?;
+                figures.push(Figure::new(name, time, "ms").at_most(goal).note("processor time"));
+            }
         }
     }
     Ok(Part::new(figures, Vec::new()))

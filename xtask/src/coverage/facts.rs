@@ -13,24 +13,18 @@ const CONTROL_FIRST: u16 = 78;
 
 /// The sections with everything that the code adds; what does not fit the code is noted in `wrong`.
 pub(super) fn complete(table: Table, sources: &Sources, wrong: &mut Vec<String>) -> Vec<Section> {
-    let Table { later, mut section } = table;
+    let Table { mut section } = table;
     for section in &mut section {
-        section.words.clone_from(&later);
         let printed = PRINTED_COUNT as u16;
         match section.facts {
             Facts::None => {}
             Facts::Transitions => transitions(section, sources, wrong),
             Facts::Faults => faults(section, sources, wrong),
-            Facts::Messages => messages(section, wrong),
+            Facts::Messages => messages(section, sources, wrong),
             Facts::General => parameters(section, 0..CONTROL_FIRST, sources, wrong),
             Facts::Control => parameters(section, CONTROL_FIRST..printed, sources, wrong),
         }
         for row in &mut section.rows {
-            // A row that is wholly open has no code yet, not even the section's.
-            if !row.later.is_empty() && row.code.is_empty() && row.tests.is_empty() && row.vectors.is_empty()
-            {
-                continue;
-            }
             row.code.extend(section.code.iter().cloned());
             row.tests.extend(section.tests.iter().cloned());
             for list in [&mut row.code, &mut row.tests, &mut row.vectors] {
@@ -86,12 +80,14 @@ fn faults(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
     }
 }
 
-/// Keys are identifiers: they must be what the addresses of the figure, type and opcode make, and there are 32.
-fn messages(section: &Section, wrong: &mut Vec<String>) {
+/// Keys are identifiers: they must be what the addresses of the figure, type and opcode make, and there are 32. The transcripts that have them.
+fn messages(section: &mut Section, sources: &Sources, wrong: &mut Vec<String>) {
     if section.rows.len() != 32 {
         wrong.push(format!("coverage, {}: {} rows, Figure 14 has 32", section.title, section.rows.len()));
     }
-    for row in &section.rows {
+    let title = section.title.clone();
+    for row in &mut section.rows {
+        row.vectors.extend(sources.transcripts_with(&row.key));
         let id = u32::from_str_radix(&row.key, 16).ok().and_then(Id::extended);
         let id = id.and_then(|id| MessageId::decode(id).ok());
         let expected = id.map(|id| match id.kind {
@@ -99,14 +95,12 @@ fn messages(section: &Section, wrong: &mut Vec<String>) {
             kind => Addresses::FACTORY.to_drive(kind, id.opcode),
         });
         if id.is_none() || id != expected {
-            wrong.push(format!("coverage, {}: {} is no identifier of Figure 14", section.title, row.key));
+            wrong.push(format!("coverage, {title}: {} is no identifier of Figure 14", row.key));
         }
         let opcode = id.map_or(0, |id| id.opcode.raw());
         if !row.says.contains(&format!(" {opcode},")) {
-            wrong.push(format!(
-                "coverage, {}: {} has opcode {opcode}, not in \"{}\"",
-                section.title, row.key, row.says
-            ));
+            wrong
+                .push(format!("coverage, {title}: {} has opcode {opcode}, not in \"{}\"", row.key, row.says));
         }
     }
 }

@@ -12,6 +12,8 @@ pub(super) struct Sources {
     /// Text of each scenario beside it, for the parameters it names.
     pub(super) vectors: Vec<Scenario>,
     texts: BTreeMap<String, String>,
+    /// The same of the scenarios of nodes.
+    transcripts: BTreeMap<String, String>,
 }
 
 impl Sources {
@@ -21,12 +23,26 @@ impl Sources {
             collect(root, &root.join(directory), &mut files)?;
         }
         let vectors = vectors::scenarios(root)?;
-        let mut texts = BTreeMap::new();
-        for scenario in &vectors {
-            let path = vectors::directory(root).join(format!("{}.toml", scenario.name));
-            texts.insert(scenario.name.clone(), fs::read_to_string(path).unwrap_or_default());
-        }
-        Ok(Self { files, vectors, texts })
+        let texts = texts_of(&vectors::directory(root), &vectors);
+        let transcripts =
+            texts_of(&vectors::transcript_directory(root), &vectors::transcript_scenarios(root)?);
+        Ok(Self { files, vectors, texts, transcripts })
+    }
+
+    /// Whether there is such a vector, of a drive or of a node.
+    pub(super) fn has_vector(&self, name: &str) -> bool {
+        self.texts.contains_key(name) || self.transcripts.contains_key(name)
+    }
+
+    /// The folder of a vector under `tests`.
+    pub(super) fn vector_folder(&self, name: &str) -> &'static str {
+        if self.transcripts.contains_key(name) { "vectors/transcripts" } else { "vectors" }
+    }
+
+    /// Vectors of nodes that name an identifier: the master sends it, or somebody else must.
+    pub(super) fn transcripts_with(&self, identifier: &str) -> Vec<String> {
+        let named = self.transcripts.iter().filter(|(_, text)| text.contains(identifier));
+        named.map(|(name, _)| name.clone()).collect()
     }
 
     /// Whether `path Item` or `path Type::member` is defined there, or `path number::NAME` used.
@@ -105,6 +121,12 @@ impl Sources {
             .map(|(vector, _)| vector.clone())
             .collect()
     }
+}
+
+/// Texts of the scenarios in a folder.
+fn texts_of(directory: &Path, scenarios: &[Scenario]) -> BTreeMap<String, String> {
+    let text = |name: &str| fs::read_to_string(directory.join(format!("{name}.toml"))).unwrap_or_default();
+    scenarios.iter().map(|scenario| (scenario.name.clone(), text(&scenario.name))).collect()
 }
 
 fn collect(root: &Path, directory: &Path, files: &mut BTreeMap<String, String>) -> Result<(), String> {

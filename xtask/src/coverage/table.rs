@@ -2,14 +2,11 @@
 
 use super::sources::Sources;
 use serde::Deserialize;
-use std::collections::BTreeMap;
 
 /// The file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Table {
-    /// Words for what is still to come, each with its meaning.
-    pub(super) later: BTreeMap<String, String>,
     /// In the order of the document.
     pub(super) section: Vec<Section>,
 }
@@ -32,9 +29,6 @@ pub(super) struct Section {
     pub(super) tests: Vec<String>,
     #[serde(default)]
     pub(super) rows: Vec<Row>,
-    /// Words of `Table::later`.
-    #[serde(skip)]
-    pub(super) words: BTreeMap<String, String>,
 }
 
 /// Rows that the code lists itself.
@@ -69,36 +63,17 @@ pub(super) struct Row {
     pub(super) tests: Vec<String>,
     #[serde(default)]
     pub(super) vectors: Vec<String>,
-    #[serde(default)]
-    pub(super) later: Vec<String>,
-}
-
-/// How far a row is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Progress {
-    /// Code and tests, nothing open.
-    Done,
-    /// Code and tests, something open.
-    Partly,
-    /// To come.
-    Open,
 }
 
 impl Row {
-    /// How far the row is; `None` if it has neither evidence nor a later part that closes it.
-    pub(super) fn progress(&self) -> Option<Progress> {
-        let shown = !(self.code.is_empty() || self.tests.is_empty() && self.vectors.is_empty());
-        match (shown, self.later.is_empty()) {
-            (true, true) => Some(Progress::Done),
-            (true, false) => Some(Progress::Partly),
-            (false, false) => Some(Progress::Open),
-            (false, true) => None,
-        }
+    /// Whether it has code, and something that shows it.
+    fn is_shown(&self) -> bool {
+        !(self.code.is_empty() || self.tests.is_empty() && self.vectors.is_empty())
     }
 }
 
 impl Section {
-    /// Everything that is named exists, and no row is without evidence or a later part.
+    /// Everything that is named exists, and no row is without evidence.
     pub(super) fn check(&self, sources: &Sources, wrong: &mut Vec<String>) {
         for row in &self.rows {
             let mut miss =
@@ -114,17 +89,12 @@ impl Section {
                 }
             }
             for vector in &row.vectors {
-                if !sources.vectors.iter().any(|scenario| scenario.name == *vector) {
+                if !sources.has_vector(vector) {
                     miss(format!("no such vector: {vector}"));
                 }
             }
-            for word in &row.later {
-                if !self.words.contains_key(word) {
-                    miss(format!("\"{word}\" is not among the words of [later]"));
-                }
-            }
-            if row.progress().is_none() {
-                miss("has no code with a test, and nothing later that closes it".into());
+            if !row.is_shown() {
+                miss("has no code with a test or a vector".into());
             }
         }
     }

@@ -30,7 +30,8 @@ use std::process::ExitCode;
 /// # Errors
 /// Every digest that is not the recorded one, with the first tick and output that differ.
 pub fn run(root: &Path, targets: &[Target]) -> steps::Outcome {
-    let files = vectors::recordings(root)?;
+    let mut files = vectors::recordings(root)?;
+    files.extend(vectors::transcripts(root)?);
     on(root, targets, |all| compare(all, &files))
 }
 

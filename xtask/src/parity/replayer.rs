@@ -1,8 +1,7 @@
 //! Whoever claims to be the same control core.
 
 use super::answer::Answer;
-use narx_core::motor::Drive;
-use narx_core::recording::{Recording, replay, replay_until};
+use narx_core::recording::{replay_any, replay_any_until};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -31,15 +30,14 @@ impl Replay for Native {
 
 fn native(file: &Path, ticks: Option<u64>) -> Result<Answer, String> {
     let bytes = fs::read(file).map_err(|error| error.to_string())?;
-    let recording = Recording::open(&bytes).map_err(|error| error.to_string())?;
     match ticks {
         None => {
-            let outcome = replay::<Drive>(&recording).map_err(|error| error.to_string())?;
+            let outcome = replay_any(&bytes).map_err(|error| error.to_string())?;
             let recorded = Some(outcome.recorded_digest);
             Ok(Answer { ticks: outcome.ticks, digest: outcome.digest, recorded, outputs: None })
         }
         Some(ticks) => {
-            let prefix = replay_until::<Drive>(&recording, ticks).map_err(|error| error.to_string())?;
+            let prefix = replay_any_until(&bytes, ticks).map_err(|error| error.to_string())?;
             let outputs = prefix.last.map(|outputs| outputs.to_string());
             Ok(Answer { ticks: prefix.ticks, digest: prefix.digest, recorded: None, outputs })
         }

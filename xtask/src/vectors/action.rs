@@ -1,6 +1,10 @@
 //! What happens in a scenario.
 
 use super::scenario::{parameter, within};
+use narx_core::bus::Frame;
+use narx_core::bus::candump::{Content, Line};
+use narx_core::motor::event::Health;
+use narx_core::motor::fault::FaultWord;
 use narx_sim::plant::{Injection, InjectionOptions, Phase};
 use serde::Deserialize;
 
@@ -34,6 +38,12 @@ pub enum Action {
     Supply(f64),
     /// Constant load on the shaft, N m.
     Load(f64),
+    /// A frame as it is, from the master's place.
+    Send(Frame),
+    /// So many frames on the bus are destroyed.
+    Disturb(u32),
+    /// What the drive's shell finds out about store and self-tests.
+    Health(Health),
 }
 
 /// One entry of `at`: a time and exactly one of the others.
@@ -52,6 +62,19 @@ pub(super) struct StepKeys {
     clear: Option<FaultKeys>,
     supply: Option<f64>,
     load: Option<f64>,
+    send: Option<String>,
+    disturb: Option<u32>,
+    health: Option<HealthKeys>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct HealthKeys {
+    /// Names of fault bits 26, 30, 31.
+    #[serde(default)]
+    store: Vec<String>,
+    #[serde(default)]
+    self_test_failed: bool,
 }
 
 #[derive(Deserialize)]
@@ -119,10 +142,42 @@ impl StepKeys {
         if let Some(torque) = self.load {
             actions.push(Action::Load(within("at.load", torque, 0.0, 10.0, "N m")?));
         }
+        if let Some(text) = self.send {
+            actions.push(Action::Send(frame(&text)?));
+        }
+        actions.extend(self.disturb.map(Action::Disturb));
+        if let Some(health) = self.health {
+            actions.push(Action::Health(health.checked()?));
+        }
         match actions[..] {
             [action] => Ok(Step { time, action }),
             _ => Err(format!("at.time = {time}: exactly one action, there are {}", actions.len())),
         }
+    }
+}
+
+/// A frame as candump writes it: `1552A0C9#0011`, `601#R`.
+fn frame(text: &str) -> Result<Frame, String> {
+    let line = format!("(0) master {text}");
+    match Line::parse(line.as_bytes()) {
+        Ok(Some(Line { content: Content::Frame(frame), .. })) => Ok(frame),
+        Ok(_) => Err(format!("at.send = \"{text}\": must be a frame of classic CAN")),
+        Err(error) => Err(format!("at.send = \"{text}\": {error}")),
+    }
+}
+
+impl HealthKeys {
+    fn checked(self) -> Result<Health, String> {
+        let store = FaultWord::STORE_MISMATCH | FaultWord::STORE_ABSENT | FaultWord::STORE_VERSION;
+        let mut store_faults = FaultWord::empty();
+        for name in &self.store {
+            let bit = FaultWord::from_name(name).filter(|bit| store.contains(*bit));
+            store_faults |= bit.ok_or_else(|| {
+                let names: Vec<&str> = store.iter_names().map(|(name, _)| name).collect();
+                format!("at.health.store = \"{name}\": unknown; one of {}", names.join(", "))
+            })?;
+        }
+        Ok(Health { store_faults, self_test_failed: self.self_test_failed })
     }
 }
 

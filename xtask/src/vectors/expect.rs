@@ -1,11 +1,12 @@
 //! What a run must come to, and what it came to.
 
 use super::scenario::within;
+use narx_core::bus::Id;
 use narx_core::motor::event::{HallCalibration, Refusal, Status};
 use narx_core::motor::fault::{Cause, FaultWord};
 use narx_core::motor::state::State;
 use serde::Deserialize;
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 /// What a run must come to.
 #[derive(Clone, Debug, Deserialize)]
@@ -26,6 +27,9 @@ pub struct Expect {
     pub speed: Option<Speed>,
     /// Result of a hall calibration.
     pub wiring: Option<Wiring>,
+    /// Identifiers that others than the master must have sent, as candump writes them.
+    #[serde(default)]
+    pub sent: Vec<String>,
 }
 
 /// Mean speed of the last 0.1 s.
@@ -69,6 +73,8 @@ pub struct Seen {
     speeds: VecDeque<(u64, f64)>,
     code: u16,
     refusal: Refusal,
+    /// Identifiers that others than the master have sent.
+    pub sent: BTreeSet<String>,
 }
 
 /// Ticks over which the final speed is averaged: 0.1 s.
@@ -93,6 +99,14 @@ impl Seen {
         while self.speeds.front().is_some_and(|(tick, _)| tick + WINDOW < status.tick) {
             self.speeds.pop_front();
         }
+    }
+
+    /// Takes in a frame that was not the master's.
+    pub fn note_sent(&mut self, id: Id) {
+        self.sent.insert(match id {
+            Id::Standard { raw, .. } => format!("{raw:03X}"),
+            Id::Extended { raw, .. } => format!("{raw:08X}"),
+        });
     }
 
     /// Mean estimated electrical speed of the last 0.1 s, rev/s.
@@ -148,6 +162,8 @@ impl Expect {
         differs("states", format!("{:?}", seen.states), format!("{:?}", self.states));
         differs("codes", hex(&seen.codes), hex(&self.codes));
         differs("refusals", format!("{:?}", seen.refusals), format!("{:?}", self.refusals));
+        let silent: Vec<&String> = self.sent.iter().filter(|id| !seen.sent.contains(*id)).collect();
+        differs("not sent:", format!("{silent:?}"), "[]".into());
         let faults = self.fault_word().unwrap_or(FaultWord::all());
         differs("faults", format!("{:?}", seen.faults), format!("{faults:?}"));
         if let (Some(expected), Some(found)) = (self.speed, speed)
@@ -197,6 +213,7 @@ mod tests {
             refusals: Vec::new(),
             speed: None,
             wiring: None,
+            sent: Vec::new(),
         }
     }
 

@@ -1,7 +1,8 @@
 //! Conformance vectors: committed scenarios with the recordings that they give, in `tests/vectors`.
 //!
 //! `NAME.toml` says what happens and what must come of it, `NAME.narxrec` is the drive's recording of it. Whatever
-//! claims to be the same control core replays every recording to the digest that it carries.
+//! claims to be the same control core replays every recording to the digest that it carries. In `tests/vectors/transcripts` are those of
+//! the nodes on the bus, the drive's and a TX-Driver's.
 
 mod action;
 mod expect;
@@ -10,11 +11,10 @@ mod scenario;
 
 pub use expect::{Expect, Seen, Speed, Wiring};
 pub use run::{Run, run};
-pub use scenario::{Invalid, Scenario};
+pub use scenario::{Invalid, Of, Scenario};
 
 use crate::steps;
-use narx_core::motor::Drive;
-use narx_core::recording::{Recording, replay};
+use narx_core::recording::replay_any;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -24,13 +24,29 @@ pub fn directory(root: &Path) -> PathBuf {
     root.join("tests/vectors")
 }
 
-/// Every scenario of the repository at `root`, by name.
+/// Where those of the nodes are.
+pub fn transcript_directory(root: &Path) -> PathBuf {
+    directory(root).join("transcripts")
+}
+
+/// Every scenario of a drive in the repository at `root`, by name.
 ///
 /// # Errors
 /// One line that names the file and what is wrong with it.
 pub fn scenarios(root: &Path) -> Result<Vec<Scenario>, String> {
-    let directory = directory(root);
-    names(&directory, "toml")?
+    read(&directory(root))
+}
+
+/// Every scenario of a node.
+///
+/// # Errors
+/// As [`scenarios`].
+pub fn transcript_scenarios(root: &Path) -> Result<Vec<Scenario>, String> {
+    read(&transcript_directory(root))
+}
+
+fn read(directory: &Path) -> Result<Vec<Scenario>, String> {
+    names(directory, "toml")?
         .iter()
         .map(|name| {
             Scenario::read(&directory.join(format!("{name}.toml"))).map_err(|error| error.to_string())
@@ -38,13 +54,24 @@ pub fn scenarios(root: &Path) -> Result<Vec<Scenario>, String> {
         .collect()
 }
 
-/// Every recording of the repository at `root`, by name.
+/// Every recording of a drive in the repository at `root`, by name.
 ///
 /// # Errors
 /// The directory cannot be read.
 pub fn recordings(root: &Path) -> Result<Vec<PathBuf>, String> {
-    let directory = directory(root);
-    let names = names(&directory, "narxrec")?;
+    files(&directory(root))
+}
+
+/// Every recording of a node.
+///
+/// # Errors
+/// As [`recordings`].
+pub fn transcripts(root: &Path) -> Result<Vec<PathBuf>, String> {
+    files(&transcript_directory(root))
+}
+
+fn files(directory: &Path) -> Result<Vec<PathBuf>, String> {
+    let names = names(directory, "narxrec")?;
     Ok(names.iter().map(|name| directory.join(format!("{name}.narxrec"))).collect())
 }
 
@@ -59,12 +86,28 @@ pub fn command(root: &Path, check: bool) -> ExitCode {
 /// # Errors
 /// Every vector that is not as it should be, a line each.
 pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
-    let directory = directory(root);
-    let scenarios = scenarios(root)?;
-    let mut wrong = orphans(&directory, &scenarios, check)?;
-    let (mut bytes, mut changed) = (0, 0);
+    let [drives, nodes] = [directory(root), transcript_directory(root)];
+    let scenarios: Vec<(PathBuf, Vec<Scenario>)> =
+        [(drives, scenarios(root)?), (nodes, transcript_scenarios(root)?)].into();
+    let mut wrong = Vec::new();
+    for (directory, scenarios) in &scenarios {
+        wrong.extend(orphans(directory, scenarios, check)?);
+        let drives = scenarios.first().is_some_and(|scenario| scenario.of == Of::Drive);
+        wrong.extend(scenarios.iter().filter(|scenario| (scenario.of == Of::Drive) != drives).map(
+            |scenario| {
+                format!(
+                    "{}: a drive's belong into tests/vectors, the others into tests/vectors/transcripts",
+                    scenario.name
+                )
+            },
+        ));
+    }
+    let (mut count, mut bytes, mut changed) = (0, 0, 0);
     println!("{:<28} {:>6} {:>8}  digest", "vector", "ticks", "bytes");
-    for scenario in &scenarios {
+    for (directory, scenario) in
+        scenarios.iter().flat_map(|(directory, all)| all.iter().map(move |one| (directory, one)))
+    {
+        count += 1;
         let fresh = run(scenario);
         let path = directory.join(format!("{}.narxrec", scenario.name));
         let old = fs::read(&path).ok();
@@ -72,8 +115,14 @@ pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
         bytes += fresh.recording.len();
         changed += usize::from(!same);
         let note = if same { String::new() } else { changed_from(old.as_deref()) };
-        let Run { ticks, digest, recording, .. } = &fresh;
-        println!("{:<28} {ticks:>6} {:>8}  {digest:016x}{note}", scenario.name, recording.len());
+        let Run { ticks, recording, .. } = &fresh;
+        let digest = replay_any(recording).map(|outcome| outcome.digest);
+        println!(
+            "{:<28} {ticks:>6} {:>8}  {:016x}{note}",
+            scenario.name,
+            recording.len(),
+            digest.unwrap_or(0)
+        );
         let mut reasons = scenario.expect.misses(&fresh.seen, Some(fresh.speed));
         if !same && check {
             reasons.push("the recording on disk is not what the scenario gives: cargo xtask vectors".into());
@@ -87,27 +136,22 @@ pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
     if !wrong.is_empty() {
         return Err(wrong.join("\n"));
     }
-    Ok(vec![format!("{} vectors, {bytes} bytes, {changed} changed", scenarios.len())])
+    Ok(vec![format!("{count} vectors, {bytes} bytes, {changed} changed")])
 }
 
 /// What stood on disk before.
 fn changed_from(old: Option<&[u8]>) -> String {
     let Some(old) = old else { return "  new".into() };
-    match Recording::open(old).and_then(|recording| recording.verify()) {
-        Ok(end) => format!("  was {:016x}", end.digest),
+    match replay_any(old) {
+        Ok(outcome) => format!("  was {:016x}", outcome.recorded_digest),
         Err(error) => format!("  was: {error}"),
     }
 }
 
 /// A replay of the fresh recording answers what was recorded.
 fn replayed(run: &Run) -> Result<(), String> {
-    let recording = Recording::open(&run.recording).map_err(|error| error.to_string())?;
-    let outcome = replay::<Drive>(&recording).map_err(|error| error.to_string())?;
-    if outcome.digest == run.digest && outcome.is_identical() {
-        Ok(())
-    } else {
-        Err(format!("replays to digest {:016x}", outcome.digest))
-    }
+    let outcome = replay_any(&run.recording).map_err(|error| error.to_string())?;
+    if outcome.is_identical() { Ok(()) } else { Err(format!("replays to digest {:016x}", outcome.digest)) }
 }
 
 /// Recordings without a scenario: removed, or with `check` named.

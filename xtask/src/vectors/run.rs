@@ -2,20 +2,21 @@
 
 use super::action::Action;
 use super::expect::{Seen, WINDOW};
-use super::scenario::Scenario;
+use super::scenario::{Of, Scenario};
+use narx_core::bus::eddycan::{Channels, NodeId};
 use narx_core::bus::narmotion::ToDrive;
 use narx_core::master;
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::plant::{LoadConfig, SupplyConfig};
+use narx_sim::sensor::{EddyCurrentConfig, Encoder};
+use narx_sim::tx_driver::{Device, TxDriverConfig};
 use std::f64::consts::TAU;
 
 /// What a scenario gave.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// The drive's recording.
+    /// The recording of whom the scenario is about.
     pub recording: Vec<u8>,
-    /// Digest of its outputs.
-    pub digest: u64,
     /// Control ticks.
     pub ticks: u64,
     /// What the drive reported.
@@ -32,6 +33,12 @@ pub fn run(scenario: &Scenario) -> Run {
         label: scenario.name.clone(),
         trace: false,
     });
+    match scenario.of {
+        Of::Drive => {}
+        // Without a bootloader, because some of those that replay have none.
+        Of::Node => bench = bench.without_programming().with_transcript(),
+        Of::TxDriver => begin_tx_driver(&mut bench, &scenario.name),
+    }
     let mut master = Master::new(&bench);
     let mut seen = Seen::default();
     let mut steps = scenario.steps.iter().peekable();
@@ -52,11 +59,37 @@ pub fn run(scenario: &Scenario) -> Run {
             seen.note(bench.status());
         }
         while bench.receive().is_some() {}
-        while bench.overhear().is_some() {}
+        while let Some(heard) = bench.overhear() {
+            if heard.sender != bench.host() {
+                seen.note_sent(heard.frame.id());
+            }
+        }
     }
     let now = bench.plant().observe();
     let speed = (now.angle - mark.angle) / (now.time - mark.time) * 60.0 / TAU;
-    Run { recording: bench.recording(), digest: bench.digest(), ticks, seen, speed }
+    let recording = match scenario.of {
+        Of::Drive => bench.recording(),
+        Of::Node => bench.transcript(),
+        Of::TxDriver => bench.tx_drivers().first().map(Device::transcript).unwrap_or_default(),
+    };
+    Run { recording, ticks, seen, speed }
+}
+
+/// Its samples have no noise: a shaft at rest then takes no room.
+fn begin_tx_driver(bench: &mut Bench, label: &str) {
+    let Some(node) = NodeId::new(5) else { return };
+    let config = TxDriverConfig::new(node);
+    let config = TxDriverConfig {
+        channels: Channels::Dual,
+        sensors: config.sensors.map(|sensor| EddyCurrentConfig { noise: 0.0, ..sensor }),
+        encoder: Some(Encoder::Rotary { counts: 4096 }),
+        ..config
+    };
+    // A bus has room for one.
+    let _ = bench.add_tx_driver(&config);
+    for device in bench.tx_drivers_mut() {
+        device.begin_transcript(label);
+    }
 }
 
 /// The master's place on the bus.
@@ -105,6 +138,13 @@ impl Master {
                 let load = LoadConfig { constant, ..bench.plant().load() };
                 bench.plant_mut().set_load(load);
             }
+            Action::Send(frame) => {
+                // As above.
+                let _ = bench.send(frame);
+            }
+            // In the middle of the data.
+            Action::Disturb(frames) => bench.disturb_bus(frames, 40),
+            Action::Health(health) => bench.set_health(health),
         }
     }
 }

@@ -28,6 +28,21 @@ pub struct Scenario {
     pub steps: Vec<Step>,
     /// What must come of it.
     pub expect: Expect,
+    /// Whose inputs are kept.
+    pub of: Of,
+}
+
+/// Whose inputs a scenario keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Of {
+    /// The control tick's.
+    #[default]
+    Drive,
+    /// Those of the drive's node, which has no bootloader.
+    Node,
+    /// Those of a TX-Driver on the same bus: node-id 5, two channels without noise, a linear encoder.
+    TxDriver,
 }
 
 /// Why a scenario cannot be: the file, the key, its value and what is allowed, in one line.
@@ -61,6 +76,8 @@ struct Keys {
     parameters: BTreeMap<String, f64>,
     at: Vec<StepKeys>,
     expect: Expect,
+    #[serde(default)]
+    of: Of,
 }
 
 #[derive(Clone, Copy, Deserialize)]
@@ -192,6 +209,7 @@ impl Scenario {
             seconds,
             steps,
             expect: keys.expect,
+            of: keys.of,
         })
     }
 }

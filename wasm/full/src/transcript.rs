@@ -1,0 +1,37 @@
+//! Running again what a node was told and asked. Here, because this module has a whole node in it.
+
+use js_sys::Object;
+use narx_core::eddycan::TxDriver;
+use narx_core::node::Node;
+use narx_core::recording::transcript::{Transcribable, Transcript, replay, replay_until};
+use narx_core::recording::{Kind, ReplayError};
+use narx_wasm_values::error::error;
+use narx_wasm_values::replay::{count, part, whole};
+use wasm_bindgen::prelude::*;
+
+/// Runs the transcript of a drive's node or of a TX-Driver again, bit for bit: all of it, or its first `until` calls. Of what it finds, `ticks` are calls.
+///
+/// Throws an `Error` that names the byte where a damaged transcript is wrong, or says that it is none, and a `RangeError` for an `until` that is not a count.
+#[wasm_bindgen(
+    js_name = replayTranscript,
+    unchecked_return_type = "{ ticks: number; digest: string; recordedDigest?: string; otherBehaviour?: number }"
+)]
+pub fn replay_transcript(bytes: &[u8], until: Option<f64>) -> Result<Object, JsValue> {
+    let until = until.map(count).transpose()?;
+    let run = || {
+        let file = Transcript::open(bytes)?;
+        if file.header().kind == Kind::Node {
+            run::<Node>(&file, until)
+        } else {
+            run::<TxDriver>(&file, until)
+        }
+    };
+    run().map_err(|refused| error(&refused))
+}
+
+fn run<D: Transcribable>(file: &Transcript<'_>, until: Option<u64>) -> Result<Object, ReplayError> {
+    match until {
+        None => replay::<D>(file).map(|outcome| whole(&outcome)),
+        Some(calls) => replay_until::<D>(file, calls).map(|prefix| part(&prefix)),
+    }
+}
