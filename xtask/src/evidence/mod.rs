@@ -2,6 +2,7 @@
 //! figures that are committed in docs/evidence; measuring them takes minutes to hours, making the page does not.
 
 mod bench;
+mod fuzz;
 mod missed;
 mod quality;
 mod starts;
@@ -24,7 +25,8 @@ pub(crate) struct Section {
 type Make = fn(&Path) -> Result<Section, String>;
 
 /// The page, in this order.
-const SECTIONS: [Make; 5] = [bench::control, quality::section, starts::section, bench::cost, bench::speed];
+const SECTIONS: [Make; 6] =
+    [bench::control, quality::section, starts::section, fuzz::section, bench::cost, bench::speed];
 
 const PAGE: &str = "docs/EVIDENCE.md";
 /// Where figures are kept.
