@@ -2,7 +2,7 @@
 
 use super::bench::Bench;
 use super::wired::Wired;
-use narx_core::bus::narmotion::{FromDrive, Measurement, MotorMode, StatusWord, ToDrive};
+use narx_core::bus::narmotion::{FromDrive, Measurement, MotorMode, ParameterStatus, StatusWord, ToDrive};
 use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::dictionary::number;
 use narx_core::motor::State;
@@ -56,6 +56,26 @@ fn what_waited_for_a_lost_bus_is_not_sent() {
     bench.node.poll(1001);
     let opcodes: Vec<u16> = bench.messages().iter().map(|message| message.opcode().raw()).collect();
     assert_eq!(opcodes, [3, 4, 200, 201, 202, 203, 204, 205], "the present, at once");
+}
+
+/// A node obeys what has come in before its controller was off. It can answer none of it, whether there was room or not, and each answer is counted once.
+#[test]
+fn every_answer_without_a_bus_is_counted_once() {
+    for reads in [1, 31, 32, 33, 40, 100] {
+        let mut bench = Bench::new();
+        bench.node.handle_bus_state(BusState { error: ErrorState::BusOff, ..BusState::default() });
+        for _ in 0..reads {
+            bench.send(ToDrive::RequestParameter { number: 1 });
+            assert_eq!(bench.node.poll_frame(), None);
+        }
+        bench.node.handle_bus_state(BusState::default());
+        assert_eq!(bench.node.read_parameter(number::FRAMES_LOST), Some(reads));
+        assert_eq!(bench.messages(), []);
+        bench.send(ToDrive::RequestParameter { number: number::FRAMES_LOST });
+        let answer =
+            FromDrive::Parameter { number: number::FRAMES_LOST, value: reads, status: ParameterStatus::Done };
+        assert_eq!(bench.messages(), [answer], "and the next one is answered");
+    }
 }
 
 /// A bus that takes nothing and yet does not fail, because nobody else is there: of what repeats itself only the newest waits.

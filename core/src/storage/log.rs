@@ -84,7 +84,7 @@ impl Log {
         self.memory
     }
 
-    /// Finds both ends.
+    /// Finds both ends; true if what the maps keep of them wants mending.
     pub(super) async fn open<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -102,7 +102,7 @@ impl Log {
             self.memory.written = self.find_end(flash).await?;
         }
         self.memory.values = self.origin.values;
-        Ok(found.repaired)
+        Ok(found.differs)
     }
 
     /// A log that begins at the front of a blank memory: for a flash that has just been made.

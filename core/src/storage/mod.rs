@@ -221,6 +221,9 @@ impl<F: NorFlash> Storage<F> {
         }
         place.load_maps(flash, buffers, opened).await?;
         opened.repaired |= place.log.open(flash, &place.pair, buffers).await?;
+        if opened.repaired {
+            place.pair.mend(flash, buffers).await?;
+        }
         opened.log = place.log.memory();
         Ok(())
     }
@@ -260,7 +263,7 @@ impl Place {
     ) -> Result<(), Failed> {
         for (key, part) in [(Key::Set, Part::Set), (Key::Once, Part::Once)] {
             let found = self.pair.read(flash, key, buffers).await?;
-            opened.repaired |= found.repaired;
+            opened.repaired |= found.differs;
             if !found.present && part == Part::Set {
                 opened.faults |= FaultWord::STORE_MISMATCH;
             }

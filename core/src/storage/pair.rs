@@ -76,13 +76,16 @@ pub(super) struct Pair {
     mirror: Range<u32>,
 }
 
+/// Times that a map's items are looked through: writing the first one has the map put itself in order, which can cost others.
+const PASSES: usize = 2;
+
 /// What [`Pair::read`] has found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Found {
     /// There is such an item, and it stands in the buffer.
     pub present: bool,
-    /// The two maps did not agree; now they do.
-    pub repaired: bool,
+    /// The two maps do not agree: [`Pair::mend`].
+    pub differs: bool,
 }
 
 impl Pair {
@@ -90,7 +93,7 @@ impl Pair {
         Self { primary: layout.primary.map.clone(), mirror: layout.mirror.map.clone() }
     }
 
-    /// Reads the newer copy into the buffer, and makes the other one equal.
+    /// Reads the newer copy into the buffer.
     pub(super) async fn read<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -98,21 +101,27 @@ impl Pair {
         buffers: &mut Buffers,
     ) -> Result<Found, Failed> {
         let [first, second] = self.look(flash, key, buffers).await?;
-        let repaired = first != second;
-        let Some(newest) = newest(first, second) else {
-            return Ok(Found { present: false, repaired: false });
-        };
+        let newest = newest(first, second);
         // The second copy is the one that now stands in the buffer.
-        if second != Some(newest) {
+        if second != newest {
             get(flash, &self.primary, key, buffers).await?;
         }
-        if first != Some(newest) {
-            self.settle(flash, &self.primary, &self.mirror, key, buffers).await?;
+        Ok(Found { present: newest.is_some(), differs: first != second })
+    }
+
+    /// Makes the maps equal. The mirror is left alone until the primary has everything, so that each item stands in one of them.
+    pub(super) async fn mend<F: NorFlash>(&self, flash: &mut F, buffers: &mut Buffers) -> Result<(), Failed> {
+        for (map, other) in [(&self.primary, &self.mirror), (&self.mirror, &self.primary)] {
+            for key in [Key::ALL; PASSES].into_iter().flatten() {
+                let [first, second] = self.look(flash, key, buffers).await?;
+                let newest = newest(first, second);
+                let behind = newest.is_some() && get(flash, map, key, buffers).await? != newest;
+                if behind && get(flash, other, key, buffers).await? == newest {
+                    self.settle(flash, map, other, key, buffers).await?;
+                }
+            }
         }
-        if second != Some(newest) {
-            self.settle(flash, &self.mirror, &self.primary, key, buffers).await?;
-        }
-        Ok(Found { present: true, repaired })
+        Ok(())
     }
 
     /// Writes an item into one map, reads it back, and only then writes it into the other.

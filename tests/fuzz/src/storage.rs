@@ -12,10 +12,6 @@ use narx_sim::flash::Tear;
 const CAPACITY: u32 = 512 << 10;
 const SUBSECTOR: u32 = 4096;
 
-/// A power-up before this one is the last that mends. In a map whose pages have lost their marks, mending one item can cost another, which is mended
-/// the next time; the other map is whole meanwhile.
-const MENDED: usize = 4;
-
 /// First byte: bit 0 for a flash with a drive's parameters, else a blank one. Then changes: where, what, how often.
 pub fn run(data: &[u8]) {
     let mut program = Program(data);
@@ -34,19 +30,11 @@ pub fn run(data: &[u8]) {
         let stored = if formatted { real::parameters().clone() } else { Parameters::new() };
         assert_eq!(first.parameters, stored);
     }
-    // Every power-up finds the same, and in the end there is nothing to mend.
-    let mut chip = chip;
-    for power_up in 2.. {
-        let (next, left) = boot(chip);
-        chip = left;
-        assert_eq!((&next.parameters, next.faults), (&first.parameters, first.faults));
-        assert_eq!(next.log, first.log);
-        if !next.repaired {
-            break;
-        }
-        assert!(first.repaired, "mended late");
-        assert!(power_up < MENDED, "power-up {power_up} still mends");
-    }
+    // The next power-up finds the same, and nothing to mend.
+    let (second, chip) = boot(chip);
+    assert_eq!((&second.parameters, second.faults), (&first.parameters, first.faults));
+    assert_eq!(second.log, first.log);
+    assert!(!second.repaired, "one power-up mends all");
     stores(chip);
 }
 

@@ -12,6 +12,7 @@ use narx_core::motor::{Board, State, Status};
 use narx_core::node::{Identity, Node};
 use std::ops::Range;
 use std::thread;
+use std::time::Instant;
 
 /// Data length codes, each as data and as remote frame.
 const SHAPES: u32 = 9 * 2;
@@ -145,6 +146,11 @@ fn obeys(node: &Node, frame: &Frame, fate: Fate) {
     assert_eq!(counted(&fresh), counted(node), "{frame:?} is counted");
 }
 
+/// What `cargo xtask fuzz --identifiers` puts into its figures: bits, frames, seconds, node.
+fn tell(bits: u32, given: u64, begun: Instant, node: &str) {
+    println!("swept {bits} {given} {} {node}", begun.elapsed().as_secs());
+}
+
 fn extended(block: u32) -> impl Iterator<Item = Id> {
     (block * BLOCK..(block + 1) * BLOCK).map(|raw| Id::extended(raw).unwrap())
 }
@@ -156,8 +162,10 @@ fn is_near(block: u32) -> bool {
 
 #[test]
 fn every_11_bit_identifier_to_the_drive() {
+    let begun = Instant::now();
     let given = sweep_drive(&mut drive(), (0..1 << 11).map(|raw| Id::standard(raw).unwrap()));
     assert_eq!(given, 2048 * 18);
+    tell(11, given, begun, "a drive");
 }
 
 #[test]
@@ -193,12 +201,13 @@ fn halves(sweep: impl Fn(Range<u32>) -> u64 + Sync) -> u64 {
 #[test]
 #[ignore = "minutes: cargo xtask fuzz --identifiers"]
 fn every_29_bit_identifier_to_the_drive() {
+    let begun = Instant::now();
     let given = halves(|blocks| {
         let mut node = drive();
         blocks.map(|block| sweep_drive(&mut node, extended(block))).sum()
     });
     assert_eq!(given, (1 << 29) * 18);
-    println!("{given} frames to a drive");
+    tell(29, given, begun, "a drive");
 }
 
 const STATES: [NmtState; 3] = [NmtState::PreOperational, NmtState::Operational, NmtState::Stopped];
@@ -263,8 +272,10 @@ fn sweep_tx_driver(quiet: &TxDriver, ids: impl Iterator<Item = Id>) -> u64 {
 #[test]
 fn every_11_bit_identifier_to_the_tx_driver() {
     for state in STATES {
+        let begun = Instant::now();
         let given = sweep_tx_driver(&tx_driver(state), (0..1 << 11).map(|raw| Id::standard(raw).unwrap()));
         assert_eq!(given, 2048 * 18);
+        tell(11, given, begun, &format!("a TX-Driver, {state:?}"));
     }
 }
 
@@ -281,10 +292,11 @@ fn no_29_bit_identifier_to_the_tx_driver() {
 #[test]
 #[ignore = "minutes: cargo xtask fuzz --identifiers"]
 fn every_29_bit_identifier_to_the_tx_driver() {
+    let begun = Instant::now();
     let given = halves(|blocks| {
         let quiet = tx_driver(NmtState::Operational);
         blocks.map(|block| sweep_tx_driver(&quiet, extended(block))).sum()
     });
     assert_eq!(given, (1 << 29) * 18);
-    println!("{given} frames to a TX-Driver");
+    tell(29, given, begun, "a TX-Driver, Operational");
 }

@@ -4,6 +4,7 @@
 mod bench;
 mod branches;
 mod conformance;
+mod fuzz;
 mod missed;
 mod quality;
 mod starts;
@@ -28,12 +29,13 @@ pub(crate) struct Section {
 type Make = fn(&Path) -> Result<Section, String>;
 
 /// The page, in this order.
-const SECTIONS: [Make; 8] = [
+const SECTIONS: [Make; 9] = [
     bench::control,
     quality::section,
     starts::section,
-    worlds::section,
     conformance::section,
+    worlds::section,
+    fuzz::section,
     branches::section,
     bench::cost,
     bench::speed,

@@ -1,0 +1,81 @@
+//! What fuzzing came to: `cargo xtask fuzz`.
+
+use super::{FIGURES, Section, cell};
+use crate::fuzz::report::{Report, Row, Sweep};
+use std::fmt::Write as _;
+use std::path::Path;
+
+const HEAD: &str = "\
+libFuzzer looks for bytes that break a promise of what reads bytes; the table in CONTRIBUTING.md (*Fuzzing*) says what each target is given and what must hold. A finding is mended and its input kept in `tests/fuzz/corpus`, which the tests run. Executions are few where each is a drive's life of up to two seconds, or a flash \
+that is powered up again and again.
+
+";
+
+/// The table, and every identifier.
+pub(super) fn section(root: &Path) -> Result<Section, String> {
+    let report = Report::read(&root.join(FIGURES).join("fuzz.json"))?.unwrap_or_default();
+    Ok(Section {
+        title: "Bytes from anywhere",
+        text: format!("{HEAD}{}{}", targets(&report), sweeps(&report)),
+    })
+}
+
+fn targets(report: &Report) -> String {
+    let command = format!("`cargo xtask fuzz --out {FIGURES}`");
+    if report.targets.is_empty() {
+        return format!("{command}: not measured.\n");
+    }
+    let mut text = format!(
+        "{command}, code of commit {}, on: {}. New inputs reached what none had reached before, in this run or in the corpora of earlier ones.\n\n",
+        report.commit, report.machine
+    );
+    text += "| target | seconds | executions | new inputs | findings |\n|---|---:|---:|---:|---:|\n";
+    for row in report.targets.iter().chain([&report.total()]) {
+        let Row { target, seconds, executions, new_inputs, findings, .. } = row;
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "| {target} | {seconds} | {executions} | {new_inputs} | {} |", findings.len());
+    }
+    for row in &report.targets {
+        for finding in &row.findings {
+            let _ = writeln!(text, "\nOpen, {}: {}", row.target, cell(finding));
+        }
+    }
+    text
+}
+
+fn sweeps(report: &Report) -> String {
+    let mut text = String::from(
+        "\nEvery identifier with every data length code, as data and as remote frame: what a node does with it is what PROTOCOL.md says, and everything else is silent and changes nothing but a counter. ",
+    );
+    let command = format!("`cargo xtask fuzz --identifiers --out {FIGURES}`");
+    if report.sweeps.is_empty() {
+        return text + &format!("{command}: not measured.\n");
+    }
+    let _ = writeln!(
+        text,
+        "{command}:\n\n| node | identifiers | lengths | data, remote | frames | seconds |\n|---|---|---:|---:|---:|---:|"
+    );
+    for Sweep { node, bits, frames, seconds } in &report.sweeps {
+        let _ = writeln!(text, "| {node} | all of {bits} bits | 9 | 2 | {frames} | {seconds} |");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_figures_it_is_not_measured() {
+        let Section { text, .. } = section(Path::new("/nowhere")).unwrap();
+        assert_eq!(text.matches(": not measured.").count(), 2, "{text}");
+    }
+
+    #[test]
+    fn what_was_found_is_not_hidden() {
+        let row = Row { target: "bus".into(), findings: vec!["a | b".into()], ..Row::default() };
+        let text = targets(&Report { targets: vec![row], ..Report::default() });
+        assert!(text.contains("| bus | 0 | 0 | 0 | 1 |\n| all | 0 | 0 | 0 | 1 |\n"), "{text}");
+        assert!(text.ends_with("\nOpen, bus: a \\| b\n"), "{text}");
+    }
+}

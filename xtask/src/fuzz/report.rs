@@ -1,0 +1,176 @@
+//! What fuzzing came to, piece by piece: fuzz.json. Pieces add up as long as what they looked at is the same.
+
+use crate::figures;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::process::Command;
+use std::{fs, io};
+
+/// What the targets are made of.
+const LOOKED_AT: [&str; 6] =
+    ["Cargo.lock", "core", "firmware/boot", "sim", "tests/fuzz/src", "tests/fuzz/Cargo.toml"];
+
+/// Everything in one file.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Report {
+    /// The last commit that changed what was looked at.
+    pub(crate) commit: String,
+    /// Where rates were measured.
+    pub(crate) machine: String,
+    /// In the order of their names.
+    pub(crate) targets: Vec<Row>,
+    /// Every identifier, in the order of the tests.
+    pub(crate) sweeps: Vec<Sweep>,
+}
+
+/// A target.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Row {
+    /// Its name.
+    pub(crate) target: String,
+    /// That it ran.
+    pub(crate) seconds: u64,
+    /// Inputs that it was given.
+    pub(crate) executions: u64,
+    /// Inputs that went where none had gone before.
+    pub(crate) new_inputs: u64,
+    /// Edges that were reached, in the end.
+    pub(crate) coverage: u64,
+    /// Inputs that are kept, in the end.
+    pub(crate) corpus: u64,
+    /// The promises that were broken.
+    pub(crate) findings: Vec<String>,
+}
+
+/// Every identifier of one length, with every data length code, as data and as remote frame, given to one node.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Sweep {
+    /// Which.
+    pub(crate) node: String,
+    /// Of the identifiers.
+    pub(crate) bits: u32,
+    /// That were given.
+    pub(crate) frames: u64,
+    /// That it took.
+    pub(crate) seconds: u64,
+}
+
+impl Report {
+    /// What stands in the file so far, for what `root` holds now: nothing if there is no file, or if it is of other code.
+    pub(crate) fn resume(root: &Path, path: &Path) -> Result<Self, String> {
+        let new = Self { commit: commit(root)?, machine: figures::machine(), ..Self::default() };
+        Ok(Self::read(path)?.filter(|old| old.commit == new.commit).unwrap_or(new))
+    }
+
+    /// Reads a file; `None` if there is none.
+    pub(crate) fn read(path: &Path) -> Result<Option<Self>, String> {
+        let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        match fs::read_to_string(path) {
+            Ok(text) => serde_json::from_str(&text).map(Some).map_err(|error| failed(&error)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(failed(&error)),
+        }
+    }
+
+    /// Adds a piece.
+    pub(crate) fn add(&mut self, piece: &Row) {
+        let place = self.targets.binary_search_by(|row| row.target.cmp(&piece.target));
+        let place = place.unwrap_or_else(|place| {
+            self.targets.insert(place, Row { target: piece.target.clone(), ..Row::default() });
+            place
+        });
+        self.targets[place].join(piece);
+    }
+
+    /// Puts a sweep in the place of the one before.
+    pub(crate) fn put(&mut self, sweep: Sweep) {
+        self.sweeps.retain(|old| (&old.node, old.bits) != (&sweep.node, sweep.bits));
+        self.sweeps.push(sweep);
+        self.sweeps.sort_by(|a, b| (&a.node, a.bits).cmp(&(&b.node, b.bits)));
+    }
+
+    /// All targets together; coverage and corpus of different ones do not add up.
+    pub(crate) fn total(&self) -> Row {
+        total(&self.targets)
+    }
+}
+
+/// All rows together.
+pub(crate) fn total(rows: &[Row]) -> Row {
+    let mut all = Row { target: "all".into(), ..Row::default() };
+    rows.iter().for_each(|row| all.join(row));
+    Row { coverage: 0, ..all }
+}
+
+impl Row {
+    /// Another run of the same target.
+    fn join(&mut self, piece: &Self) {
+        self.seconds += piece.seconds;
+        self.executions += piece.executions;
+        self.new_inputs += piece.new_inputs;
+        (self.coverage, self.corpus) = (self.coverage.max(piece.coverage), piece.corpus);
+        self.findings.extend(piece.findings.iter().cloned());
+    }
+}
+
+/// The last commit of what the targets are made of, and whether the working copy differs from it.
+fn commit(root: &Path) -> Result<String, String> {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).arg("--").args(LOOKED_AT).current_dir(root).output();
+        let output = output.map_err(|error| format!("git: {error}"))?;
+        Ok::<_, String>(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let commit = git(&["log", "-1", "--format=%h"])?;
+    let changed = !git(&["status", "--porcelain"])?.is_empty();
+    Ok(if changed { format!("{commit} with changes") } else { commit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(target: &str, seconds: u64, executions: u64, findings: &[&str]) -> Row {
+        let findings = findings.iter().map(|text| (*text).to_owned()).collect();
+        Row {
+            target: target.into(),
+            seconds,
+            executions,
+            new_inputs: 1,
+            coverage: executions,
+            corpus: 7,
+            findings,
+        }
+    }
+
+    #[test]
+    fn pieces_of_a_target_add_up() {
+        let mut report = Report::default();
+        let pieces =
+            [row("slcan", 60, 500, &[]), row("bus", 30, 900, &["one"]), row("slcan", 10, 40, &["two"])];
+        pieces.iter().for_each(|piece| report.add(piece));
+        let slcan = Row { new_inputs: 2, coverage: 500, ..row("slcan", 70, 540, &["two"]) };
+        assert_eq!(report.targets, [row("bus", 30, 900, &["one"]), slcan]);
+        let all = report.total();
+        assert_eq!((all.seconds, all.executions, all.new_inputs), (100, 1440, 3));
+        assert_eq!(all.findings, ["one", "two"]);
+    }
+
+    #[test]
+    fn figures_of_other_code_are_forgotten() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let path = std::env::temp_dir().join(format!("narx-fuzz-{}.json", std::process::id()));
+        let mut report = Report::resume(root, &path).unwrap();
+        assert_eq!(report.targets, []);
+        report.add(&row("bus", 30, 900, &[]));
+        report.put(Sweep { node: "a drive".into(), bits: 29, frames: 1, seconds: 2 });
+        report.put(Sweep { node: "a drive".into(), bits: 29, frames: 3, seconds: 2 });
+        assert_eq!(report.sweeps.len(), 1);
+        figures::write(&path, &report).unwrap();
+        assert_eq!(Report::resume(root, &path), Ok(report.clone()));
+        figures::write(&path, &Report { commit: "another".into(), ..report }).unwrap();
+        assert_eq!(Report::resume(root, &path).unwrap().targets, []);
+        fs::write(&path, "{}").unwrap();
+        assert!(Report::resume(root, &path).unwrap_err().contains("missing field"));
+        fs::remove_file(&path).unwrap();
+    }
+}
