@@ -1,6 +1,6 @@
 //! Who sends when.
 
-use super::{extended, standard};
+use crate::frames::{extended, standard};
 use narx_core::bus::{Frame, Id};
 use narx_sim::can::{Attachment, Bus, NotQueued, frame_bits, worst_case_bits};
 use proptest::prelude::*;

@@ -1,6 +1,6 @@
 //! Frame bits against vectors worked by hand, an independent encoder, and the known worst cases.
 
-use super::{extended, standard};
+use crate::frames::{extended, standard};
 use narx_core::bus::{Frame, Id};
 use narx_sim::can::{WireBits, frame_bits, worst_case_bits};
 use proptest::prelude::*;

@@ -1,6 +1,6 @@
 //! Lines of candump logs: written, read, and refused.
 
-use super::{extended, standard};
+use crate::frames::{extended, standard};
 use narx_core::bus::candump::{Content, Line, ParseError, line};
 use narx_core::bus::{Frame, Id};
 use proptest::prelude::*;

@@ -1,6 +1,6 @@
 //! Disturbed frames, lonely nodes, wrong bitrates, and what the counters make of them.
 
-use super::standard;
+use crate::frames::standard;
 use narx_sim::can::{Bus, ErrorState, frame_bits};
 
 type TestBus = Bus<4, 64>;

@@ -1,6 +1,6 @@
 //! The serial line protocol of CAN adapters: what is written, what is read, and what is refused.
 
-use super::{extended, standard};
+use crate::frames::{extended, standard};
 use narx_core::bus::{Frame, Id};
 use narx_sim::can::slcan::{Adapter, Channel, Command, Lines, NO, Settings, decode_frame, encode_frame};
 use proptest::prelude::*;

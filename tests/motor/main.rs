@@ -11,6 +11,7 @@ mod boot;
 mod build;
 mod calm;
 mod closed_loop;
+mod commanded;
 mod commutation;
 mod commutation_angle;
 mod extremes;

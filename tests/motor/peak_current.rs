@@ -1,6 +1,6 @@
 //! Phase current while a heavy rotor accelerates as fast as the limits let it.
 
-use crate::support::commanded_tick;
+use crate::commanded::commanded_tick;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;
 use narx_sim::bench::{Bench, BenchConfig};

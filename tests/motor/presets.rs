@@ -1,6 +1,6 @@
 //! Every motor that comes with narx runs as commissioned, at any supply, with and without load.
 
-use crate::support::commanded_tick;
+use crate::commanded::commanded_tick;
 use narx_core::bus::narmotion::MotorMode;
 use narx_core::master::{Config, Master};
 use narx_core::motor::State;

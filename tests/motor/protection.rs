@@ -61,14 +61,14 @@ fn ticks(cause: Cause) -> u32 {
     published(cause).qualification.div_ceil(100).max(1)
 }
 
-/// Cause, just within the threshold, just beyond, still held by hysteresis, cleared; thousandths.
+/// Cause, just within the threshold, just beyond, still held by hysteresis (to the very end, where thousandths meet it), cleared; thousandths.
 const QUANTITIES: [(Cause, i32, i32, i32, i32); 8] = [
-    (Cause::OverVoltage, 61_000, 61_001, 60_501, 60_499),
-    (Cause::UnderVoltage, 16_000, 15_999, 16_499, 16_501),
+    (Cause::OverVoltage, 61_000, 61_001, 60_500, 60_499),
+    (Cause::UnderVoltage, 16_000, 15_999, 16_500, 16_501),
     (Cause::OverCurrent, 7_000, 7_001, 6_563, 6_562),
     (Cause::OverCurrent, -7_000, -7_001, -6_563, -6_562),
-    (Cause::TemperatureWarning, 185_000, 185_001, 183_001, 182_999),
-    (Cause::OverTemperature, 190_000, 190_001, 188_001, 187_999),
+    (Cause::TemperatureWarning, 185_000, 185_001, 183_000, 182_999),
+    (Cause::OverTemperature, 190_000, 190_001, 188_000, 187_999),
     (Cause::OverPressure, 3_300, 3_301, 3_094, 3_093),
     // 4000 rpm at 4 pole pairs are 266.67 rev/s; 130 % are 346.67.
     (Cause::Overspeed, 346_666, 346_667, 266_667, 266_665),

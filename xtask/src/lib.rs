@@ -28,6 +28,7 @@ pub mod install;
 pub mod instructions;
 pub mod interop;
 pub mod library;
+pub mod mutants;
 pub mod others;
 pub mod parity;
 pub mod plot;

@@ -20,6 +20,7 @@ use xtask::fuzz;
 use xtask::header;
 use xtask::instructions;
 use xtask::interop;
+use xtask::mutants;
 use xtask::parity;
 use xtask::proof;
 use xtask::quality;
@@ -124,6 +125,8 @@ enum Job {
     },
     /// Test what other people's tools make of our files and of the virtual drive: a part of `test rust`
     Interop,
+    /// Change the code one place at a time and see whether a test fails, with cargo-mutants; made anew with `--out docs/evidence`: mutants.json
+    Mutants(mutants::Arguments),
     /// Sign a program for the bootloader, or make a key
     Sign(sign::Arguments),
     /// Prove what no linked program may contain, and make tests/golden/proof.toml anew: panics, floating point, stack, unsafe
@@ -175,6 +178,7 @@ fn main() -> ExitCode {
         Job::Generate => generate(root),
         Job::Header { check } => header::command(root, check),
         Job::Interop => finish(interop::run(root)),
+        Job::Mutants(arguments) => mutants::command(root, &arguments),
         Job::Archive => archive::command(root),
         Job::Proof { check } => proof::command(root, check),
         Job::Sign(arguments) => sign::command(&arguments),

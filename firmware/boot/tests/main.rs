@@ -2,10 +2,12 @@
 
 mod bench;
 mod cuts;
+mod failures;
 mod key;
 mod map;
 mod master;
 mod node;
 mod slots;
 mod support;
+mod texts;
 mod wire;

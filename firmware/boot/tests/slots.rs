@@ -6,6 +6,7 @@ use crate::support::{
 };
 use narx_boot::sign::SecretKey;
 use narx_boot::{Event, Header, HeaderError, ImageError, Outcome, Refused, SlotError, Verdict, Version};
+use narx_sim::flash::Tear;
 
 fn event(outcome: &Outcome) -> Option<Event> {
     match outcome {
@@ -83,6 +84,30 @@ fn an_image_that_is_spoiled_on_trial_is_swapped_back() {
     boot(&mut flash).unwrap();
     flash.load(MAP.active.start + 600, &[0; 8]);
     assert_eq!(runs(boot(&mut flash)), Some(OLD));
+}
+
+/// The same before the swap is over, wherever a power cut has left it: what was moved already is lost, and both images are there.
+#[test]
+fn an_image_that_is_spoiled_in_the_swap_is_swapped_back() {
+    let mut marked = board_with(&Hasty::image(OLD, 1496));
+    receive(&mut marked, &Hasty::image(NEW, 1496)).unwrap();
+    let mut seen = Vec::new();
+    for step in (0..600).step_by(20) {
+        let mut flash = marked.clone();
+        flash.cut_after(step, Tear::Nothing);
+        let cut = Hasty::boot(&mut flash).is_err();
+        flash.restore_power();
+        // The last page of an image is the first that is moved.
+        let end = active(&mut flash, 2008);
+        let moved = end[1999..] == Hasty::image(NEW, 1496)[1999..];
+        if cut && moved {
+            flash.load(MAP.active.start + 2000, &[0; 8]);
+            let outcome = Hasty::boot(&mut flash).unwrap();
+            seen.push((event(&outcome), runs(Ok(outcome))));
+        }
+    }
+    assert!(seen.len() > 5, "{seen:?}");
+    assert!(seen.iter().all(|it| *it == (Some(Event::Reverted), Some(OLD))), "{seen:?}");
 }
 
 /// Candidates that must not run, whoever has marked them: the running image stays, and is told why.
@@ -184,5 +209,43 @@ fn a_header_says_what_it_was_made_of() {
     assert_eq!("255.1.65535+2".parse(), Ok(header.version));
     for text in ["", "1", "1.2", "1.2.3.4", "256.0.0", "1.2.-3", "1.2.3+65536", "1.2.3+", " 1.2.3", "a.b.c"] {
         assert!(text.parse::<Version>().is_err(), "{text:?}");
+    }
+}
+
+/// From one word to what 32 bits count, header included.
+#[test]
+fn lengths_that_a_body_can_have() {
+    let with = |length| {
+        let mut bytes = [0; 512];
+        let signed = Header { hardware: HARDWARE, version: OLD, length }.encode();
+        bytes[..signed.len()].copy_from_slice(&signed);
+        Header::decode(&bytes).map(|header| header.length)
+    };
+    let most = u32::MAX - 519;
+    for length in [8, 16, 1 << 20, most] {
+        assert_eq!(with(length), Ok(length));
+    }
+    for length in [0, 4, 12, most + 4, most + 8, u32::MAX] {
+        assert_eq!(with(length), Err(HeaderError::Length(length)));
+    }
+}
+
+/// The first number that is not known is told.
+#[test]
+fn other_formats_are_named() {
+    let mut bytes = image(NEW, 8);
+    bytes[8..10].copy_from_slice(&0x0203_u16.to_be_bytes());
+    assert_eq!(Header::of(&bytes), Err(HeaderError::Format(0x0203)));
+}
+
+/// A file is an image if it is as long as it says.
+#[test]
+fn a_file_is_a_whole_image() {
+    let file = image(NEW, 1000);
+    let wanted = file.len() as u32;
+    assert_eq!(Header::of(&file).map(|header| (header.version, header.image_length())), Ok((NEW, wanted)));
+    let longer = [file.as_slice(), &[0; 8]].concat();
+    for (file, wanted) in [(&file[..511], 512), (&file[..1504], wanted), (&longer, wanted)] {
+        assert_eq!(Header::of(file), Err(HeaderError::File { length: file.len(), wanted }));
     }
 }

@@ -1,0 +1,13 @@
+//! A bench under a master.
+
+use narx_core::master::Master;
+use narx_sim::bench::Bench;
+
+/// One tick of a bench that a master commands; what the drive says is not heard.
+pub(crate) fn commanded_tick(bench: &mut Bench, master: &mut Master) {
+    while let Some(frame) = master.poll_frame(bench.now_ns() / 1000) {
+        bench.send(frame).unwrap();
+    }
+    bench.step();
+    while bench.receive().is_some() || bench.overhear().is_some() {}
+}

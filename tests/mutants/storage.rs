@@ -1,0 +1,23 @@
+//! Storage.
+#![allow(dead_code)]
+
+#[path = "../storage/bulk.rs"]
+mod bulk;
+#[path = "../storage/code_flash.rs"]
+mod code_flash;
+#[path = "../storage/cuts.rs"]
+mod cuts;
+#[path = "../storage/device.rs"]
+mod device;
+#[path = "../storage/flash.rs"]
+mod flash;
+#[path = "../storage/flips.rs"]
+mod flips;
+#[path = "../storage/log.rs"]
+mod log;
+#[path = "../storage/node.rs"]
+mod node;
+#[path = "../storage/store.rs"]
+mod store;
+#[path = "../storage/support.rs"]
+mod support;

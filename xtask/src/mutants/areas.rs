@@ -1,0 +1,123 @@
+//! What is mutated, and which tests have to notice.
+
+/// Test programs of a package.
+pub(super) struct Tests {
+    /// Its name.
+    pub package: &'static str,
+    /// Features that they need.
+    pub features: &'static str,
+    /// The programs.
+    pub programs: &'static [&'static str],
+    /// Tests that are not about the area and take long.
+    pub skip: &'static [&'static str],
+}
+
+/// Some files, and what is about them.
+pub(super) struct Area {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it is, for the page.
+    pub what: &'static str,
+    /// The package that is mutated.
+    pub package: &'static str,
+    /// Files of it, as globs.
+    pub files: &'static [&'static str],
+    /// Run against every mutant: built in seconds.
+    pub quick: Tests,
+    /// Run against what those leave.
+    pub whole: Option<Tests>,
+}
+
+const fn quick(programs: &'static [&'static str], features: &'static str) -> Tests {
+    Tests { package: "narx-mutants", features, programs, skip: &[] }
+}
+
+const fn whole(programs: &'static [&'static str]) -> Option<Tests> {
+    Some(Tests { package: "narx-tests", features: "", programs, skip: &SLOW })
+}
+
+/// Thousands of runs of a motor: they say how well, not whether.
+const SLOW: [&str; 9] = [
+    "certificate",
+    "quality::",
+    "start::",
+    "worlds::",
+    "presets::",
+    "robustness::",
+    "sensorless_range::",
+    "bad_signals::",
+    "peak_current::",
+];
+
+/// Every cut at every byte, again and again: the other tests of storage see most of it sooner.
+const CUTS: [&str; 3] = ["cuts::every_cut_of_a_store", "cuts::every_cut_of_a_recovery", "flips::no_content"];
+
+/// All of them.
+pub(super) const AREAS: [Area; 5] = [
+    Area {
+        name: "machine",
+        what: "state machine, faults, protection",
+        package: "narx-core",
+        files: &["core/src/motor/{machine,state,fault,protection}.rs", "core/src/motor/protection/*.rs"],
+        quick: quick(&["machine"], ""),
+        whole: whole(&["motor", "recording"]),
+    },
+    Area {
+        name: "boot",
+        what: "bootloader: images, slots, swap",
+        package: "narx-boot",
+        files: &["firmware/boot/src/*.rs"],
+        quick: Tests { package: "narx-boot", features: "", programs: &["boot"], skip: &[] },
+        whole: None,
+    },
+    Area {
+        name: "storage",
+        what: "parameters and log in the flash",
+        package: "narx-core",
+        files: &["core/src/storage/**/*.rs"],
+        quick: Tests { skip: &CUTS, ..quick(&["storage"], "bench") },
+        whole: Some(Tests { package: "narx-tests", features: "", programs: &["storage"], skip: &[] }),
+    },
+    Area {
+        name: "narmotion",
+        what: "frames, candump and messages of NarMotion-X",
+        package: "narx-core",
+        files: &["core/src/bus/*.rs", "core/src/bus/narmotion/*.rs"],
+        quick: quick(&["narmotion"], ""),
+        whole: whole(&["protocol", "can", "recording"]),
+    },
+    Area {
+        name: "eddycan",
+        what: "messages of eddyCAN",
+        package: "narx-core",
+        files: &["core/src/bus/eddycan/*.rs"],
+        quick: quick(&["eddycan"], ""),
+        whole: whole(&["eddycan"]),
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::path::Path;
+
+    /// A program that is not there, or has another name, would notice nothing.
+    #[test]
+    fn every_program_is_there() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        for area in &AREAS {
+            for tests in [Some(&area.quick), area.whole.as_ref()].into_iter().flatten() {
+                let folder = match tests.package {
+                    "narx-mutants" => "tests/mutants",
+                    "narx-tests" => "tests",
+                    _ => "firmware/boot",
+                };
+                let manifest = fs::read_to_string(root.join(folder).join("Cargo.toml")).unwrap();
+                for program in tests.programs {
+                    assert!(manifest.contains(&format!("name = \"{program}\"")), "{}: {program}", area.name);
+                }
+            }
+        }
+    }
+}

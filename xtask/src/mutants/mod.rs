@@ -1,0 +1,211 @@
+//! Changes the code on purpose, one place at a time, and sees whether a test fails: cargo-mutants, area by area. What counts is the time for one mutant, so it is run
+//! against small programs of tests that are about its area first (`tests/mutants`), and only what they leave against whole suites.
+
+mod areas;
+mod outcomes;
+mod report;
+mod tree;
+
+pub use report::{Mutant, Report, Row};
+
+use crate::install::{self, target_directory};
+use crate::steps::{self, Outcome};
+use areas::{AREAS, Area, Tests};
+use outcomes::{Listed, Summary};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::{env, fs};
+
+/// Of cargo-mutants.
+const VERSION: &str = "27.1.0";
+
+/// What to mutate.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Areas; without a name all of them: machine, boot, storage, narmotion, eddycan
+    areas: Vec<String>,
+    /// A part of an area's mutants: 0/4 is the first quarter
+    #[arg(long)]
+    shard: Option<String>,
+    /// Only those that were missed last time, to see whether new tests notice them
+    #[arg(long, conflicts_with = "shard")]
+    missed: bool,
+    /// Run nothing; write what the runs so far have found
+    #[arg(long, conflicts_with_all = ["shard", "missed"])]
+    collect: bool,
+    /// Folder of mutants.json
+    #[arg(long, default_value = "target")]
+    out: PathBuf,
+}
+
+/// `cargo xtask mutants`.
+pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
+    steps::finish(mutate(root, arguments))
+}
+
+fn mutate(root: &Path, arguments: &Arguments) -> Outcome {
+    let areas = chosen(&arguments.areas)?;
+    install::cargo_program("cargo-mutants", VERSION)?;
+    let folder = env::current_dir().unwrap_or_default().join(target_directory(root)).join("mutation");
+    let bench = Bench { tree: folder.join("tree"), folder };
+    tree::refresh(root, &bench.tree)?;
+    let mut rows = Vec::new();
+    for area in areas {
+        if !arguments.collect {
+            bench.run(area, arguments)?;
+        }
+        rows.push(Row::new(area, &bench.list(area)?, &bench.results(area)?));
+    }
+    let mut lines: Vec<String> = rows.iter().flat_map(told).collect();
+    let out = root.join(&arguments.out).join("mutants.json");
+    Report::write(&out, rows)?;
+    lines.push(format!("written to {}", out.display()));
+    Ok(lines)
+}
+
+fn chosen(names: &[String]) -> Result<Vec<&'static Area>, String> {
+    let known = |name: &String| AREAS.iter().any(|area| area.name == name);
+    if let Some(unknown) = names.iter().find(|name| !known(name)) {
+        return Err(format!("no area {unknown:?}; there are {}", AREAS.map(|area| area.name).join(" ")));
+    }
+    Ok(AREAS.iter().filter(|area| names.is_empty() || names.iter().any(|name| name == area.name)).collect())
+}
+
+/// An area's line, and its survivors.
+fn told(row: &Row) -> Vec<String> {
+    let missed = row.missed.iter().map(|mutant| format!("    {mutant}"));
+    [row.to_string()].into_iter().chain(missed).collect()
+}
+
+/// Where mutants are made: a copy of the working copy, and what came of it beside that.
+struct Bench {
+    folder: PathBuf,
+    tree: PathBuf,
+}
+
+impl Bench {
+    /// One run of an area: quick tests, then whole suites for what these leave. Each writes a folder of its own; the last word on a mutant counts.
+    fn run(&self, area: &Area, arguments: &Arguments) -> Result<(), String> {
+        let mut only = Vec::new();
+        if arguments.missed {
+            only = self.missed(area)?;
+        } else if arguments.shard.is_none() {
+            // Whoever runs all begins anew; shards add up.
+            fs::remove_dir_all(self.folder.join(area.name)).ok();
+        }
+        if arguments.missed && only.is_empty() {
+            return Ok(());
+        }
+        let mut command = self.cargo_mutants(area);
+        if let Some(shard) = &arguments.shard {
+            command.args(["--shard", shard]);
+        }
+        self.pass(area, &area.quick, command, &only)?;
+        let missed = self.missed(area)?;
+        match &area.whole {
+            Some(whole) if !missed.is_empty() => self.pass(area, whole, self.cargo_mutants(area), &missed),
+            _ => Ok(()),
+        }
+    }
+
+    fn cargo_mutants(&self, area: &Area) -> Command {
+        let mut command = Command::new("cargo");
+        command.args(["mutants", "--package", area.package]).current_dir(&self.tree);
+        command.args(area.files.iter().flat_map(|file| ["--file", file]));
+        command
+    }
+
+    fn pass(&self, area: &Area, tests: &Tests, mut command: Command, only: &[Listed]) -> Result<(), String> {
+        let passes = self.passes(area);
+        let next = self.folder.join(area.name).join(format!("{:03}", passes.len()));
+        fs::create_dir_all(&next).map_err(|error| format!("{}: {error}", next.display()))?;
+        command.args(["--in-place", "--no-shuffle", "--output"]).arg(&next);
+        command.args(["--test-package", tests.package]);
+        command.args(tests.programs.iter().map(|program| format!("--cargo-arg=--test={program}")));
+        if !tests.features.is_empty() {
+            command.args(["--features", &format!("{}/{}", tests.package, tests.features)]);
+        }
+        for mutant in only {
+            command.args(["--re", &format!("^{}$", escaped(&mutant.name))]);
+        }
+        if !tests.skip.is_empty() {
+            command.args(["--", "--"]).args(tests.skip.iter().flat_map(|name| ["--skip", name]));
+        }
+        command.env("CARGO_TARGET_DIR", self.folder.join("target"));
+        // The first counter-example is enough.
+        command.env("PROPTEST_MAX_SHRINK_ITERS", "0").env_remove("UPDATE").env_remove("INSTA_UPDATE");
+        let status = command.status().map_err(|error| format!("cargo: {error}"))?;
+        match status.code() {
+            // All caught; some missed; some hung.
+            Some(0 | 2 | 3) => Ok(()),
+            _ => Err(format!("{}: cargo mutants failed, {status}: {}", area.name, next.display())),
+        }
+    }
+
+    /// What there is to mutate.
+    fn list(&self, area: &Area) -> Result<Vec<Listed>, String> {
+        let output = self.cargo_mutants(area).args(["--list", "--json"]).output();
+        let output = output.map_err(|error| format!("cargo: {error}"))?;
+        if !output.status.success() {
+            return Err(format!("cargo mutants: {}", String::from_utf8_lossy(&output.stderr)));
+        }
+        serde_json::from_slice(&output.stdout).map_err(|error| format!("cargo mutants --list: {error}"))
+    }
+
+    fn missed(&self, area: &Area) -> Result<Vec<Listed>, String> {
+        let results = self.results(area)?;
+        let mut listed = self.list(area)?;
+        listed.retain(|mutant| results.get(&mutant.name) == Some(&Summary::MissedMutant));
+        Ok(listed)
+    }
+
+    fn results(&self, area: &Area) -> Result<BTreeMap<String, Summary>, String> {
+        let mut results = BTreeMap::new();
+        for pass in self.passes(area) {
+            let found = outcomes::read(&pass.join("mutants.out/outcomes.json"))?;
+            results.extend(found.into_iter().map(|(mutant, summary)| (mutant.name, summary)));
+        }
+        Ok(results)
+    }
+
+    /// Folders of the area's runs, in their order.
+    fn passes(&self, area: &Area) -> Vec<PathBuf> {
+        let entries = fs::read_dir(self.folder.join(area.name)).into_iter().flatten().flatten();
+        let mut passes: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        passes.sort();
+        passes
+    }
+}
+
+/// A name as a regular expression that only it matches.
+fn escaped(name: &str) -> String {
+    let mut escaped = String::new();
+    for letter in name.chars() {
+        if letter.is_ascii_punctuation() {
+            escaped.push('\\');
+        }
+        escaped.push(letter);
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_area_that_is_not_there_is_named_with_those_that_are() {
+        let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+        let error = chosen(&names(&["boot", "shell"])).err().unwrap();
+        assert_eq!(error, "no area \"shell\"; there are machine boot storage narmotion eddycan");
+        assert_eq!(chosen(&[]).unwrap().len(), AREAS.len());
+        assert_eq!(chosen(&names(&["boot"])).unwrap()[0].name, "boot");
+    }
+
+    /// Operators are mutants' names, and signs of a regular expression.
+    #[test]
+    fn a_name_matches_itself_alone() {
+        assert_eq!(escaped("a.rs:1:2: replace += with *="), r"a\.rs\:1\:2\: replace \+\= with \*\=");
+    }
+}
