@@ -52,7 +52,7 @@ pub(crate) fn image(message: impl Display) -> PyErr {
 /// An update after which the drive runs what it ran before.
 pub(crate) fn update(error: UpdateError) -> PyErr {
     match error {
-        UpdateError::NoAnswer => no_answer(error),
+        UpdateError::NoAnswer | UpdateError::Silent => no_answer(error),
         UpdateError::Hardware { .. } | UpdateError::TooLong { .. } | UpdateError::Older { .. } => {
             image(error)
         }

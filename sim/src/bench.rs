@@ -98,7 +98,6 @@ pub struct Bench {
     /// There is a bootloader.
     #[cfg(feature = "update")]
     programmable: bool,
-    identity: Identity,
     bus: Bus<PLACES, QUEUE>,
     device: NodeIndex,
     host: NodeIndex,
@@ -153,7 +152,6 @@ impl Bench {
             slots: Slots::new(&IDENTITY),
             #[cfg(feature = "update")]
             programmable: true,
-            identity: IDENTITY,
             bus,
             device,
             host,
@@ -184,14 +182,14 @@ impl Bench {
         let Some((Report::Opened(opened), _)) = self.chip.execute(Request::Open) else { return };
         self.report = None;
         #[cfg(feature = "update")]
-        self.slots.boot(&mut self.identity);
+        self.slots.boot();
         let Opened { parameters, .. } = opened.clone();
         // A set that does not build leaves the drive with none: the node says so, and it refuses to start.
         self.drive = Drive::new(Coefficients::build(&parameters, &board).unwrap_or_default());
-        self.node = BenchNode::new(Node::with_parameters(self.identity, board, parameters));
+        self.node = BenchNode::new(Node::with_parameters(IDENTITY, board, parameters));
         #[cfg(feature = "transcripts")]
         if self.transcribe {
-            self.node.begin_transcript(self.identity, &self.label);
+            self.node.begin_transcript(IDENTITY, &self.label);
         }
         self.node.attach_storage(&opened);
         #[cfg(feature = "update")]

@@ -5,7 +5,7 @@ use crate::bench::BenchNode;
 use crate::flash::Sparse;
 use crate::internal_flash::InternalFlash;
 use narx_boot::sign::SecretKey;
-use narx_boot::{Board, Header, Map, Outcome, Server, Slot, Version, boot, hardware, key};
+use narx_boot::{Board, Header, Map, Server, Slot, Version, boot, hardware, key};
 use narx_core::node::Identity;
 use narx_core::node::update::{Report, Slots as Attached};
 
@@ -40,18 +40,15 @@ impl Slots {
         Self { server: Server::new(slot), is_filled: false, version, report: None }
     }
 
-    /// What the bootloader does at a reboot; what the drive then says of itself.
-    pub(crate) fn boot(&mut self, identity: &mut Identity) {
+    /// What the bootloader does at a reboot.
+    pub(crate) fn boot(&mut self) {
         self.report = None;
         if !self.is_filled {
             return;
         }
         let flash = self.server.slot().flash();
-        if let Ok(Outcome::Run { header, .. }) = boot(flash, &MAP, &BOARD) {
-            let Version { major, minor, build, .. } = header.version;
-            identity.software_release = u16::from_be_bytes([major, minor]);
-            identity.build_number = build;
-        }
+        // Which image runs, the node is told when it is attached.
+        let _ = boot(flash, &MAP, &BOARD);
         // The bench's drive is back at once.
         self.server.slot().flash().take_busy();
     }

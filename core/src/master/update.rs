@@ -51,8 +51,10 @@ impl Image {
 /// Why a drive does not run the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpdateError {
-    /// The drive does not answer, or not any more. One without a bootloader does not either.
+    /// The drive does not answer. One without a bootloader does not either.
     NoAnswer,
+    /// It has answered, and does not any more.
+    Silent,
     /// The image is for other hardware.
     Hardware {
         /// Hardware id of the image.
@@ -181,6 +183,7 @@ impl fmt::Display for UpdateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoAnswer => f.write_str("the drive does not answer; one without a bootloader never does"),
+            Self::Silent => f.write_str("the drive has stopped answering"),
             Self::Hardware { image, drive } => {
                 write!(f, "the image is for hardware {image:08X}h, the drive is {drive:08X}h")
             }
@@ -269,7 +272,8 @@ impl Update {
             return None;
         }
         if under_way.stage == Stage::Waiting && now >= under_way.back_by || under_way.left == 0 {
-            self.finish(Err(UpdateError::NoAnswer));
+            let silent = under_way.stage != Stage::Device;
+            self.finish(Err(if silent { UpdateError::Silent } else { UpdateError::NoAnswer }));
             return None;
         }
         Some(under_way.message(now))

@@ -172,12 +172,18 @@ impl Node {
             update: update::Update::default(),
             rejected: None,
         };
-        node.put(number::HARDWARE_RELEASE, identity.hardware_release.into());
-        node.put(number::BUILD_NUMBER, identity.build_number.into());
-        node.put(number::SOFTWARE_RELEASE, identity.software_release.into());
-        node.put(number::SOURCE_MODIFIED, identity.source_modified.into());
+        node.show_identity();
         node.commands.select_mode(&node.parameters);
         node
+    }
+
+    /// Firmware and board as parameters.
+    fn show_identity(&mut self) {
+        let identity = self.identity;
+        self.put(number::HARDWARE_RELEASE, identity.hardware_release.into());
+        self.put(number::BUILD_NUMBER, identity.build_number.into());
+        self.put(number::SOFTWARE_RELEASE, identity.software_release.into());
+        self.put(number::SOURCE_MODIFIED, identity.source_modified.into());
     }
 
     /// The present parameter set.

@@ -259,7 +259,8 @@ impl Update {
 }
 
 impl Node {
-    /// Joins the node to its slots, at power-up: from now on requests are taken by [`Node::poll_update`].
+    /// Joins the node to its slots, at power-up: from now on requests are taken by [`Node::poll_update`]. The version of the image that runs is what the
+    /// device says of itself (BUILD_INFO, DEVICE_INFO, parameters 5 and 6).
     pub fn attach_update(&mut self, slots: &Slots) {
         let (state, code) = match slots.condition {
             Condition::Settled(code) => (UpdateState::Idle, code),
@@ -267,6 +268,12 @@ impl Node {
             Condition::Trial => (UpdateState::Trial, UpdateCode::Done),
         };
         self.update = Update { slots: Some(*slots), state, code, ..Update::default() };
+        if slots.running != ImageVersion::default() {
+            let ImageVersion { major, minor, build, .. } = slots.running;
+            (self.identity.software_release, self.identity.build_number) =
+                (u16::from_be_bytes([major, minor]), build);
+            self.show_identity();
+        }
     }
 
     /// The next thing to do with the slot; at most one request is under way.

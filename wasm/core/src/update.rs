@@ -94,7 +94,7 @@ fn header(image: &[u8]) -> Result<Header, JsValue> {
 
 fn update_error(error: UpdateError) -> JsValue {
     let name = match error {
-        UpdateError::NoAnswer => NO_ANSWER,
+        UpdateError::NoAnswer | UpdateError::Silent => NO_ANSWER,
         UpdateError::Hardware { .. } | UpdateError::TooLong { .. } | UpdateError::Older { .. } => IMAGE,
         _ => REFUSED,
     };
