@@ -136,22 +136,21 @@ fn drives() -> Vec<Seed> {
         ]
         .concat()
     };
+    let capture = [
+        scope(ToDrive::TriggerScope),
+        wait(2),
+        scope(ToDrive::TriggerScope),
+        wait(30),
+        scope(ToDrive::DownloadScope),
+        wait(30),
+    ]
+    .concat();
     let scoped = [
         vec![3],
         write(number::SCOPE_SAMPLES, 100),
-        scope(ToDrive::TriggerScope),
-        wait(2),
-        scope(ToDrive::TriggerScope),
-        wait(30),
-        scope(ToDrive::DownloadScope),
-        wait(30),
+        capture.clone(),
         write(number::SCOPE_INPUTS, 1),
-        scope(ToDrive::TriggerScope),
-        wait(2),
-        scope(ToDrive::TriggerScope),
-        wait(30),
-        scope(ToDrive::DownloadScope),
-        wait(30),
+        capture,
     ]
     .concat();
     let trouble = [

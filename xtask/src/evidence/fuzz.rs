@@ -7,20 +7,19 @@ use std::path::Path;
 
 const HEAD: &str = "\
 libFuzzer looks for bytes that break a promise of what reads bytes; the table in CONTRIBUTING.md (*Fuzzing*) says what each target is given and what must hold. A finding is mended and its input kept in `tests/fuzz/corpus`, which the tests run. Executions are few where each is a drive's life of up to two seconds, or a flash \
-that is powered up again and again.
+that is powered up again and again. Seconds are the clock's: how many executions fit into them is a matter of what else the machine does.
 
 ";
 
 /// The table, and every identifier.
 pub(super) fn section(root: &Path) -> Result<Section, String> {
     let report = Report::read(&root.join(FIGURES).join("fuzz.json"))?.unwrap_or_default();
-    Ok(Section {
-        title: "Bytes from anywhere",
-        text: format!("{HEAD}{}{}", targets(&report), sweeps(&report)),
-    })
+    let names = crate::fuzz::targets(root).unwrap_or_default();
+    let text = format!("{HEAD}{}{}", targets(&report, &names), sweeps(&report));
+    Ok(Section { title: "Bytes from anywhere", text })
 }
 
-fn targets(report: &Report) -> String {
+fn targets(report: &Report, names: &[String]) -> String {
     let command = format!("`cargo xtask fuzz --out {FIGURES}`");
     if report.targets.is_empty() {
         return format!("{command}: not measured.\n");
@@ -34,6 +33,9 @@ fn targets(report: &Report) -> String {
         let Row { target, seconds, executions, new_inputs, findings, .. } = row;
         // Writing to a string cannot fail.
         let _ = writeln!(text, "| {target} | {seconds} | {executions} | {new_inputs} | {} |", findings.len());
+    }
+    for name in names.iter().filter(|name| !report.targets.iter().any(|row| row.target == **name)) {
+        let _ = writeln!(text, "| {name} | not measured | | | |");
     }
     for row in &report.targets {
         for finding in &row.findings {
@@ -74,8 +76,10 @@ mod tests {
     #[test]
     fn what_was_found_is_not_hidden() {
         let row = Row { target: "bus".into(), findings: vec!["a | b".into()], ..Row::default() };
-        let text = targets(&Report { targets: vec![row], ..Report::default() });
-        assert!(text.contains("| bus | 0 | 0 | 0 | 1 |\n| all | 0 | 0 | 0 | 1 |\n"), "{text}");
+        let report = Report { targets: vec![row], ..Report::default() };
+        let text = targets(&report, &["boot".into(), "bus".into()]);
+        let rows = "| bus | 0 | 0 | 0 | 1 |\n| all | 0 | 0 | 0 | 1 |\n| boot | not measured | | | |\n";
+        assert!(text.contains(rows), "{text}");
         assert!(text.ends_with("\nOpen, bus: a \\| b\n"), "{text}");
     }
 }

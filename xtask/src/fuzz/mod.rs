@@ -113,7 +113,7 @@ fn cells(row: &Row) -> [String; 8] {
 }
 
 /// The targets that there are, by name.
-fn targets(root: &Path) -> Result<Vec<String>, String> {
+pub(crate) fn targets(root: &Path) -> Result<Vec<String>, String> {
     let folder = root.join("tests/fuzz/fuzz_targets");
     let files = fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let names = files.flatten().filter_map(|file| Some(file.path().file_stem()?.to_str()?.to_owned()));
