@@ -116,6 +116,16 @@ fn thresholds_hysteresis_and_qualification() {
     }
 }
 
+/// A volt above the threshold of the over-voltage there is no time to qualify.
+#[test]
+fn an_over_voltage_of_more_than_a_volt_qualifies_at_once() {
+    let c = limits(u32::MAX);
+    for (milli, at_once) in [(61_001, false), (62_000, false), (62_001, true), (80_000, true)] {
+        let mut protection = Protection::default();
+        assert_eq!(protection.step(&c, &with(Cause::OverVoltage, milli)), at_once, "{milli} mV");
+    }
+}
+
 /// Causes that hold or do not: the tick that sees them, but for the shutdown line's millisecond.
 #[test]
 fn conditions_qualify_as_published() {

@@ -89,12 +89,13 @@ pub fn nightly(components: &[&str]) -> steps::Outcome {
     steps::run(rustup.args(components.iter().flat_map(|component| ["--component", component])))
 }
 
-/// Installs a program of crates.io in this version, unless it is there: some minutes.
+/// Installs a subcommand of cargo from crates.io in this version, unless it is there: some minutes.
 ///
 /// # Errors
 /// What cargo said.
 pub fn cargo_program(name: &str, version: &str) -> steps::Outcome {
-    let said = Command::new(name).arg("--version").output();
+    // As cargo's subcommand: cargo-mutants takes no argument otherwise.
+    let said = Command::new("cargo").args([name.trim_start_matches("cargo-"), "--version"]).output();
     if said.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).trim_end().ends_with(version)) {
         return Ok(Vec::new());
     }

@@ -3,6 +3,7 @@
 
 mod bench;
 mod missed;
+mod mutants;
 mod quality;
 mod starts;
 
@@ -24,7 +25,8 @@ pub(crate) struct Section {
 type Make = fn(&Path) -> Result<Section, String>;
 
 /// The page, in this order.
-const SECTIONS: [Make; 5] = [bench::control, quality::section, starts::section, bench::cost, bench::speed];
+const SECTIONS: [Make; 6] =
+    [bench::control, quality::section, starts::section, bench::cost, bench::speed, mutants::section];
 
 const PAGE: &str = "docs/EVIDENCE.md";
 /// Where figures are kept.
