@@ -26,6 +26,7 @@ mod peak_current;
 mod presets;
 mod protection;
 mod quality;
+mod quiet;
 mod robustness;
 mod rotor;
 mod safety;

@@ -10,7 +10,7 @@ use narx_core::motor::{Cause, FaultWord, Lines};
 use narx_core::units::{Amps, Celsius, Volts};
 
 /// Nothing wrong, hall closed loop running, torque forward.
-fn healthy() -> Evidence {
+pub(crate) fn healthy() -> Evidence {
     Evidence {
         sensorless: None,
         measured: Measured { bus_voltage: Volts::from_milli(48_000), ..Measured::default() },
@@ -29,7 +29,7 @@ fn healthy() -> Evidence {
     }
 }
 
-fn limits(mask: u32) -> ProtectionCoefficients {
+pub(crate) fn limits(mask: u32) -> ProtectionCoefficients {
     let mut c = coefficients(&[]).protection;
     c.critical_mask = mask;
     c.shutdown_lines = Lines::DSI1;
@@ -37,7 +37,7 @@ fn limits(mask: u32) -> ProtectionCoefficients {
 }
 
 /// `healthy` with a quantity set, in thousandths of its unit.
-fn with(cause: Cause, milli: i32) -> Evidence {
+pub(crate) fn with(cause: Cause, milli: i32) -> Evidence {
     let mut evidence = healthy();
     match cause {
         Cause::OverVoltage | Cause::UnderVoltage => evidence.measured.bus_voltage = Volts::from_milli(milli),
@@ -62,7 +62,7 @@ fn ticks(cause: Cause) -> u32 {
 }
 
 /// Cause, just within the threshold, just beyond, still held by hysteresis (to the very end, where thousandths meet it), cleared; thousandths.
-const QUANTITIES: [(Cause, i32, i32, i32, i32); 8] = [
+pub(crate) const QUANTITIES: [(Cause, i32, i32, i32, i32); 8] = [
     (Cause::OverVoltage, 61_000, 61_001, 60_500, 60_499),
     (Cause::UnderVoltage, 16_000, 15_999, 16_500, 16_501),
     (Cause::OverCurrent, 7_000, 7_001, 6_563, 6_562),
@@ -113,6 +113,16 @@ fn thresholds_hysteresis_and_qualification() {
             protection.acknowledge();
         }
         assert_eq!((protection.word() & cause.bit(), protection.code()), (FaultWord::empty(), 0));
+    }
+}
+
+/// A volt above the threshold of the over-voltage there is no time to qualify.
+#[test]
+fn an_over_voltage_of_more_than_a_volt_qualifies_at_once() {
+    let c = limits(u32::MAX);
+    for (milli, at_once) in [(61_001, false), (62_000, false), (62_001, true), (80_000, true)] {
+        let mut protection = Protection::default();
+        assert_eq!(protection.step(&c, &with(Cause::OverVoltage, milli)), at_once, "{milli} mV");
     }
 }
 

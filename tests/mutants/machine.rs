@@ -13,6 +13,8 @@ mod hall_drive;
 mod limits;
 #[path = "../motor/protection.rs"]
 mod protection;
+#[path = "../motor/quiet.rs"]
+mod quiet;
 #[path = "../motor/rotor.rs"]
 mod rotor;
 #[path = "../motor/safety.rs"]

@@ -188,7 +188,9 @@ fn every_bit_of_an_image_counts() {
 /// The same with real signatures, for some of the bits of a large image and all of one byte of each half of the signature.
 #[test]
 fn no_bit_of_a_signature_is_spare() {
+    // It fills the slot.
     let good = image(NEW, 1536);
+    assert_eq!((good.len() as u32, runs(boot(&mut board_with(&good)))), (MAP.room(), Some(NEW)));
     let signature = (448..512).step_by(16).flat_map(|byte| (0..8).map(move |bit| byte * 8 + bit));
     // The last bits of both halves, which arithmetic could lose.
     let last = [480 * 8 - 1, 480 * 8 - 2, 512 * 8 - 1, 512 * 8 - 2, 512 * 8 - 3, 512 * 8 - 4];

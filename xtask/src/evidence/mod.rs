@@ -6,6 +6,7 @@ mod branches;
 mod conformance;
 mod fuzz;
 mod missed;
+mod mutants;
 mod quality;
 mod starts;
 mod worlds;
@@ -29,13 +30,14 @@ pub(crate) struct Section {
 type Make = fn(&Path) -> Result<Section, String>;
 
 /// The page, in this order.
-const SECTIONS: [Make; 9] = [
+const SECTIONS: [Make; 10] = [
     bench::control,
     quality::section,
     starts::section,
     conformance::section,
     worlds::section,
     fuzz::section,
+    mutants::section,
     branches::section,
     bench::cost,
     bench::speed,

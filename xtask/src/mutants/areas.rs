@@ -24,7 +24,7 @@ pub(super) struct Area {
     pub files: &'static [&'static str],
     /// Run against every mutant: built in seconds.
     pub quick: Tests,
-    /// Run against what those leave.
+    /// Run against what those leave; takes longer.
     pub whole: Option<Tests>,
 }
 
@@ -32,22 +32,9 @@ const fn quick(programs: &'static [&'static str], features: &'static str) -> Tes
     Tests { package: "narx-mutants", features, programs, skip: &[] }
 }
 
-const fn whole(programs: &'static [&'static str]) -> Option<Tests> {
-    Some(Tests { package: "narx-tests", features: "", programs, skip: &SLOW })
+const fn suites(programs: &'static [&'static str]) -> Tests {
+    Tests { package: "narx-tests", features: "", programs, skip: &[] }
 }
-
-/// Thousands of runs of a motor: they say how well, not whether.
-const SLOW: [&str; 9] = [
-    "certificate",
-    "quality::",
-    "start::",
-    "worlds::",
-    "presets::",
-    "robustness::",
-    "sensorless_range::",
-    "bad_signals::",
-    "peak_current::",
-];
 
 /// Every cut at every byte, again and again: the other tests of storage see most of it sooner.
 const CUTS: [&str; 3] = ["cuts::every_cut_of_a_store", "cuts::every_cut_of_a_recovery", "flips::no_content"];
@@ -60,7 +47,7 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/motor/{machine,state,fault,protection}.rs", "core/src/motor/protection/*.rs"],
         quick: quick(&["machine"], ""),
-        whole: whole(&["motor", "recording"]),
+        whole: Some(quick(&["drive"], "bench")),
     },
     Area {
         name: "boot",
@@ -76,7 +63,7 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/storage/**/*.rs"],
         quick: Tests { skip: &CUTS, ..quick(&["storage"], "bench") },
-        whole: Some(Tests { package: "narx-tests", features: "", programs: &["storage"], skip: &[] }),
+        whole: Some(suites(&["storage"])),
     },
     Area {
         name: "narmotion",
@@ -84,7 +71,7 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/bus/*.rs", "core/src/bus/narmotion/*.rs"],
         quick: quick(&["narmotion"], ""),
-        whole: whole(&["protocol", "can", "recording"]),
+        whole: Some(suites(&["protocol", "can", "recording"])),
     },
     Area {
         name: "eddycan",
@@ -92,7 +79,7 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/bus/eddycan/*.rs"],
         quick: quick(&["eddycan"], ""),
-        whole: whole(&["eddycan"]),
+        whole: Some(suites(&["eddycan"])),
     },
 ];
 

@@ -20,6 +20,9 @@ use std::{env, fs};
 /// Of cargo-mutants.
 const VERSION: &str = "27.1.0";
 
+/// A mutant whose tests take longer hangs, s: ten times what they take on two busy cores.
+const TIMEOUT: &str = "120";
+
 /// What to mutate.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -37,6 +40,11 @@ pub struct Arguments {
     /// Folder of mutants.json
     #[arg(long, default_value = "target")]
     out: PathBuf,
+}
+
+/// Name of every area, and what it is.
+pub fn areas() -> Vec<(&'static str, &'static str)> {
+    AREAS.iter().map(|area| (area.name, area.what)).collect()
 }
 
 /// `cargo xtask mutants`.
@@ -120,19 +128,18 @@ impl Bench {
         let passes = self.passes(area);
         let next = self.folder.join(area.name).join(format!("{:03}", passes.len()));
         fs::create_dir_all(&next).map_err(|error| format!("{}: {error}", next.display()))?;
-        command.args(["--in-place", "--no-shuffle", "--output"]).arg(&next);
-        command.args(["--test-package", tests.package]);
+        self.check(tests)?;
+        command.args(["--in-place", "--baseline=skip", "--timeout", TIMEOUT, "--no-shuffle", "--output"]);
+        command.arg(&next).args(["--test-package", tests.package]);
         command.args(tests.programs.iter().map(|program| format!("--cargo-arg=--test={program}")));
-        if !tests.features.is_empty() {
-            command.args(["--features", &format!("{}/{}", tests.package, tests.features)]);
-        }
+        command.args(features(tests));
         for mutant in only {
             command.args(["--re", &format!("^{}$", escaped(&mutant.name))]);
         }
         if !tests.skip.is_empty() {
             command.args(["--", "--"]).args(tests.skip.iter().flat_map(|name| ["--skip", name]));
         }
-        command.env("CARGO_TARGET_DIR", self.folder.join("target"));
+        command.env("CARGO_TARGET_DIR", self.target());
         // The first counter-example is enough.
         command.env("PROPTEST_MAX_SHRINK_ITERS", "0").env_remove("UPDATE").env_remove("INSTA_UPDATE");
         let status = command.status().map_err(|error| format!("cargo: {error}"))?;
@@ -141,6 +148,22 @@ impl Bench {
             Some(0 | 2 | 3) => Ok(()),
             _ => Err(format!("{}: cargo mutants failed, {status}: {}", area.name, next.display())),
         }
+    }
+
+    /// Without a mutant the tests pass, or every mutant would be caught. cargo-mutants would run those of the mutated package.
+    fn check(&self, tests: &Tests) -> Result<(), String> {
+        let mut cargo = Command::new("cargo");
+        cargo.args(["test", "--profile", "mutants", "--package", tests.package]).args(features(tests));
+        cargo.args(tests.programs.iter().flat_map(|program| ["--test", program]));
+        if !tests.skip.is_empty() {
+            cargo.arg("--").args(tests.skip.iter().flat_map(|name| ["--skip", name]));
+        }
+        cargo.env("CARGO_TARGET_DIR", self.target()).current_dir(&self.tree);
+        steps::run(&mut cargo).map(drop)
+    }
+
+    fn target(&self) -> PathBuf {
+        self.folder.join("target")
     }
 
     /// What there is to mutate.
@@ -178,11 +201,19 @@ impl Bench {
     }
 }
 
-/// A name as a regular expression that only it matches.
+/// Of a package that is not the one that is mutated.
+fn features(tests: &Tests) -> Vec<String> {
+    match tests.features {
+        "" => Vec::new(),
+        features => vec!["--features".into(), format!("{}/{features}", tests.package)],
+    }
+}
+
+/// A name as a regular expression that only it matches. Not every sign may be escaped: `\\<` is the beginning of a word.
 fn escaped(name: &str) -> String {
     let mut escaped = String::new();
     for letter in name.chars() {
-        if letter.is_ascii_punctuation() {
+        if r"\.+*?()|[]{}^$&".contains(letter) {
             escaped.push('\\');
         }
         escaped.push(letter);
@@ -206,6 +237,7 @@ mod tests {
     /// Operators are mutants' names, and signs of a regular expression.
     #[test]
     fn a_name_matches_itself_alone() {
-        assert_eq!(escaped("a.rs:1:2: replace += with *="), r"a\.rs\:1\:2\: replace \+\= with \*\=");
+        assert_eq!(escaped("a.rs:1:2: replace += with *="), r"a\.rs:1:2: replace \+= with \*=");
+        assert_eq!(escaped("replace <impl A for B>::f with ()"), r"replace <impl A for B>::f with \(\)");
     }
 }
