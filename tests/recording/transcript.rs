@@ -11,7 +11,8 @@ use narx_core::recording::transcript::{
     replay, replay_until,
 };
 use narx_core::recording::{
-    Kind, LABEL_MAX, MAGIC, ReadError, RecordError, Recording, ReplayError, header, replay_any, replay_any_until,
+    Kind, LABEL_MAX, MAGIC, ReadError, RecordError, Recording, ReplayError, header, replay_any,
+    replay_any_until,
 };
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -112,7 +113,7 @@ fn visit<D: Transcribable>(transcript: &Transcript<'_>, mut see: impl FnMut(&D))
 
 #[test]
 fn a_call_that_is_made_again_is_counted_and_takes_no_room() {
-    let [one, many] = [1, 1_000_000].map(|quiet| transcript(quiet));
+    let [one, many] = [1, 1_000_000].map(transcript);
     assert!(many.len() <= one.len() + 8, "{} and {} bytes", one.len(), many.len());
     for (bytes, quiet) in [(one, 1), (many, 1_000_000)] {
         let outcome = replay_any(&bytes).unwrap();
@@ -174,7 +175,7 @@ fn what_does_not_fit_is_refused() {
     let mut small =
         Transcriber::<Node, heapless::Vec<u8, 1024>>::new(heapless::Vec::new(), 10_000, "", &setup())
             .unwrap();
-    let mut calls = (1..).map(|ticks| NodeCall::Poll(ticks));
+    let mut calls = (1..).map(NodeCall::Poll);
     let full = calls.find_map(|call| small.told(call).err()).unwrap();
     assert!(matches!(full, RecordError::Sink(_)), "{full:?}");
 }
