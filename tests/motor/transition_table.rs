@@ -164,6 +164,17 @@ fn every_row_of_table_7_can_fire() {
 
 #[test]
 fn states_carry_the_numbers_and_powers_of_section_7() {
+    let names = [
+        "Initialization",
+        "Standby",
+        "Rotor lock",
+        "Open-loop",
+        "Sensorless Closed-loop",
+        "Closed-loop Hall Effect Sensors",
+        "Fault",
+        "Sensorless Auto-Restart",
+    ];
+    assert_eq!(State::ALL.map(State::name), names);
     for (number, state) in State::ALL.into_iter().enumerate() {
         assert_eq!(state as usize, number);
         assert_eq!(state.is_driving(), [2, 3, 4, 5, 7].contains(&number), "{state:?}");
