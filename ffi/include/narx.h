@@ -2543,9 +2543,10 @@ narx_status_t narx_message_decode(const struct narx_frame_t *frame,
 narx_status_t narx_message_encode(const struct narx_message_t *message,
                                   struct narx_frame_t *frame);
 
-// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length` bytes.
+// Runs a drive from a recording's initial state through all of its ticks, or a node or TX-Driver through the calls of its transcript: what
+// is said of ticks then holds for calls. `bytes` is the recording, `length` bytes.
 //
-// The drive that it runs lives on the stack. Any context.
+// What it runs lives on the stack. Any context.
 narx_status_t narx_replay(const uint8_t *bytes,
                           size_t length,
                           struct narx_outcome_t *outcome);

@@ -64,7 +64,9 @@ pub use inputs::{
 pub use master::*;
 pub use message::{NARX_FIELDS_MAX, narx_fields_t, narx_message_decode, narx_message_encode, narx_message_t};
 pub use pwm::{NARX_COMMUTATIONS_MAX, narx_commutation_t, narx_pwm_command_t};
-pub use recording::{NARX_OUTPUTS_TEXT_SIZE, narx_outcome_t, narx_replay, narx_replay_until};
+pub use recording::{
+    NARX_OUTPUTS_TEXT_SIZE, narx_outcome_t, narx_replay, narx_replay_transcript, narx_replay_until,
+};
 pub use samples::{
     NARX_EDGES_MAX, NARX_LINE_DRIVER_FAULT, NARX_LINE_DSI1, NARX_LINE_DSI2, NARX_LINE_EMERGENCY, narx_edge_t,
     narx_samples_t,

@@ -3,7 +3,11 @@
 use crate::status::narx_status_t;
 use crate::{pointer, text};
 use core::ffi::c_char;
-use narx_core::recording::{Outcome, Prefix, replay_any, replay_any_until};
+use narx_core::eddycan::TxDriver;
+use narx_core::motor::Drive;
+use narx_core::node::Node;
+use narx_core::recording::transcript::{self, Transcribable, Transcript};
+use narx_core::recording::{Kind, Outcome, Prefix, Recording, ReplayError, replay, replay_until};
 
 /// Room for the longest line that narx_replay_until writes, the closing 0 included.
 pub const NARX_OUTPUTS_TEXT_SIZE: usize = 1024;
@@ -23,10 +27,9 @@ pub struct narx_outcome_t {
     pub other_behaviour: u16,
 }
 
-/// Runs a drive from a recording's initial state through all of its ticks, or a node or TX-Driver through the calls of its transcript: what
-/// is said of ticks then holds for calls. `bytes` is the recording, `length` bytes.
+/// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length` bytes.
 ///
-/// What it runs lives on the stack. Any context.
+/// The drive that it runs lives on the stack. Any context.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_replay(
     bytes: *const u8,
@@ -37,7 +40,7 @@ pub unsafe extern "C" fn narx_replay(
     let run = || unsafe {
         pointer::check(outcome)?;
         let recording = pointer::bytes(bytes, length)?;
-        pointer::write(outcome, replay_any(recording)?.into())
+        pointer::write(outcome, whole(recording)?.into())
     };
     pointer::status(run())
 }
@@ -61,7 +64,7 @@ pub unsafe extern "C" fn narx_replay_until(
     let run = || unsafe {
         pointer::check(outcome)?;
         let recording = pointer::bytes(bytes, length)?;
-        match replay_any_until(recording, ticks) {
+        match prefix(recording, ticks) {
             Ok(prefix) => {
                 match prefix.last {
                     Some(outputs) => text::write(text, text_size, outputs)?,
@@ -76,6 +79,50 @@ pub unsafe extern "C" fn narx_replay_until(
         }
     };
     pointer::status(run())
+}
+
+/// Powers up a drive's node, or a TX-Driver, as a transcript says, and tells and asks it what stands there: its first `calls` calls, or all of a
+/// shorter one (UINT64_MAX: all). `bytes` is the transcript, `length` bytes. In the outcome `ticks` are calls, and `recorded_digest` is 0 unless all
+/// were asked for.
+///
+/// What it runs lives on the stack. Any context.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_replay_transcript(
+    bytes: *const u8,
+    length: usize,
+    calls: u64,
+    outcome: *mut narx_outcome_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        pointer::check(outcome)?;
+        let recording = pointer::bytes(bytes, length)?;
+        pointer::write(outcome, of_transcript(recording, calls)?)
+    };
+    pointer::status(run())
+}
+
+fn whole(bytes: &[u8]) -> Result<Outcome, ReplayError> {
+    replay::<Drive>(&Recording::open(bytes)?)
+}
+
+fn prefix(bytes: &[u8], ticks: u64) -> Result<Prefix, ReplayError> {
+    replay_until::<Drive>(&Recording::open(bytes)?, ticks)
+}
+
+fn of_transcript(bytes: &[u8], calls: u64) -> Result<narx_outcome_t, ReplayError> {
+    let file = Transcript::open(bytes)?;
+    match file.header().kind {
+        Kind::TxDriver => told::<TxDriver>(&file, calls),
+        Kind::Node | Kind::Drive => told::<Node>(&file, calls),
+    }
+}
+
+fn told<D: Transcribable>(file: &Transcript<'_>, calls: u64) -> Result<narx_outcome_t, ReplayError> {
+    if calls == u64::MAX {
+        return transcript::replay::<D>(file).map(Into::into);
+    }
+    transcript::replay_until::<D>(file, calls).map(Into::into)
 }
 
 impl From<Outcome> for narx_outcome_t {

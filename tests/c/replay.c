@@ -114,11 +114,14 @@ static int replay(const uint8_t *bytes, size_t length, const uint64_t *ticks)
     } else {
         status = narx_replay_until(bytes, length, *ticks, &outcome, text, sizeof text);
     }
+    if (status == NARX_ERROR_KIND) {
+        status = narx_replay_transcript(bytes, length, ticks == NULL ? UINT64_MAX : *ticks, &outcome);
+        text[0] = '\0';
+    } else if (status < 0 && ticks == NULL) {
+        /* The words for what was just found: as far as that, and no further. */
+        narx_replay_until(bytes, length, UINT64_MAX, &outcome, text, sizeof text);
+    }
     if (status < 0) {
-        if (ticks == NULL) {
-            /* The words for what was just found: as far as that, and no further. */
-            narx_replay_until(bytes, length, UINT64_MAX, &outcome, text, sizeof text);
-        }
         printf("error %s\n", text[0] != '\0' ? text : narx_status_text(status));
         return 0;
     }

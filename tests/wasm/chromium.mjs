@@ -19,7 +19,7 @@ try {
 
 /** Runs in the page. An exception would come back with the browser's words around it. */
 async function inPage([folder, base64, ticks, transcript]) {
-    const module = await import(`${folder}${transcript ? "full" : "lab"}.js`);
+    const module = await import(`${folder}${transcript ? "transcript" : "lab"}.js`);
     await module.default();
     const replay = transcript ? module.replayTranscript : module.replay;
     const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));

@@ -10,11 +10,12 @@ use std::{env, fs};
 const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Packages, their profiles and what `narx-wasm-pack` makes of them, in the order in which it takes them.
-const MODULES: [(&str, &str, &str); 4] = [
+const MODULES: [(&str, &str, &str); 5] = [
     ("narx-wasm", "wasm", "narx"),
     ("narx-wasm-core", SMALL, "core"),
     ("narx-wasm-lab", SMALL, "lab"),
     ("narx-wasm-full", "wasm", "full"),
+    ("narx-wasm-transcript", SMALL, "transcript"),
 ];
 const SMALL: &str = "wasm-small";
 

@@ -199,8 +199,18 @@ impl BenchNode {
         finished.unwrap_or_default().0
     }
 
-    /// A call that does not fit ends the transcript: what there is of it would be another story.
+    /// Most benches write nothing down: what does stays out of their way.
+    #[inline]
     fn note<E>(&mut self, write: impl FnOnce(&mut Notes) -> Result<(), E>) {
+        if self.notes.is_some() {
+            self.write(write);
+        }
+    }
+
+    /// A call that does not fit ends the transcript: what there is of it would be another story.
+    #[cold]
+    #[inline(never)]
+    fn write<E>(&mut self, write: impl FnOnce(&mut Notes) -> Result<(), E>) {
         if let Some(notes) = &mut self.notes
             && write(notes).is_err()
         {

@@ -2,8 +2,5 @@
 //! bootloader for a new program. The same bindings; only what they are linked with differs.
 #![forbid(unsafe_code)]
 
-mod transcript;
-
 use narx_sim as _;
 pub use narx_wasm::{Bench, Motor};
-pub use transcript::replay_transcript;

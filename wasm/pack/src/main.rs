@@ -1,4 +1,4 @@
-//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM FULL_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
+//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM FULL_WASM TRANSCRIPT_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
 //!
 //! | import | files | what |
 //! |---|---|---|
@@ -6,6 +6,7 @@
 //! | `narx/core` | `core.js`, `core_bg.wasm` | masters, messages, the dictionary, slcan |
 //! | `narx/lab` | `lab.js`, `lab_bg.wasm` | recordings that run again, logs |
 //! | `narx/full` | `full.js`, `full_bg.wasm` | the bench whose drive has log memory, description and bootloader |
+//! | `narx/transcript` | `transcript.js`, `transcript_bg.wasm` | what a node was told and asked runs again |
 //! | `narx/drive`, `narx/script` | from `wasm/ts` | what is TypeScript over them |
 //!
 //! A package of its own and not a part of xtask: what it depends on takes longer to compile than all of narx, and
@@ -28,6 +29,7 @@ const MANIFEST: &str = r#"{
     "./core": { "types": "./core.d.ts", "default": "./core.js" },
     "./lab": { "types": "./lab.d.ts", "default": "./lab.js" },
     "./full": { "types": "./full.d.ts", "default": "./full.js" },
+    "./transcript": { "types": "./transcript.d.ts", "default": "./transcript.js" },
     "./drive": { "types": "./drive.d.ts", "default": "./drive.js" },
     "./script": { "types": "./script.d.ts", "default": "./script.js" },
     "./*.wasm": "./*.wasm"
@@ -40,8 +42,8 @@ const FULL: &str = "export * from \"./narx.js\";\nexport { default } from \"./na
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<PathBuf> = env::args_os().skip(1).map(PathBuf::from).collect();
-    let [directory, bench, core, lab, full] = arguments.as_slice() else {
-        bail!("usage: narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM FULL_WASM")
+    let [directory, bench, core, lab, full, transcript] = arguments.as_slice() else {
+        bail!("usage: narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM FULL_WASM TRANSCRIPT_WASM")
     };
     let (web, node) = (directory.join("web"), directory.join("node"));
     for package in [&web, &node] {
@@ -50,7 +52,8 @@ fn main() -> anyhow::Result<()> {
             fs::remove_dir_all(package).with_context(|| package.display().to_string())?;
         }
     }
-    for (name, wasm) in [("narx", bench), ("core", core), ("lab", lab), ("full", full)] {
+    let modules = [("narx", bench), ("core", core), ("lab", lab), ("full", full), ("transcript", transcript)];
+    for (name, wasm) in modules {
         bindgen(wasm, name)?.web(true)?.generate(&web)?;
         bindgen(wasm, name)?.nodejs_module(true)?.generate(&node)?;
     }

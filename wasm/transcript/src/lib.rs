@@ -1,4 +1,5 @@
-//! Running again what a node was told and asked. Here, because this module has a whole node in it.
+//! Running again what a node was told and asked. A module of its own: it has both nodes in it, whole, and few open such a file.
+#![forbid(unsafe_code)]
 
 use js_sys::Object;
 use narx_core::eddycan::TxDriver;
