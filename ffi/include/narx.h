@@ -2543,10 +2543,9 @@ narx_status_t narx_message_decode(const struct narx_frame_t *frame,
 narx_status_t narx_message_encode(const struct narx_message_t *message,
                                   struct narx_frame_t *frame);
 
-// Runs a drive from a recording's initial state through all of its ticks, or a node or TX-Driver through the calls of its transcript: what
-// is said of ticks then holds for calls. `bytes` is the recording, `length` bytes.
+// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length` bytes.
 //
-// What it runs lives on the stack. Any context.
+// The drive that it runs lives on the stack. Any context.
 narx_status_t narx_replay(const uint8_t *bytes,
                           size_t length,
                           struct narx_outcome_t *outcome);
@@ -2563,6 +2562,16 @@ narx_status_t narx_replay_until(const uint8_t *bytes,
                                 struct narx_outcome_t *outcome,
                                 char *text,
                                 size_t text_size);
+
+// Powers up a drive's node, or a TX-Driver, as a transcript says, and tells and asks it what stands there: its first `calls` calls, or all of a
+// shorter one (UINT64_MAX: all). `bytes` is the transcript, `length` bytes. In the outcome `ticks` are calls, and `recorded_digest` is 0 unless all
+// were asked for.
+//
+// What it runs lives on the stack. Any context.
+narx_status_t narx_replay_transcript(const uint8_t *bytes,
+                                     size_t length,
+                                     uint64_t calls,
+                                     struct narx_outcome_t *outcome);
 
 // Bytes that a scope with room for `samples` needs on this processor. Any context.
 size_t narx_scope_size(uint16_t samples);

@@ -355,6 +355,9 @@ static void recordings_are_checked(void)
     CHECK(narx_replay(other, 0, &outcome) == NARX_ERROR_TRUNCATED
           || narx_replay(other, 0, &outcome) == NARX_ERROR_NOT_A_RECORDING);
     CHECK(narx_replay((const uint8_t *)"narxrec\n", 8, &outcome) == NARX_ERROR_TRUNCATED);
+    CHECK(narx_replay_transcript(NULL, 4, UINT64_MAX, &outcome) == NARX_ERROR_NULL);
+    CHECK(narx_replay_transcript(other, sizeof other, UINT64_MAX, NULL) == NARX_ERROR_NULL);
+    CHECK(narx_replay_transcript(other, sizeof other, 1, &outcome) == NARX_ERROR_NOT_A_RECORDING);
     CHECK(narx_replay_until(other, sizeof other, 1, &outcome, NULL, sizeof text) == NARX_ERROR_NULL);
     CHECK(narx_replay_until(other, sizeof other, 1, &outcome, NULL, 0) == NARX_ERROR_NOT_A_RECORDING);
     CHECK(narx_replay_until(other, sizeof other, 1, &outcome, text, sizeof text)
