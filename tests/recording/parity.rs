@@ -115,7 +115,7 @@ fn a_set_counts_the_digests_of_each_target() {
     assert!(wrong.contains("faulty: differs first in tick 3000"), "{wrong}");
 }
 
-/// The vectors lead through every state and every transition but a boot that fails, which the recording of a drive cannot begin with.
+/// The vectors lead through every state and every transition.
 #[test]
 fn what_the_vectors_cover_is_counted() {
     let all = vectors().into_iter().map(|file| Covered::of(&std::fs::read(file).unwrap()));
@@ -124,7 +124,7 @@ fn what_the_vectors_cover_is_counted() {
     assert!(covered.states.values().all(|ticks| *ticks > 0), "{:?}", covered.states);
     let missing: Vec<&String> =
         covered.transitions.iter().filter(|(_, times)| **times == 0).map(|(name, _)| name).collect();
-    assert_eq!(missing, ["T06", "T46"]);
+    assert!(missing.is_empty(), "{missing:?}");
     assert_eq!(Covered::of(b"narxrec\n"), Covered::default());
 }
 

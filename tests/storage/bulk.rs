@@ -34,8 +34,8 @@ fn downloads_take_turns() {
     device.send(ToDrive::DownloadXml(XmlCommand::Start));
     device.run(10);
     device.set(number::LOG_READ_COUNT, 50);
-    assert_eq!(device.command(number::LOG_READ_REQUEST), Some(Done));
     device.received.clear();
+    assert_eq!(device.command(number::LOG_READ_REQUEST), Some(Done));
     while order(&device).iter().filter(|log| **log).count() < 50 * 6 {
         device.run(1);
     }

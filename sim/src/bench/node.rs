@@ -49,15 +49,18 @@ macro_rules! told {
     };
 }
 
-/// Asks the node, and writes down what it has answered if it has.
+/// Asks the node, and writes down what it has answered if it has. Without a transcript an answer goes through no other hands: an event is large.
 macro_rules! asked {
     ($self:ident, $call:ident, $ask:expr) => {{
-        let answer = $ask;
         #[cfg(feature = "transcripts")]
-        if answer.is_some() {
-            $self.note(|notes| notes.transcriber.asked(NodeCall::$call, &answer));
+        if $self.notes.is_some() {
+            let answer = $ask;
+            if answer.is_some() {
+                $self.note(|notes| notes.transcriber.asked(NodeCall::$call, &answer));
+            }
+            return answer;
         }
-        answer
+        $ask
     }};
 }
 
@@ -199,18 +202,8 @@ impl BenchNode {
         finished.unwrap_or_default().0
     }
 
-    /// Most benches write nothing down: what does stays out of their way.
-    #[inline]
-    fn note<E>(&mut self, write: impl FnOnce(&mut Notes) -> Result<(), E>) {
-        if self.notes.is_some() {
-            self.write(write);
-        }
-    }
-
     /// A call that does not fit ends the transcript: what there is of it would be another story.
-    #[cold]
-    #[inline(never)]
-    fn write<E>(&mut self, write: impl FnOnce(&mut Notes) -> Result<(), E>) {
+    fn note<E>(&mut self, write: impl FnOnce(&mut Notes) -> Result<(), E>) {
         if let Some(notes) = &mut self.notes
             && write(notes).is_err()
         {
