@@ -35,6 +35,17 @@ def test_prefixes_lead_to_the_whole() -> None:
     assert nothing.ticks == len(nothing) == 0 and nothing.outputs is None
 
 
+def test_transcripts_of_nodes_run_again() -> None:
+    files = sorted(VECTORS[0].parent.glob("transcripts/*.narxrec"))
+    assert len(files) >= 10
+    for file in files:
+        replay = narx.replay(file)
+        assert replay.identical and replay.ticks > 1000 and replay.label == file.stem
+        assert list(replay) == [] and len(replay) == 0 and replay.outputs is None
+        part = narx.replay(file, until=1000)
+        assert part.ticks == 1000 and part.identical is None and part.digest != replay.digest
+
+
 def test_bytes_paths_and_strings_are_recordings() -> None:
     path = VECTORS[0]
     digests = {narx.replay(form).digest for form in (path, str(path), path.read_bytes(), bytearray(path.read_bytes()))}

@@ -5,7 +5,8 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { replay } from "../../wasm/pkg/node/lab.js";
 import { Bench, Motor } from "../../wasm/pkg/node/narx.js";
-import { VECTORS } from "./vectors.mjs";
+import { replayTranscript } from "../../wasm/pkg/node/transcript.js";
+import { TRANSCRIPTS, VECTORS } from "./vectors.mjs";
 
 const bytes = readFileSync(VECTORS[0]);
 
@@ -17,6 +18,20 @@ test("every vector replays to its digest", () => {
         assert.equal(digest, recordedDigest, file);
         assert.ok(ticks > 0);
     }
+});
+
+test("every transcript of a node replays to its digest", () => {
+    assert.ok(TRANSCRIPTS.length >= 10);
+    for (const file of TRANSCRIPTS) {
+        const bytes = readFileSync(file);
+        const { ticks, digest, recordedDigest } = replayTranscript(bytes);
+        assert.equal(digest, recordedDigest, file);
+        assert.equal(replayTranscript(bytes, 100).ticks, 100);
+        assert.ok(ticks > 1000);
+        assert.throws(() => replay(bytes), { message: /^recording of kind [23] \((node|TX-Driver)\), which is not replayed here$/ });
+    }
+    assert.throws(() => replayTranscript(bytes), { message: "recording of kind 1 (drive), which is not replayed here" });
+    assert.throws(() => replayTranscript(bytes, -1), RangeError);
 });
 
 test("a prefix tells its last outputs", () => {

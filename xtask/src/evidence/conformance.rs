@@ -10,7 +10,7 @@ const COMMAND: &str = "cargo xtask conformance --out docs/evidence";
 
 const HEAD: &str = "\
 A recording holds what a drive was given in every tick, and a digest of everything that it answered. Each target replays it with its own build of the core, and its digest must be the recorded one; where it is not, the first tick and the first output that differ are named. *Vectors* are the committed \
-scenarios of `tests/vectors`. *Windows of worlds* are 50 ms each around something that goes wrong, from seeded worlds that nobody has chosen, and *one life* is a single recording from power-up on. The Cortex-M targets are emulated, with the code of that processor. `cargo xtask test` makes and replays all of it again on every run.
+scenarios of `tests/vectors`; those *of both nodes*, in `tests/vectors/transcripts`, hold what the drive's node and a TX-Driver were told and asked, frame by frame, and their ticks are calls. *Windows of worlds* are 50 ms each around something that goes wrong, from seeded worlds that nobody has chosen, and *one life* is a single recording from power-up on. The Cortex-M targets are emulated, with the code of that processor. `cargo xtask test` makes and replays all of it again on every run.
 
 ";
 
@@ -37,7 +37,7 @@ fn table(conformance: &Conformance) -> String {
     }
     let _ = writeln!(
         text,
-        "\nWhat these {} ticks lead the drive through:\n\n| state | ticks |\n|---|---:|",
+        "\nWhat the {} ticks of drives lead the drive through:\n\n| state | ticks |\n|---|---:|",
         covered.ticks
     );
     for state in State::ALL {
@@ -55,8 +55,7 @@ fn table(conformance: &Conformance) -> String {
     let never = if never.is_empty() { "nothing".to_owned() } else { never.join(", ") };
     let _ = writeln!(
         text,
-        "* Reached by none of them: {never}. A boot that fails, or a store that is broken, is no recording of a drive: `tests/coverage.md` names the tests of these, as of every row of the specification \
-         and of every message of both protocols (`cargo xtask coverage`). Recordings begin behind the protocols, with the events that their frames lead to."
+        "* Reached by none of them: {never}. `tests/coverage.md` names tests and vectors of every row of the specification and of every message of both protocols (`cargo xtask coverage`)."
     );
     text
 }

@@ -58,7 +58,11 @@ fn measure(root: &Path, random: Random, path: &Path) -> steps::Outcome {
     let vectors = vectors::recordings(root)?;
     let directory = install::target_directory(root).join("parity");
     on(root, Target::value_variants(), |targets| {
-        let mut sets = vec![Set::of("vectors", targets, &vectors)?];
+        let transcripts = vectors::transcripts(root)?;
+        let mut sets = vec![
+            Set::of("vectors", targets, &vectors)?,
+            Set::of("vectors of both nodes", targets, &transcripts)?,
+        ];
         let (made, files) = random.sets(targets, &directory)?;
         sets.extend(made);
         let conformance = Conformance {
