@@ -162,8 +162,8 @@ fn a_node_with_other_features_is_not_replayed() {
     let transcriber = Transcriber::<Node, _>::new(Buffer::new(), 10_000, "", &other).unwrap();
     let bytes = transcriber.finish(&node).unwrap();
     let refused = replay_any(&bytes).unwrap_err();
-    assert_eq!(refused, ReplayError::Features { recorded: 0b0111, here: 0b1111 });
-    let words = "recorded by a node with features 0x07, but this one has 0x0f (accelerometer 1, description 2, log 4, scope 8)";
+    assert_eq!(refused, ReplayError::Features { recorded: 0b0111, here: 0b1_1111 });
+    let words = "recorded by a node with features 0x07, but this one has 0x1f (accelerometer 1, description 2, log 4, scope 8, recorder 16)";
     assert_eq!(refused.to_string(), words);
 }
 

@@ -164,7 +164,7 @@ impl fmt::Display for ReplayError {
             Self::State => write!(f, "the recording's initial state is not a state of this drive"),
             Self::Features { recorded, here } => write!(
                 f,
-                "recorded by a node with features {recorded:#04x}, but this one has {here:#04x} (accelerometer 1, description 2, log 4, scope 8)"
+                "recorded by a node with features {recorded:#04x}, but this one has {here:#04x} (accelerometer 1, description 2, log 4, scope 8, recorder 16)"
             ),
         }
     }

@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 /// What a node is powered up with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NodeSetup {
-    /// Features of the build by which its answers differ: 1 accelerometer, 2 description, 4 log, 8 scope.
+    /// Features of the build by which its answers differ: 1 accelerometer, 2 description, 4 log, 8 scope, 16 recorder. Programming (`update`) is not among them: a node without
+    /// slots takes no part in it, but its description lists the messages of its build.
     pub features: u8,
     /// Firmware and board.
     pub identity: Identity,
@@ -29,7 +30,8 @@ pub struct NodeSetup {
 const FEATURES: u8 = cfg!(feature = "accelerometer") as u8
     | (cfg!(feature = "description") as u8) << 1
     | (cfg!(feature = "log") as u8) << 2
-    | (cfg!(feature = "scope") as u8) << 3;
+    | (cfg!(feature = "scope") as u8) << 3
+    | (cfg!(feature = "recorder") as u8) << 4;
 
 impl NodeSetup {
     /// For a node of this build.
