@@ -52,7 +52,8 @@ def test_what_the_scope_records_of_a_start_replays_to_the_bits_of_the_board(driv
     assert record.agrees, "the state in the second checkpoint is not what the first one and the inputs lead to"
     record.save(tmp_path / "start.narxrec")
     again = narx.replay(tmp_path / "start.narxrec")
-    assert again.identical and again.ticks >= 400
+    # As much as its memory holds, 34 to 68 ms, however much has been asked for.
+    assert again.identical and 340 <= again.ticks <= 680
     states = again["state"].tolist()
     assert states[0] == State.STANDBY and states[-1] != State.STANDBY and set(np.diff(states) != 0) == {True, False}
     assert narx.replay(drive.scope.record(ticks=200, before=50, timeout=60.0).recording).identical, "while it turns"
