@@ -3,7 +3,6 @@
 import contextlib
 import os
 import random
-import re
 import subprocess
 import sys
 import time
@@ -70,6 +69,12 @@ def idle(offset=0, data=b""):
     content = bytearray(image("idle"))
     content[offset : offset + len(data)] = data
     return bytes(content)
+
+
+def test_the_drive_says_the_version_of_the_image_that_runs(drive):
+    major, minor, _, build = OLD
+    info = drive.info()
+    assert (info.software, info.build_number) == (f"{major}.{minor}", build)
 
 
 @pytest.mark.parametrize(
@@ -144,7 +149,8 @@ def test_the_whole_drive_is_programmed_by_the_command(flash, tmp_path):
         emulator.connect(can.Bus).shutdown()
         done = narx_command(emulator, "update", str(path))
     assert done.returncode == 0, done.stderr
-    assert re.fullmatch(r"software \d+\.\d+, build \d+ runs\n", done.stdout)
+    major, minor, _, build = NEW
+    assert done.stdout == f"software {major}.{minor}, build {build} runs\n"
     assert STAGES[-1] in done.stderr and "100%" in done.stderr
     print(f"{len(image('new'))} bytes in {time.monotonic() - begin:.0f} s")
     # What was confirmed stays.
