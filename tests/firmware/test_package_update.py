@@ -73,7 +73,7 @@ def idle(offset=0, data=b""):
 
 def test_the_drive_says_the_version_of_the_image_that_runs(drive):
     major, minor, _, build = OLD
-    info = drive.info()
+    info = drive.info
     assert (info.software, info.build_number) == (f"{major}.{minor}", build)
 
 
