@@ -40,3 +40,4 @@ mod support;
 mod transition_table;
 mod worlds;
 mod zero_crossing;
+mod zero_current;

@@ -223,8 +223,8 @@ impl Drive {
     #[inline(never)]
     fn look(&mut self, place: u32, samples: &Samples, current: Amps) {
         self.sensorless.beware();
-        if self.machine.state() == State::Initialization {
-            self.measurement.find_zero(current);
+        if matches!(self.machine.state(), State::Initialization | State::Standby) {
+            self.measurement.find_zero(&self.coefficients.measurement, current);
         }
         let pattern = self.survey(samples, &self.measurement.measured(current));
         self.conclude(place, &pattern, samples, current);

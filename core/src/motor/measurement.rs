@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 pub struct ChannelScale {
     /// Raw I16F16 per code, with 16 extra bits.
     gain: u32,
+    /// What is added to every value, raw I16F16; `bias` contains it.
+    offset: i32,
     /// Value of code 0, raw I16F16 with 32 extra bits.
     bias: i64,
 }
@@ -34,7 +36,11 @@ impl ChannelScale {
         } else {
             offset
         };
-        Self { gain: gain as u32, bias: ((offset as i64) << 32) - ((gain * channel.zero as i64) << 16) }
+        Self {
+            gain: gain as u32,
+            offset,
+            bias: ((offset as i64) << 32) - ((gain * channel.zero as i64) << 16),
+        }
     }
 
     /// Raw I16F16 of `code`: the upper word of one product and one sum.
@@ -88,8 +94,8 @@ pub struct Measurement {
     bus_voltage: i32,
 }
 
-/// The bus current's zero, found while the bridge is off during Initialization: what the converter reads then is
-/// its offset.
+/// The bus current's zero, found while the bridge is off: what the channel reads then, without parameter 13, is its own offset. It is looked for as
+/// long as nothing is driven and not at power-up alone, because what is wrong then may be mended, and a shunt's amplifier drifts as it warms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct ZeroCurrent {
     /// A first-order mean of 1024 ticks, raw I16F16 with 10 extra bits.
@@ -101,8 +107,13 @@ struct ZeroCurrent {
 impl ZeroCurrent {
     /// No credible offset is larger: 0.25 A.
     const MAX: i32 = 1 << 14;
+    /// More is no offset but a current, of windings that are just let go or of a rotor that is turned faster than the bus allows: 0.5 A.
+    const FLOWS: i32 = 2 * Self::MAX;
 
     fn find(&mut self, current: i32) {
+        if current.saturating_abs() > Self::FLOWS {
+            return;
+        }
         self.mean += i64::from(current) - (self.mean >> 10);
         self.zero = ((self.mean >> 10) as i32).clamp(-Self::MAX, Self::MAX);
     }
@@ -121,9 +132,9 @@ impl Measurement {
         Amps::from_bits(bus_current)
     }
 
-    /// No current could flow in the last step, which answered `bus_current`: what its channel read is its zero, from the next on.
-    pub fn find_zero(&mut self, bus_current: Amps) {
-        self.zero.find(bus_current.to_bits() + self.zero.zero);
+    /// The bridge was off in the last step, which answered `bus_current`: what its channel read is its zero, from the next on.
+    pub fn find_zero(&mut self, scales: &MeasurementScales, bus_current: Amps) {
+        self.zero.find(bus_current.to_bits() + self.zero.zero - scales.bus_current.offset);
     }
 
     /// All of the last step, which answered `bus_current`.

@@ -1,0 +1,96 @@
+//! The bus current's zero: found while the bridge is off, again and again, and never taken for what really flows.
+
+use crate::bench::Closed;
+use crate::robustness::config;
+use narx_core::dictionary::number;
+use narx_core::motor::{Request, State};
+use narx_sim::plant::{Injection, LoadConfig};
+
+/// In Standby the mean of 1024 ticks has settled to a thousandth.
+const SETTLED: u64 = 8 * 1024;
+
+/// Mean bus current over 20 ms, A, as soon as the drive's filter has followed: as the drive publishes it, and as it is.
+fn mean_current(closed: &mut Closed) -> (f64, f64) {
+    closed.run(640);
+    let mut sum = (0.0, 0.0);
+    for _ in 0..400 {
+        closed.tick();
+        sum.0 += f64::from(closed.status.bus_current.to_bits()) / 65_536.0;
+        sum.1 += closed.plant.observe().bus_current;
+    }
+    (sum.0 / 400.0, sum.1 / 400.0)
+}
+
+fn assert_shows(closed: &mut Closed, amps: f64, when: &str) {
+    let (shown, _) = mean_current(closed);
+    assert!((shown - amps).abs() < 0.015, "{when}: {shown} A, not {amps}");
+}
+
+/// Something behind the shunt takes 0.22 A while the drive boots, and is mended then. Kept, the zero of that moment would hold the current limit of a
+/// small motor at no duty at all, for ever and without a fault.
+#[test]
+fn a_zero_that_was_wrong_at_power_up_is_found_anew_in_standby() {
+    let mut closed = Closed::new(&config(24.0), &[]);
+    let leak = Injection::Leak(24.0 / 0.22);
+    closed.plant.inject(leak);
+    closed.boot();
+    assert_shows(&mut closed, 0.0, "with the leak from the beginning");
+    closed.plant.clear(leak);
+    closed.run(SETTLED);
+    assert_shows(&mut closed, 0.0, "mended");
+    // While it drives, the zero stays: what comes now is a current.
+    closed.ask(Request::Drive);
+    closed.run(16_000);
+    let (before, _) = mean_current(&mut closed);
+    closed.plant.inject(leak);
+    closed.run(SETTLED);
+    assert_shows(&mut closed, before + 0.22, "a leak while it drives");
+}
+
+/// Parameter 13 is added to what is measured, and stays so: it is no offset of the channel that could be found.
+#[test]
+fn what_parameter_13_adds_is_never_taken_for_the_zero() {
+    for milliamperes in [-700, -120, 120, 700] {
+        let amps = f64::from(milliamperes) * 1e-3;
+        let changes = [(number::HV_CURRENT_OFFSET, milliamperes)];
+        let mut stored = Closed::new(&config(24.0), &changes);
+        stored.boot();
+        assert_shows(&mut stored, amps, "from power-up");
+        let mut written = Closed::new(&config(24.0), &[]);
+        written.boot();
+        written.configure(&changes);
+        assert_shows(&mut written, amps, "as soon as it is written");
+        written.run(SETTLED);
+        assert_shows(&mut written, amps, "later");
+        written.configure(&[]);
+        assert_shows(&mut written, 0.0, "taken back");
+    }
+}
+
+/// A battery sags under a motor that coasts, which feeds it through the diodes then. That is no zero: who drives on at once reads what flows.
+#[test]
+fn what_a_coasting_motor_feeds_back_is_no_zero() {
+    let mut config = config(24.0);
+    config.supply.may_sink = true;
+    let mut closed = Closed::new(&config, &[(number::UNDER_VOLTAGE, 8_000)]);
+    closed.set_point = 4000.0;
+    closed.boot();
+    closed.plant.set_load(LoadConfig { inertia: 1e-4, ..LoadConfig::default() });
+    closed.ask(Request::Drive);
+    closed.run(30_000);
+    let sag = Injection::Supply(12.0);
+    closed.ask(Request::Standby);
+    closed.plant.inject(sag);
+    let mut fed = 0.0;
+    for _ in 0..600 {
+        closed.tick();
+        fed -= closed.plant.observe().bus_current / 600.0;
+    }
+    assert!(fed > 1.0 && closed.drive.state() == State::Standby, "{fed} A into {:?}", closed.drive.state());
+    closed.plant.clear(sag);
+    closed.ask(Request::Drive);
+    closed.run(20_000);
+    let (shown, flows) = mean_current(&mut closed);
+    assert_eq!(closed.drive.state(), State::HallClosedLoop);
+    assert!((shown - flows).abs() < 0.015, "{shown} A of {flows}");
+}
