@@ -36,10 +36,12 @@ pub enum Kind {
     Cut,
     /// A bit of the log's memory falls over.
     Flip,
+    /// The flash leaves its board, comes back, or is another one.
+    Chip,
 }
 
 /// All of them.
-pub const KINDS: [Kind; 12] = [
+pub const KINDS: [Kind; 13] = [
     Kind::Command,
     Kind::Request,
     Kind::Download,
@@ -52,6 +54,7 @@ pub const KINDS: [Kind; 12] = [
     Kind::Unplug,
     Kind::Cut,
     Kind::Flip,
+    Kind::Chip,
 ];
 
 impl Kind {
@@ -70,6 +73,7 @@ impl Kind {
             Self::Unplug => "unplugged",
             Self::Cut => "power cuts",
             Self::Flip => "flipped bits",
+            Self::Chip => "lost and new flashes",
         }
     }
 
@@ -83,7 +87,7 @@ impl Kind {
             Self::World | Self::Disturb => 4.0,
             Self::Download | Self::Silence => 3.0,
             Self::Unplug => 2.0,
-            Self::Cut | Self::Flip => 1.0,
+            Self::Cut | Self::Flip | Self::Chip => 1.0,
         }
     }
 }
@@ -115,6 +119,18 @@ pub(super) enum Mishap {
     Cut(u64, Tear),
     /// Share of the log's part of the flash, and the bit.
     Flip(f64, u8),
+    Chip(Chip),
+}
+
+/// What becomes of the flash.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Chip {
+    /// It does not answer any more: fault bit 26 from the next power-up on.
+    Silent,
+    /// It answers again.
+    Back,
+    /// Power fails, and when it is back there is a blank one: fault bit 30.
+    New,
 }
 
 impl Mishap {
@@ -132,6 +148,7 @@ impl Mishap {
             Self::Unplug(_) => Kind::Unplug,
             Self::Cut(..) => Kind::Cut,
             Self::Flip(..) => Kind::Flip,
+            Self::Chip(_) => Kind::Chip,
         }
     }
 }
@@ -181,6 +198,7 @@ impl Fate {
                 self.one(&[Tear::Nothing, Tear::Partial, Tear::Garbage]),
             ),
             Kind::Flip => Mishap::Flip(self.0.uniform(), self.below(8) as u8),
+            Kind::Chip => Mishap::Chip(self.one(&[Chip::Silent, Chip::Silent, Chip::Back, Chip::New])),
         }
     }
 

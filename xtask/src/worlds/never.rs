@@ -2,6 +2,7 @@
 
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{FromDrive, MessageId, MessageKind};
+use narx_core::dictionary::number;
 use narx_core::motor::fault::FaultWord;
 use narx_core::motor::{State, Step};
 use narx_sim::bench::Bench;
@@ -35,7 +36,7 @@ pub enum Never {
     Voltage,
     /// Fault has a cause.
     Cause,
-    /// The parameter store survives.
+    /// The parameter store survives, unless the whole flash is gone.
     Store,
     /// Physics is made of numbers.
     Numbers,
@@ -76,9 +77,9 @@ impl Never {
             Self::Rest => "no motor turns within 0.5 s of power-up",
             Self::Expired => "no bridge stays on when the command has expired",
             Self::Critical => "no bridge stays on with a critical fault",
-            Self::Voltage => "no bridge stays on above 62 V",
+            Self::Voltage => "no bridge stays on above 62 V, as the drive reads them",
             Self::Cause => "Fault has a critical fault as its cause",
-            Self::Store => "the parameter store is never broken",
+            Self::Store => "the parameter store is never broken, as long as its flash is there",
             Self::Numbers => "the simulated motor stays within the numbers",
             Self::Rise => "the bus rises no further than the windings' energy lifts it",
             Self::Frames => "every frame of the drive is one that its protocol knows",
@@ -114,6 +115,11 @@ impl fmt::Display for Broken {
     }
 }
 
+/// [`BUS_MAX`] as the drive reads it: an operator may have told it (parameter 14) that its converter reads too much.
+fn bus_max(bench: &Bench) -> f64 {
+    BUS_MAX - f64::from(bench.node().parameters().raw(number::HV_VOLTAGE_OFFSET)) * 1e-3
+}
+
 /// Watches one drive from power-up.
 #[derive(Default)]
 pub(super) struct Watch {
@@ -121,9 +127,26 @@ pub(super) struct Watch {
     expired: u32,
     critical: u32,
     high: u32,
+    /// The flash was lost; what stood on it may be, too.
+    lost: bool,
 }
 
 impl Watch {
+    /// Power-up.
+    pub(super) fn begin_anew(&mut self) {
+        *self = Self { lost: self.lost, ..Self::default() };
+    }
+
+    /// From now on the store may be broken.
+    pub(super) const fn spare_store(&mut self) {
+        self.lost = true;
+    }
+
+    /// All is stored again: from now on it may not be.
+    pub(super) const fn hold_store(&mut self) {
+        self.lost = false;
+    }
+
     /// Looks at a tick.
     pub(super) fn tick(&mut self, bench: &Bench) -> Checked {
         self.ticks += 1;
@@ -148,15 +171,16 @@ impl Watch {
                 status.critical
             ));
         }
-        self.high = if driving && bench.plant().observe().bus_voltage > BUS_MAX { self.high + 1 } else { 0 };
+        let max = bus_max(bench);
+        self.high = if driving && bench.plant().observe().bus_voltage > max { self.high + 1 } else { 0 };
         if self.high > HIGH {
             return Never::Voltage
-                .broken(format!("it drives ({}) with the bus above {BUS_MAX} V", status.state.name()));
+                .broken(format!("it drives ({}) with the bus above {max:.1} V", status.state.name()));
         }
         if status.state == State::Fault && status.critical.is_empty() {
             return Never::Cause.broken("it is in Fault without a critical fault");
         }
-        if status.faults.intersects(FaultWord::STORE) {
+        if !self.lost && status.faults.intersects(FaultWord::STORE) {
             return Never::Store.broken(format!("the parameter store is broken: {:?}", status.faults));
         }
         Ok(())
@@ -169,7 +193,8 @@ impl Watch {
         if !(a + b + c + seen.speed + seen.bus_voltage + seen.angle + seen.winding_temperature).is_finite() {
             return Never::Numbers.broken(format!("physics has left the numbers: {seen:?}"));
         }
-        let top = (BUS_MAX * BUS_MAX + 2.0 * EMF_SHARE * stored / capacitance).sqrt();
+        let max = bus_max(bench);
+        let top = (max * max + 2.0 * EMF_SHARE * stored / capacitance).sqrt();
         if seen.bus_voltage > top {
             return Never::Rise.broken(format!(
                 "the bus has risen to {:.1} V; the windings can lift it to {top:.1} V",

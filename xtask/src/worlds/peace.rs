@@ -4,9 +4,10 @@ use super::never::{Checked, Never};
 use super::world::{TICK, World, master};
 use narx_core::bus::narmotion::DigitalOutputs;
 use narx_core::dictionary::{Access, Parameters, number};
-use narx_core::master::Request;
+use narx_core::master::{Request, Service};
 use narx_core::motor::State;
 use narx_core::motor::event::Refusal;
+use narx_core::motor::fault::FaultWord;
 use narx_sim::can::Attachment;
 use narx_sim::commissioning::Mode;
 use narx_sim::engineering;
@@ -17,6 +18,8 @@ const CALM: f64 = 12.0;
 /// Two requests for Standby and the wait of a fault, or the boot, s.
 const ACKNOWLEDGED: f64 = 1.0;
 const START: f64 = 20.0;
+/// From what the flash says to the word of faults, s.
+const REPORTED: f64 = 0.1;
 /// A master repeats a request a few times before it gives up, s.
 const ANSWER: f64 = 5.0;
 
@@ -26,6 +29,7 @@ impl World {
         self.say(|| "peace".into());
         self.cut_at = None;
         self.bench.flash().restore_power();
+        self.bench.flash().set_absent(false);
         self.silent_until = 0;
         self.bench.disturb_bus(0, 0);
         self.bench.set_host(Attachment::Normal);
@@ -47,9 +51,26 @@ impl World {
         self.ask(Request::DigitalOutputs(DigitalOutputs::default()))?;
         let parameters = self.setting.commissioning.parameters.clone();
         self.write_all(&parameters)?;
+        self.store()?;
         if !self.until(CALM, is_standby)? {
             return Never::Standby.broken(format!("all is mended, and it is in {:?}", self.bench.status()));
         }
+        Ok(())
+    }
+
+    /// A drive that has found no parameters at power-up gets them, and keeps them. It looks once a second whether its flash is back.
+    fn store(&mut self) -> Checked {
+        let absent = |world: &Self| world.bench.status().faults.contains(FaultWord::STORE_ABSENT);
+        let until = self.ticks + (CALM / TICK) as u64;
+        while absent(self) && self.ticks < until {
+            self.tick()?;
+        }
+        if self.bench.status().faults.intersects(FaultWord::STORE) {
+            self.say(|| "all is stored".into());
+            self.ask(Request::Run(Service::Store))?;
+        }
+        self.run(REPORTED)?;
+        self.watch.hold_store();
         Ok(())
     }
 

@@ -55,7 +55,7 @@ pub fn long(first: u64, ticks: u64) -> Vec<u8> {
             world.bench.begin_recording();
             while world.ticks < ticks {
                 match world.next().ok()? {
-                    Mishap::Cut(..) | Mishap::Request(Request::Reboot) => {}
+                    Mishap::Cut(..) | Mishap::Chip(_) | Mishap::Request(Request::Reboot) => {}
                     mishap => world.happen(mishap),
                 }
             }

@@ -1,6 +1,6 @@
 //! One world from its number to its end.
 
-use super::mishap::{Fate, KINDS, Mishap};
+use super::mishap::{Chip, Fate, KINDS, Mishap};
 use super::never::{Broken, Checked, Watch};
 use narx_core::dictionary::number;
 use narx_core::master::{Answer, Config, Master};
@@ -264,6 +264,14 @@ impl World {
                 self.cut_at = Some(self.ticks + 1 + steps);
             }
             Mishap::Flip(share, bit) => self.bench.flash().flip((share * 65_536.0) as u32, bit),
+            Mishap::Chip(chip) => {
+                self.watch.spare_store();
+                self.bench.flash().set_absent(matches!(chip, Chip::Silent));
+                if matches!(chip, Chip::New) {
+                    self.bench.flash().clear();
+                    self.cut_at = Some(self.ticks + 1);
+                }
+            }
         }
     }
 
@@ -352,7 +360,7 @@ impl World {
         self.boots += 1;
         // The master goes on: it has not lost its power, only its drive. But its clock is the bench's, which begins anew.
         self.master = master(&self.bench);
-        self.watch = Watch::default();
+        self.watch.begin_anew();
         self.unplugged_until = 0;
     }
 }
