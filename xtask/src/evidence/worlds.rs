@@ -9,8 +9,8 @@ use std::path::Path;
 const COMMAND: &str = "cargo xtask worlds --hours 100 --first 20261122 --out docs/evidence";
 
 const HEAD: &str = "\
-A world is a number: from it follow a motor that is off its data sheet, its load and supply, an operator who makes mistakes, parts that break and are mended, a disturbed bus, restarts and power that fails in the middle of a write. For 20 s they come together at random; what may never happen is looked for in every tick, on the bus, at the bridge and in the \
-simulated physics. Then everything is mended, and the drive has to answer, to take its parameters and to turn its motor. A failure prints its number and the commit, and `cargo xtask worlds --world N` tells that world again, event by event.
+A world is a number: from it follow a motor that is off its data sheet, its load and supply, an operator who makes mistakes, parts that break and are mended, a disturbed bus, restarts, power that fails in the middle of a write, and a flash that is gone or blank when it is back. For 20 s they come together at random; what may never happen is looked for in every tick, on the bus, at the bridge and in the \
+simulated physics. Then everything is mended, and the drive has to answer, to take its parameters and to turn its motor. A failure prints its number and the commit, and `cargo xtask worlds --world N` tells that world again, event by event. Parameters that another version has stored (STORE_VERSION) cannot come about where there is one version only: `tests/storage/node.rs` has them.
 
 ";
 
