@@ -21,8 +21,13 @@ use core::fmt;
 pub const PACE: u64 = 400;
 /// Blocks that are sent without a pause after one that was late.
 const BURST: u64 = 8;
-/// Questions without anything new in the answer, while the drive erases, receives, verifies or keeps.
-const PATIENCE: u8 = 50;
+/// A drive that tells nothing new for so long is gone, microseconds: whoever it is, and whoever carries its frames, may be busy with something else for a while.
+const SILENCE: u64 = 5_000_000;
+/// The same of one that has not answered yet, as none without a bootloader does.
+const NO_ANSWER: u64 = 2_000_000;
+/// A drive that has not restarted so long after it was asked to was not reached, microseconds. Earlier it may be an answer from before: each of the questions that it was too busy
+/// to hear gets one.
+const SETTLED: u64 = 1_000_000;
 /// How often the drive is looked for after its reboot, and for how long, microseconds: two images are copied meanwhile.
 const LOOK: u64 = 200_000;
 const BOOT: u64 = 60_000_000;
@@ -159,10 +164,11 @@ pub(super) struct UnderWay {
     stage: Stage,
     /// When the stage's message is due, again.
     due: u64,
-    /// How often it may still be sent in vain.
-    left: u8,
-    attempts: u8,
+    /// When the drive said something new.
+    heard: u64,
     timeout: u64,
+    /// How long the attempts take that every message has.
+    attempts_last: u64,
     /// What the drive said last of the stage's bytes.
     offset: u32,
     /// The next byte to send.
@@ -175,6 +181,8 @@ pub(super) struct UnderWay {
     aborted: bool,
     /// When the next block may be sent.
     block_due: u64,
+    /// When the drive was asked to restart.
+    restarted: u64,
     /// When the drive must be back.
     back_by: u64,
 }
@@ -208,20 +216,21 @@ impl Update {
         if !matches!(self, Self::None) {
             return Err(NotTaken::Full);
         }
-        let attempts = attempts.max(1);
         *self = Self::UnderWay(UnderWay {
             image,
             stage: Stage::Device,
             due: 0,
-            left: attempts,
-            attempts,
+            // Counted from the first question on, whose time is not known yet.
+            heard: u64::MAX,
             timeout,
+            attempts_last: timeout.saturating_mul(attempts.max(1).into()),
             offset: 0,
             next: 0,
             limit: 0,
             asked: false,
             aborted: false,
             block_due: 0,
+            restarted: 0,
             back_by: u64::MAX,
         });
         Ok(())
@@ -271,7 +280,7 @@ impl Update {
         if now < under_way.due {
             return None;
         }
-        if under_way.stage == Stage::Waiting && now >= under_way.back_by || under_way.left == 0 {
+        if under_way.is_gone(now) {
             let silent = under_way.stage != Stage::Device;
             self.finish(Err(if silent { UpdateError::Silent } else { UpdateError::NoAnswer }));
             return None;
@@ -324,9 +333,19 @@ impl UnderWay {
         self.stage == Stage::Sending && self.next < self.limit.min(self.image.length)
     }
 
+    /// Whether the drive has had time enough.
+    fn is_gone(&mut self, now: u64) -> bool {
+        self.heard = self.heard.min(now);
+        let patience = match self.stage {
+            Stage::Waiting => return now >= self.back_by,
+            Stage::Device => NO_ANSWER,
+            _ => SILENCE,
+        };
+        now - self.heard >= patience.max(self.attempts_last)
+    }
+
     /// The stage's message, sent at `now`.
     fn message(&mut self, now: u64) -> ToDrive {
-        self.left -= 1;
         self.due = now.saturating_add(self.timeout);
         self.asked = self.stage == Stage::Sending;
         ToDrive::Update(match self.stage {
@@ -341,7 +360,7 @@ impl UnderWay {
                 return ToDrive::Reboot;
             }
             Stage::Waiting => {
-                (self.left, self.due) = (self.attempts, now.saturating_add(LOOK));
+                self.due = now.saturating_add(LOOK);
                 UpdateRequest::Status
             }
             Stage::Confirm => UpdateRequest::Confirm,
@@ -350,16 +369,14 @@ impl UnderWay {
 
     /// The next stage, whose message is due at once.
     fn enter(&mut self, stage: Stage, now: u64) {
-        (self.stage, self.due, self.offset) = (stage, now, 0);
-        let is_long = matches!(stage, Stage::Erasing | Stage::Sending | Stage::Verifying | Stage::Confirm);
-        self.left = if is_long { PATIENCE } else { self.attempts };
+        (self.stage, self.due, self.offset, self.heard) = (stage, now, 0, now);
     }
 
     fn wait_for_boot(&mut self, now: u64) {
         if self.stage != Stage::Waiting {
             let back_by = self.back_by.min(now.saturating_add(BOOT));
             self.enter(Stage::Waiting, now.saturating_add(LOOK));
-            self.back_by = back_by;
+            (self.back_by, self.restarted) = (back_by, now);
         }
     }
 
@@ -404,7 +421,7 @@ impl UnderWay {
                 self.enter(Stage::Erasing, now);
                 self.due = now.saturating_add(self.timeout);
             }
-            (Stage::Erasing, UpdateState::Erasing) => self.note_progress(status),
+            (Stage::Erasing, UpdateState::Erasing) => self.note_progress(status, now),
             (Stage::Begin | Stage::Erasing, UpdateState::Receiving) => {
                 self.enter(Stage::Sending, now);
                 self.note_received(status, now);
@@ -418,10 +435,12 @@ impl UnderWay {
                 self.enter(Stage::Verifying, now);
                 self.due = now.saturating_add(self.timeout);
             }
-            (Stage::Verifying, UpdateState::Verifying) => self.note_progress(status),
+            (Stage::Verifying, UpdateState::Verifying) => self.note_progress(status, now),
             (Stage::End | Stage::Verifying, UpdateState::Marked) => self.enter(Stage::Reboot, now),
             // It has not restarted: the request was lost, or refused.
-            (Stage::Waiting, UpdateState::Marked) => self.enter(Stage::Reboot, now.saturating_add(LOOK)),
+            (Stage::Waiting, UpdateState::Marked) if now >= self.restarted.saturating_add(SETTLED) => {
+                self.enter(Stage::Reboot, now);
+            }
             (Stage::Waiting, UpdateState::Trial) => self.enter(Stage::Checking, now),
             (_, UpdateState::Trial) => return Err(UpdateError::Refused(UpdateCode::Trial)),
             _ => {}
@@ -430,16 +449,16 @@ impl UnderWay {
     }
 
     /// A drive that gets on is given time.
-    fn note_progress(&mut self, status: &UpdateStatus) {
+    fn note_progress(&mut self, status: &UpdateStatus, now: u64) {
         if status.offset != self.offset {
-            (self.offset, self.left) = (status.offset, PATIENCE);
+            (self.offset, self.heard) = (status.offset, now);
         }
     }
 
     fn note_received(&mut self, status: &UpdateStatus, now: u64) {
         let UpdateStatus { code, window, offset, .. } = *status;
         if offset > self.offset {
-            (self.offset, self.left) = (offset, PATIENCE);
+            (self.offset, self.heard) = (offset, now);
         }
         // A block is missing, or nothing came any more: on from where the drive is. What it has had it does not count again.
         if code == UpdateCode::Sequence || core::mem::take(&mut self.asked) {

@@ -252,9 +252,8 @@ impl Update {
 
     /// A piece was written.
     fn drop_piece(&mut self) {
-        let piece = self.held.len().min(PIECE);
-        self.held.rotate_left(piece);
-        self.held.truncate(self.held.len() - piece);
+        // Not turned round in its place: what the compiler has for that takes 1.6 KB of a board's flash.
+        self.held = self.held.get(PIECE..).and_then(|rest| Vec::from_slice(rest).ok()).unwrap_or_default();
     }
 }
 

@@ -102,6 +102,59 @@ fn a_drive_that_is_gone_is_no_answer() {
     }
 }
 
+/// Milliseconds of an update of 2040 bytes.
+fn duration() -> u64 {
+    let mut wire = wire(Hasty::image(NEW, 1528));
+    let start = wire.drive.now;
+    wire.begin();
+    assert_eq!(wire.finish(60), Some(Ok(())));
+    (wire.drive.now - start) / 10
+}
+
+/// Once in every millisecond of an update, all of its stages among them: its questions wait meanwhile, and are all answered then.
+#[test]
+fn a_drive_that_is_busy_for_a_while_is_no_failure() {
+    for (after, busy) in (0..duration()).flat_map(|after| [(after, 500), (after, 1_900)]) {
+        let image = Hasty::image(NEW, 1528);
+        let mut wire = wire(image.clone());
+        wire.begin();
+        (0..after).for_each(|_| wire.step());
+        wire.busy_until = wire.drive.now + 10 * busy;
+        assert_eq!(wire.finish(70), Some(Ok(())), "busy after {after} ms for {busy}");
+        assert!(active(wire.drive.server.slot().flash(), image.len()) == image);
+    }
+}
+
+/// Every question is asked several times before the first one is answered, and each is answered: no answer from before is taken for a later question's, least of all
+/// for a drive that has not restarted, since a second restart would bring the old image back.
+#[test]
+fn a_bus_that_takes_its_time_is_no_failure() {
+    for milliseconds in [90, 110, 350, 700] {
+        let mut wire = wire(Hasty::image(NEW, 1528));
+        wire.latency = 10 * milliseconds;
+        wire.begin();
+        assert_eq!(wire.finish(120), Some(Ok(())), "{milliseconds} ms");
+    }
+}
+
+/// Whatever it was about, and however often it was asked: a few seconds, but for a bootloader that copies.
+#[test]
+fn a_drive_that_is_gone_is_told_within_seconds() {
+    for after in 0..duration() {
+        let mut wire = wire(Hasty::image(NEW, 1528));
+        wire.begin();
+        (0..after).for_each(|_| wire.step());
+        let stage = wire.master.update_progress().unwrap().stage;
+        wire.loss = 1000;
+        let start = wire.drive.now;
+        let end = wire.finish(70);
+        let seconds = (wire.drive.now - start) as f64 / 10_000.0;
+        let bound = if stage == UpdateStage::Restarting { 61.0 } else { 5.2 };
+        assert!(matches!(end, Some(Err(UpdateError::NoAnswer | UpdateError::Silent))), "{after} ms: {end:?}");
+        assert!((1.9..bound).contains(&seconds), "{stage:?}, after {after} ms: {seconds} s");
+    }
+}
+
 /// The drive restarts in the middle: it has forgotten the image, and runs what it ran.
 #[test]
 fn a_restart_on_the_way_is_told() {

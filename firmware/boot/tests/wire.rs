@@ -10,6 +10,7 @@ use narx_core::master::{Config, Image, Master, UpdateError};
 use narx_core::motor::{Board, State, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_sim::random::Random;
+use std::collections::VecDeque;
 
 /// A drive with its slots, served by a shell.
 pub(crate) struct Drive {
@@ -136,13 +137,29 @@ pub(crate) struct Wire {
     pub(crate) random: Random,
     /// Blocks that were sent, lost ones and repeated ones among them.
     pub(crate) blocks: usize,
+    /// Until then the drive, or whoever carries its frames, does something else, control ticks; frames wait.
+    pub(crate) busy_until: u64,
+    /// How long a frame to the drive takes, control ticks.
+    pub(crate) latency: u64,
+    /// Frames on their way to it, and when each is there.
+    waiting: VecDeque<(u64, Frame)>,
 }
 
 impl Wire {
     pub(crate) fn new(flash: Flash, bytes: Vec<u8>) -> Self {
         let config = Config { read_parameters: false, ..Config::default() };
         let master = Master::new(config);
-        Self { drive: Drive::new(flash), master, bytes, loss: 0, random: Random::new(5), blocks: 0 }
+        Self {
+            drive: Drive::new(flash),
+            master,
+            bytes,
+            loss: 0,
+            random: Random::new(5),
+            blocks: 0,
+            busy_until: 0,
+            latency: 0,
+            waiting: VecDeque::new(),
+        }
     }
 
     pub(crate) fn begin(&mut self) {
@@ -155,8 +172,15 @@ impl Wire {
         let now = self.drive.now * 100;
         while let Some(frame) = self.poll_master(now) {
             if !self.is_lost() {
-                self.drive.node.handle_frame(&frame);
+                self.waiting.push_back((self.drive.now + self.latency, frame));
             }
+        }
+        if self.drive.now < self.busy_until {
+            self.drive.now += 10;
+            return;
+        }
+        while let Some((_, frame)) = self.waiting.pop_front_if(|(due, _)| *due <= self.drive.now) {
+            self.drive.node.handle_frame(&frame);
         }
         let restarts = self.drive.pass();
         while let Some(frame) = self.drive.node.poll_frame() {

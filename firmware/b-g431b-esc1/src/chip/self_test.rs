@@ -9,7 +9,10 @@ use stm32_metapac::rcc::vals::Lptimsel;
 use stm32_metapac::{LPTIM1, RCC};
 
 /// The oscillator's nominal rate, Hz: within 5 % (DS12589, features). Of the STM32WLE5's ST promises 29.5 to 34 kHz over supply and temperature.
-const OSCILLATOR: u32 = 32_000;
+const OSCILLATOR: u16 = 32_000;
+/// The tick's rate, likewise.
+const TICK_RATE: u16 = crate::timing::TICK_RATE as u16;
+const _: () = assert!(TICK_RATE as u32 == crate::timing::TICK_RATE);
 /// Fast: the oscillator's own error. Slow: ticks that are lost while pages are erased, too.
 const TOLERANCE: Tolerance = Tolerance { slow: 400, fast: 120 };
 /// The walk over the program takes this much at a time: two seconds for the whole image, 0.2 ms each.
@@ -31,7 +34,7 @@ impl Tests {
         let failed = if cortex_m::is_ram_sound() { SelfTests::empty() } else { SelfTests::RAM };
         let walk = Walk::new(cortex_m::program());
         let counts = counter().into();
-        let monitor = TickMonitor::new(crate::timing::TICK_RATE, OSCILLATOR, TOLERANCE, OSCILLATOR, counts);
+        let monitor = TickMonitor::new(TICK_RATE, OSCILLATOR, TOLERANCE, OSCILLATOR.into(), counts);
         Self { failed, walk, monitor, counts }
     }
 

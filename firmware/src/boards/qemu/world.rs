@@ -29,7 +29,7 @@ const FRAME_TICKS: u64 = 3;
 /// Control ticks a millisecond.
 const TICKS_PER_MS: u64 = 10;
 /// Control ticks a second.
-const TICK_RATE: u32 = 10_000;
+const TICK_RATE: u16 = 10_000;
 /// The walk over the program takes this much at a time: a second for the whole image.
 const WALK_BYTES: usize = 4096;
 /// The stack is looked at this often, ticks: every second of the drive.
