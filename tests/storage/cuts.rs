@@ -83,7 +83,7 @@ fn every_cut_of_a_store_leaves_the_old_set_or_the_new_one() {
         for (row, raw) in set(count).iter().filter(|(row, _)| Part::Once.contains(row)) {
             new.set(row.number, raw).unwrap();
         }
-        let stride = if count == 0 || steps(&chip, &new, Part::Set) > 2000 { 1 } else { 5 };
+        let stride = if count == 0 || steps(&chip, &new, Part::Set) > 2000 { 1 } else { 3 };
         cuts += cut_everywhere(&chip, &set(count), &new, Part::Set, stride);
     }
     println!("{cuts} cuts");
@@ -111,7 +111,7 @@ fn every_cut_of_a_recovery() {
             new.set(row.number, raw).unwrap();
         }
         let all = steps(&chip, &new, Part::Set);
-        for (turn, cut) in (0..all).step_by(173).enumerate() {
+        for (turn, cut) in (0..all).step_by(97).enumerate() {
             let tear = TEARS[turn % 3];
             let (_, torn) = cut_store(&chip, &new, Part::Set, cut, tear);
             let before = torn.steps();

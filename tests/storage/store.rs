@@ -1,11 +1,12 @@
 //! The parameter store: what comes back, what the faults are, and how they are cured.
 
 use crate::support::{blank, boot, formatted, now, open, set, small, store};
+use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::fault::FaultWord;
 use narx_core::storage::layout::{Layout, capacity};
 use narx_core::storage::{Part, Report, Request, Storage};
-use narx_sim::flash::{KBYTE_512, MBIT_256, MBYTE_256};
+use narx_sim::flash::{FlashError, KBYTE_512, MBIT_256, MBYTE_256};
 
 const SUBSECTOR: u32 = 4096;
 
@@ -76,7 +77,7 @@ fn a_flash_without_our_layout_is_fault_26_untouched_and_cured_by_storing() {
     let text = [0x5A; 3000];
     let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
     for at in [layout.primary.label.start, layout.mirror.map.start] {
-        now(embedded_storage_async::nor_flash::NorFlash::write(&mut foreign, at, &text)).unwrap();
+        now(foreign.write(at, &text)).unwrap();
     }
     for chip in [blank(KBYTE_512), foreign] {
         let (opened, after) = boot(&chip);
@@ -164,22 +165,89 @@ pub(crate) fn spoil(chip: &mut crate::support::Chip) {
     }
 }
 
-/// Changes the body of the stored set in one map: count, body, CRC-32 over key and both.
+/// Changes the body of the stored set in one map, all of whose items stand in its first page: number of the page; of each item key and length, inverted, count and body, CRC-32 over
+/// key and both, filled up to units of 8.
 fn rewrite(chip: &mut crate::support::Chip, map: core::ops::Range<u32>, change: Change) {
-    use sequential_storage::cache::Cache;
-    use sequential_storage::map::{MapConfig, MapStorage};
-    let config = MapConfig::try_new(map).unwrap();
-    let mut map = MapStorage::<u8, _, _>::new(chip, config, Cache::new_uncached());
-    let mut buffer = [0; 2048];
-    let item = now(map.fetch_item::<&[u8]>(&mut buffer, &1)).unwrap().unwrap();
-    let mut bytes = item[..item.len() - 4].to_vec();
-    let mut body = bytes.split_off(4);
-    change(&mut body);
-    bytes.extend(&body);
-    let keyed: Vec<u8> = core::iter::once(1).chain(bytes.iter().copied()).collect();
-    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&keyed);
-    bytes.extend(crc.to_be_bytes());
-    now(map.store_item(&mut buffer, &1, &bytes.as_slice())).unwrap();
+    let mut page = vec![0; SUBSECTOR as usize];
+    now(chip.read(map.start, &mut page)).unwrap();
+    let (number, mut items) = page.split_at(8);
+    let mut changed = number.to_vec();
+    while let [key, a, b, c, _, _, _, _, rest @ ..] = items
+        && *key != 0xFF
+    {
+        let length = u32::from_be_bytes([0, *a, *b, *c]) as usize;
+        let mut content = rest[..length].to_vec();
+        items = &rest[(length + 4).next_multiple_of(8)..];
+        if *key == 1 {
+            let mut body = content.split_off(4);
+            change(&mut body);
+            content.extend(body);
+        }
+        let title = u32::from(*key) << 24 | content.len() as u32;
+        changed.extend([title, !title].map(u32::to_be_bytes).as_flattened());
+        let keyed = [&[*key], content.as_slice()].concat();
+        changed.extend(content);
+        changed.extend(crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&keyed).to_be_bytes());
+        changed.resize(changed.len().next_multiple_of(8), 0xFF);
+    }
+    now(chip.erase(map.start, map.start + SUBSECTOR)).unwrap();
+    now(chip.write(map.start, &changed)).unwrap();
+}
+
+/// A chip with a place that takes nothing any more.
+struct WornOut {
+    chip: crate::support::Chip,
+    place: core::ops::Range<u32>,
+}
+
+impl ErrorType for WornOut {
+    type Error = FlashError;
+}
+
+impl ReadNorFlash for WornOut {
+    const READ_SIZE: usize = 1;
+
+    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
+        self.chip.read(offset, bytes).await
+    }
+
+    fn capacity(&self) -> usize {
+        self.chip.capacity()
+    }
+}
+
+impl NorFlash for WornOut {
+    const WRITE_SIZE: usize = 1;
+    const ERASE_SIZE: usize = SUBSECTOR as usize;
+
+    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
+        self.chip.erase(from, to).await
+    }
+
+    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
+        if self.place.contains(&offset) { Ok(()) } else { self.chip.write(offset, bytes).await }
+    }
+}
+
+#[test]
+fn a_page_that_takes_nothing_any_more_is_passed_over() {
+    let layout = Layout::of(32 << 20, SUBSECTOR).unwrap();
+    for map in [&layout.primary.map, &layout.mirror.map] {
+        for page in [0, 1, 3] {
+            let start = map.start + page * SUBSECTOR;
+            let chip = formatted(MBIT_256, &set(0));
+            let mut storage = Storage::new(WornOut { chip, place: start..start + SUBSECTOR });
+            now(storage.execute(Request::Open));
+            // Enough to fill four pages.
+            for variant in 1..30 {
+                let stored = now(storage.execute(Request::Store(set(variant), Part::Set)));
+                assert!(matches!(stored, Report::Stored { done: true, .. }), "{page} of {map:x?}: {variant}");
+            }
+            let (opened, _) = boot(&storage.into_flash().chip);
+            assert_eq!(opened.parameters.raw(number::SPEED_RATE), 1029, "{page} of {map:x?}");
+            assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), false), "{page} of {map:x?}");
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Erasing what is not blank already: an erase that is not needed costs time and life.
 
-use super::pair::Failed;
+use super::ring::Failed;
 use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 

@@ -5,8 +5,9 @@
 //! instead of a million.
 
 use super::blank;
-use super::pair::{Buffers, Failed, Key, Pair};
+use super::pair::{Buffers, Pair};
 use super::record::{Entry, PAGE, Record};
+use super::ring::{Failed, Key};
 use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 use serde::{Deserialize, Serialize};

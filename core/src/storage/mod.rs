@@ -17,6 +17,7 @@ mod mailbox;
 mod pair;
 pub mod parameters;
 pub mod record;
+mod ring;
 
 #[cfg(feature = "code-flash")]
 pub use code_flash::CodeFlash;
@@ -31,7 +32,8 @@ use crate::motor::fault::FaultWord;
 use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 use log::Log;
-use pair::{Buffers, Failed, Key, Pair};
+use pair::{Buffers, Pair};
+use ring::{Failed, Key};
 use serde::{Deserialize, Serialize};
 
 /// What the node asks of the flash.
@@ -109,7 +111,7 @@ struct Place {
 
 /// The first bytes of a label: name and version of the layout. Its third word is the size of the flash, the fourth all
 /// bits of the others inverted and summed up, so that no single wrong bit makes one.
-const LABEL: [u32; 2] = [u32::from_be_bytes(*b"narx"), 1];
+const LABEL: [u32; 2] = [u32::from_be_bytes(*b"narx"), 2];
 const LABEL_BYTES: usize = 16;
 
 impl<F> Storage<F> {
