@@ -164,11 +164,12 @@ pub(super) struct UnderWay {
     stage: Stage,
     /// When the stage's message is due, again.
     due: u64,
-    /// When the drive said something new.
+    /// When the drive said something new, or was asked to restart.
     heard: u64,
-    timeout: u64,
-    /// How long the attempts take that every message has.
-    attempts_last: u64,
+    /// Of an answer, microseconds.
+    timeout: u32,
+    /// That every message has at least.
+    attempts: u8,
     /// What the drive said last of the stage's bytes.
     offset: u32,
     /// The next byte to send.
@@ -181,8 +182,6 @@ pub(super) struct UnderWay {
     aborted: bool,
     /// When the next block may be sent.
     block_due: u64,
-    /// When the drive was asked to restart.
-    restarted: u64,
     /// When the drive must be back.
     back_by: u64,
 }
@@ -222,15 +221,14 @@ impl Update {
             due: 0,
             // Counted from the first question on, whose time is not known yet.
             heard: u64::MAX,
-            timeout,
-            attempts_last: timeout.saturating_mul(attempts.max(1).into()),
+            timeout: u32::try_from(timeout).unwrap_or(u32::MAX),
+            attempts: attempts.max(1),
             offset: 0,
             next: 0,
             limit: 0,
             asked: false,
             aborted: false,
             block_due: 0,
-            restarted: 0,
             back_by: u64::MAX,
         });
         Ok(())
@@ -301,7 +299,7 @@ impl Update {
         under_way.next += BLOCK as u32;
         under_way.block_due = (under_way.block_due + PACE).max(now.saturating_sub(BURST * PACE));
         // The answer to the last block that there is room for is waited for.
-        under_way.due = now.saturating_add(under_way.timeout);
+        under_way.due = now.saturating_add(under_way.timeout.into());
         Some(ToDrive::Update(UpdateRequest::Data { block, data }))
     }
 
@@ -341,12 +339,12 @@ impl UnderWay {
             Stage::Device => NO_ANSWER,
             _ => SILENCE,
         };
-        now - self.heard >= patience.max(self.attempts_last)
+        now - self.heard >= patience.max(u64::from(self.timeout) * u64::from(self.attempts))
     }
 
     /// The stage's message, sent at `now`.
     fn message(&mut self, now: u64) -> ToDrive {
-        self.due = now.saturating_add(self.timeout);
+        self.due = now.saturating_add(self.timeout.into());
         self.asked = self.stage == Stage::Sending;
         ToDrive::Update(match self.stage {
             Stage::Device => UpdateRequest::Device,
@@ -376,7 +374,7 @@ impl UnderWay {
         if self.stage != Stage::Waiting {
             let back_by = self.back_by.min(now.saturating_add(BOOT));
             self.enter(Stage::Waiting, now.saturating_add(LOOK));
-            (self.back_by, self.restarted) = (back_by, now);
+            (self.back_by, self.heard) = (back_by, now);
         }
     }
 
@@ -419,7 +417,7 @@ impl UnderWay {
             (Stage::Begin, _) if code != UpdateCode::Done => return Err(UpdateError::Refused(code)),
             (Stage::Begin, UpdateState::Erasing) => {
                 self.enter(Stage::Erasing, now);
-                self.due = now.saturating_add(self.timeout);
+                self.due = now.saturating_add(self.timeout.into());
             }
             (Stage::Erasing, UpdateState::Erasing) => self.note_progress(status, now),
             (Stage::Begin | Stage::Erasing, UpdateState::Receiving) => {
@@ -433,12 +431,12 @@ impl UnderWay {
             }
             (Stage::End, UpdateState::Verifying) => {
                 self.enter(Stage::Verifying, now);
-                self.due = now.saturating_add(self.timeout);
+                self.due = now.saturating_add(self.timeout.into());
             }
             (Stage::Verifying, UpdateState::Verifying) => self.note_progress(status, now),
             (Stage::End | Stage::Verifying, UpdateState::Marked) => self.enter(Stage::Reboot, now),
             // It has not restarted: the request was lost, or refused.
-            (Stage::Waiting, UpdateState::Marked) if now >= self.restarted.saturating_add(SETTLED) => {
+            (Stage::Waiting, UpdateState::Marked) if now >= self.heard.saturating_add(SETTLED) => {
                 self.enter(Stage::Reboot, now);
             }
             (Stage::Waiting, UpdateState::Trial) => self.enter(Stage::Checking, now),
@@ -466,7 +464,7 @@ impl UnderWay {
         }
         self.next = self.next.max(offset);
         self.limit = offset.saturating_add(u32::from(window) * BLOCK as u32);
-        self.due = now.saturating_add(self.timeout);
+        self.due = now.saturating_add(self.timeout.into());
         if offset >= self.image.length {
             self.enter(Stage::End, now);
         }
