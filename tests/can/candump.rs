@@ -116,6 +116,21 @@ fn what_is_no_line_is_refused_for_what_is_wrong_with_it() {
     assert_eq!(Line::parse(b"(1.0) \xFF 123#00"), Err(Channel));
 }
 
+#[test]
+fn what_is_wrong_is_told_in_words() {
+    for (error, text) in [
+        (ParseError::Shape, "not \"(time) channel identifier#data\", with R or T behind it or not"),
+        (ParseError::Time, "the time is not a finite number"),
+        (ParseError::Channel, "the channel is not UTF-8"),
+        (ParseError::Separator, "no # between identifier and data"),
+        (ParseError::Identifier, "the identifier is not 1 to 3 hexadecimal digits up to 7FF, or 4 to 8"),
+        (ParseError::Data, "the data are not pairs of hexadecimal digits"),
+        (ParseError::Length, "more than 8 data bytes, or 64 of CAN FD"),
+    ] {
+        assert_eq!(error.to_string(), text);
+    }
+}
+
 proptest! {
     #[test]
     fn what_is_written_is_read(micros in 0_u64..1 << 50, id: u32, wide: bool, data in proptest::collection::vec(any::<u8>(), 0..=8)) {

@@ -1,11 +1,15 @@
 //! The parameter store: what comes back, what the faults are, and how they are cured.
 
-use crate::support::{blank, boot, formatted, now, open, set, small, store};
+use crate::support::{Chip, blank, boot, formatted, now, open, set, small, store};
+use core::ops::Range;
+use embedded_storage_async::nor_flash::ReadNorFlash;
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::fault::FaultWord;
 use narx_core::storage::layout::{Layout, capacity};
 use narx_core::storage::{Part, Report, Request, Storage};
 use narx_sim::flash::{KBYTE_512, MBIT_256, MBYTE_256};
+use sequential_storage::cache::{Cache, CacheImpl};
+use sequential_storage::map::{MapConfig, MapStorage};
 
 const SUBSECTOR: u32 = 4096;
 
@@ -92,6 +96,37 @@ fn a_flash_without_our_layout_is_fault_26_untouched_and_cured_by_storing() {
     }
 }
 
+/// Name and version of the layout, size of the flash, and a check of them: firmware that looked for anything else would find nothing on the flash of a drive in the field.
+#[test]
+fn labels_are_those_of_the_drives_in_the_field() {
+    let mut chip = small(&set(1));
+    let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+    for label in [layout.primary.label, layout.mirror.label] {
+        let mut bytes = [0; 16];
+        now(chip.read(label.start, &mut bytes)).unwrap();
+        let (text, numbers) = bytes.split_at(4);
+        assert_eq!((text, numbers), (&b"narx"[..], &[0, 0, 0, 1, 0, 8, 0, 0, 0x91, 0x96, 0x8D, 0x86][..]));
+    }
+}
+
+/// Neither copy of the set can be read: the drive says so, and keeps the board's own facts.
+#[test]
+fn a_set_that_is_lost_is_fault_26() {
+    let mut chip = small(&set(4));
+    let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+    for map in [&layout.primary.map, &layout.mirror.map] {
+        lose(&mut chip, map.clone());
+    }
+    let (opened, after) = boot(&chip);
+    assert_eq!(opened.faults, FaultWord::STORE_MISMATCH);
+    let value = |number| opened.parameters.raw(number);
+    assert_eq!((value(number::SPEED_RATE), value(number::DEVICE_NUMBER)), (2000, 100));
+    let mut storage = Storage::new(after);
+    open(&mut storage);
+    assert!(store(&mut storage, &set(5), Part::Set));
+    assert_eq!(boot(storage.flash()).0.faults, FaultWord::empty());
+}
+
 #[test]
 fn no_answer_is_fault_30_and_what_was_stored_is_there_when_the_flash_is_back() {
     let mut chip = small(&set(4));
@@ -157,7 +192,7 @@ fn patch(body: &mut [u8], number: u16, raw: i32) {
 }
 
 /// Makes the speed rate of the stored set a value that it cannot have any more.
-pub(crate) fn spoil(chip: &mut crate::support::Chip) {
+pub(crate) fn spoil(chip: &mut Chip) {
     let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
     for map in [&layout.primary.map, &layout.mirror.map] {
         rewrite(chip, map.clone(), &|body| patch(body, number::SPEED_RATE, -5));
@@ -165,11 +200,8 @@ pub(crate) fn spoil(chip: &mut crate::support::Chip) {
 }
 
 /// Changes the body of the stored set in one map: count, body, CRC-32 over key and both.
-fn rewrite(chip: &mut crate::support::Chip, map: core::ops::Range<u32>, change: Change) {
-    use sequential_storage::cache::Cache;
-    use sequential_storage::map::{MapConfig, MapStorage};
-    let config = MapConfig::try_new(map).unwrap();
-    let mut map = MapStorage::<u8, _, _>::new(chip, config, Cache::new_uncached());
+fn rewrite(chip: &mut Chip, map: Range<u32>, change: Change) {
+    let mut map = items(chip, map);
     let mut buffer = [0; 2048];
     let item = now(map.fetch_item::<&[u8]>(&mut buffer, &1)).unwrap().unwrap();
     let mut bytes = item[..item.len() - 4].to_vec();
@@ -180,6 +212,15 @@ fn rewrite(chip: &mut crate::support::Chip, map: core::ops::Range<u32>, change: 
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&keyed);
     bytes.extend(crc.to_be_bytes());
     now(map.store_item(&mut buffer, &1, &bytes.as_slice())).unwrap();
+}
+
+/// Puts something else in the place of the stored set in one map.
+fn lose(chip: &mut Chip, map: Range<u32>) {
+    now(items(chip, map).store_item(&mut [0; 2048], &1, &&[0; 9][..])).unwrap();
+}
+
+fn items(chip: &mut Chip, map: Range<u32>) -> MapStorage<u8, &mut Chip, impl CacheImpl<u8>> {
+    MapStorage::new(chip, MapConfig::try_new(map).unwrap(), Cache::new_uncached())
 }
 
 #[test]

@@ -10,6 +10,8 @@ pub(super) struct Tests {
     pub programs: &'static [&'static str],
     /// Tests that are not about the area and take long.
     pub skip: &'static [&'static str],
+    /// A mutant that they take longer for hangs, s: ten times what they take on two busy cores.
+    pub timeout: &'static str,
 }
 
 /// Some files, and what is about them.
@@ -29,15 +31,22 @@ pub(super) struct Area {
 }
 
 const fn quick(programs: &'static [&'static str], features: &'static str) -> Tests {
-    Tests { package: "narx-mutants", features, programs, skip: &[] }
+    Tests { package: "narx-mutants", features, programs, skip: &[], timeout: "40" }
 }
 
 const fn suites(programs: &'static [&'static str]) -> Tests {
-    Tests { package: "narx-tests", features: "", programs, skip: &[] }
+    Tests { package: "narx-tests", features: "", programs, skip: &[], timeout: "120" }
 }
 
-/// Every cut at every byte, again and again: the other tests of storage see most of it sooner.
-const CUTS: [&str; 3] = ["cuts::every_cut_of_a_store", "cuts::every_cut_of_a_recovery", "flips::no_content"];
+/// Every cut, every bit and every page's life, again and again: the other tests of storage see most of it sooner.
+const THOROUGH: [&str; 6] = [
+    "code_flash::a_flipped_bit",
+    "every_cut_of_",
+    "flips::",
+    "log::a_log_is_a_list",
+    "log::fallen_bits",
+    "store::wear_is_even",
+];
 
 /// All of them.
 pub(super) const AREAS: [Area; 5] = [
@@ -47,14 +56,14 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/motor/{machine,state,fault,protection}.rs", "core/src/motor/protection/*.rs"],
         quick: quick(&["machine"], ""),
-        whole: Some(quick(&["drive"], "bench")),
+        whole: Some(Tests { timeout: "120", ..quick(&["drive"], "bench") }),
     },
     Area {
         name: "boot",
         what: "bootloader: images, slots, swap",
         package: "narx-boot",
         files: &["firmware/boot/src/*.rs"],
-        quick: Tests { package: "narx-boot", features: "", programs: &["boot"], skip: &[] },
+        quick: Tests { package: "narx-boot", features: "", programs: &["boot"], skip: &[], timeout: "120" },
         whole: None,
     },
     Area {
@@ -62,8 +71,8 @@ pub(super) const AREAS: [Area; 5] = [
         what: "parameters and log in the flash",
         package: "narx-core",
         files: &["core/src/storage/**/*.rs"],
-        quick: Tests { skip: &CUTS, ..quick(&["storage"], "bench") },
-        whole: Some(suites(&["storage"])),
+        quick: Tests { skip: &THOROUGH, ..quick(&["storage"], "bench") },
+        whole: Some(Tests { timeout: "120", ..quick(&["storage"], "bench") }),
     },
     Area {
         name: "narmotion",
