@@ -3,7 +3,7 @@
 use crate::support::{Chip, blank, boot, formatted, now, open, set, small, store};
 use core::ops::Range;
 use embedded_storage_async::nor_flash::ReadNorFlash;
-use narx_core::dictionary::{Parameters, number};
+use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::fault::FaultWord;
 use narx_core::storage::layout::{Layout, capacity};
 use narx_core::storage::{Part, Report, Request, Storage};
@@ -21,6 +21,13 @@ fn the_size_is_the_devices_and_five_per_cent_are_fenced_off() {
         ([0xEF, 0x40, 0x19], Some(32 << 20)),
         ([0xFF, 0xFF, 0xFF], None),
         ([0, 0, 0], None),
+        // Of a line that hangs, the last byte may look like a size.
+        ([0xFF, 0xBA, 0x19], None),
+        ([0, 0xBA, 0x19], None),
+        ([0x20, 0xBA, 0x0F], None),
+        ([0x20, 0xBA, 0x10], Some(64 << 10)),
+        ([0x20, 0xBA, 0x1A], None),
+        ([0x20, 0xBA, 0x20], Some(64 << 20)),
         ([0x20, 0xBA, 0x23], None),
     ];
     for (identification, bytes) in cases {
@@ -40,6 +47,10 @@ fn the_size_is_the_devices_and_five_per_cent_are_fenced_off() {
     }
     // 256 Mbit: 7782 of 8192 subsectors.
     assert_eq!(Layout::of(32 << 20, SUBSECTOR).unwrap().log.end, 7782 * 4096);
+    // The smallest has two subsectors for each map: one to write and one to move to.
+    let smallest = Layout::of(101 * SUBSECTOR, SUBSECTOR).unwrap();
+    assert_eq!(smallest.mirror.map, 99 * SUBSECTOR..101 * SUBSECTOR);
+    assert_eq!(Layout::of(100 * SUBSECTOR, SUBSECTOR), None);
     assert_eq!(Layout::of(64 << 10, SUBSECTOR), None);
     assert_eq!(Layout::of(0, SUBSECTOR), None);
 }
@@ -169,7 +180,7 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     for (what, change, faults, rate) in cases {
         let mut changed = chip.clone();
         for map in [&layout.primary.map, &layout.mirror.map] {
-            rewrite(&mut changed, map.clone(), change);
+            rewrite(&mut changed, map.clone(), 1, change);
         }
         let (opened, after) = boot(&changed);
         assert_eq!((opened.faults, opened.parameters.raw(number::SPEED_RATE)), (faults, rate), "{what}");
@@ -183,8 +194,26 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     chip.restore_power();
 }
 
-/// What is done to a stored set.
-type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
+/// Of newer firmware's numbers 8 are passed over; a set with more finds no room and counts as damaged.
+#[test]
+fn a_set_may_have_eight_numbers_more() {
+    let stored = Dictionary::rows().filter(|row| Part::Set.contains(row) || Part::Once.contains(row)).count();
+    for (more, faults, rate) in [(8, FaultWord::empty(), 1001), (9, FaultWord::STORE_MISMATCH, 2000)] {
+        let mut chip = small(&set(1));
+        let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+        for map in [&layout.primary.map, &layout.mirror.map] {
+            rewrite(&mut chip, map.clone(), 1, &|body| {
+                let numbers = (0xF000_u16..).take((4 + 6 * (stored + more) - body.len()) / 6);
+                numbers.for_each(|number| body.extend([number.to_be_bytes(), [0, 0], [0, 9]].as_flattened()));
+            });
+        }
+        let (opened, _) = boot(&chip);
+        assert_eq!((opened.faults, opened.parameters.raw(number::SPEED_RATE)), (faults, rate), "{more}");
+    }
+}
+
+/// What is done to an item.
+pub(crate) type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
 
 fn patch(body: &mut [u8], number: u16, raw: i32) {
     let pair = body[4..].chunks_mut(6).find(|pair| pair[..2] == number.to_be_bytes()).unwrap();
@@ -195,23 +224,23 @@ fn patch(body: &mut [u8], number: u16, raw: i32) {
 pub(crate) fn spoil(chip: &mut Chip) {
     let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
     for map in [&layout.primary.map, &layout.mirror.map] {
-        rewrite(chip, map.clone(), &|body| patch(body, number::SPEED_RATE, -5));
+        rewrite(chip, map.clone(), 1, &|body| patch(body, number::SPEED_RATE, -5));
     }
 }
 
-/// Changes the body of the stored set in one map: count, body, CRC-32 over key and both.
-fn rewrite(chip: &mut Chip, map: Range<u32>, change: Change) {
+/// Changes the body of an item in one map, of the stored set under key 1: count, body, CRC-32 over key and both.
+pub(crate) fn rewrite(chip: &mut Chip, map: Range<u32>, key: u8, change: Change) {
     let mut map = items(chip, map);
     let mut buffer = [0; 2048];
-    let item = now(map.fetch_item::<&[u8]>(&mut buffer, &1)).unwrap().unwrap();
+    let item = now(map.fetch_item::<&[u8]>(&mut buffer, &key)).unwrap().unwrap();
     let mut bytes = item[..item.len() - 4].to_vec();
     let mut body = bytes.split_off(4);
     change(&mut body);
     bytes.extend(&body);
-    let keyed: Vec<u8> = core::iter::once(1).chain(bytes.iter().copied()).collect();
+    let keyed: Vec<u8> = core::iter::once(key).chain(bytes.iter().copied()).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&keyed);
     bytes.extend(crc.to_be_bytes());
-    now(map.store_item(&mut buffer, &1, &bytes.as_slice())).unwrap();
+    now(map.store_item(&mut buffer, &key, &bytes.as_slice())).unwrap();
 }
 
 /// Puts something else in the place of the stored set in one map.
