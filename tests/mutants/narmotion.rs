@@ -11,6 +11,8 @@ mod candump;
 mod device;
 #[path = "../protocol/fields.rs"]
 mod fields;
+#[path = "../can/frame.rs"]
+mod frame;
 #[path = "../can/frames.rs"]
 mod frames;
 #[path = "../protocol/master.rs"]

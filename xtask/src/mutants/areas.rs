@@ -71,7 +71,7 @@ pub(super) const AREAS: [Area; 5] = [
         what: "parameters and log in the flash",
         package: "narx-core",
         files: &["core/src/storage/**/*.rs"],
-        quick: Tests { skip: &THOROUGH, ..quick(&["storage"], "bench") },
+        quick: Tests { skip: &THOROUGH, timeout: "20", ..quick(&["storage"], "bench") },
         whole: Some(Tests { timeout: "120", ..quick(&["storage"], "bench") }),
     },
     Area {
