@@ -135,6 +135,9 @@ fn variations_of_other_nodes_are_understood() {
     };
     value(4, 0x0403_0201, decode(&[0x42, 0, 0x20, 0, 1, 2, 3, 4]));
     value(3, 0x0003_0201, decode(&[0x47, 0, 0x20, 0, 1, 2, 3, 4]));
+    let three = frame(0x582, &[0x47, 0, 0x20, 0, 1, 2, 3, 0]);
+    let (from, message) = FromNode::decode(&three, SINGLE).unwrap();
+    assert_eq!(message.encode(from, SINGLE), three, "it goes on as it came");
     // Bytes beyond the size do not count.
     value(2, 0x0201, decode(&[0x4B, 0, 0x20, 0, 1, 2, 3, 4]));
     value(1, 0x01, decode(&[0x4F, 0, 0x20, 0, 1, 2, 3, 4]));
