@@ -1,5 +1,5 @@
 //! Changes the code on purpose, one place at a time, and sees whether a test fails: cargo-mutants, area by area. What counts is the time for one mutant, so it is run
-//! against small programs of tests that are about its area first (`tests/mutants`), and only what they leave against whole suites.
+//! against small programs of the tests that are about its area (`tests/mutants`), without those that take long first, and only what they leave against these, too.
 
 mod areas;
 mod outcomes;
@@ -93,7 +93,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// One run of an area: quick tests, then whole suites for what these leave. Each writes a folder of its own; the last word on a mutant counts.
+    /// One run of an area: quick tests, then the long ones for what these leave. Each writes a folder of its own; the last word on a mutant counts.
     fn run(&self, area: &Area, arguments: &Arguments) -> Result<(), String> {
         let mut command = self.cargo_mutants(area);
         let mut only = Vec::new();
@@ -112,11 +112,11 @@ impl Bench {
             fs::remove_dir_all(self.folder.join(area.name)).ok();
         }
         self.pass(area, &area.quick, command, &only)?;
-        // What parts leave is asked of the whole suites once, at their end.
+        // What parts leave is asked of the long tests once, at their end.
         let is_part = arguments.shard.is_some() || arguments.rest.is_some();
         let missed = if is_part { Vec::new() } else { self.missed(area)? };
-        match &area.whole {
-            Some(whole) if !missed.is_empty() => self.pass(area, whole, self.cargo_mutants(area), &missed),
+        match &area.long {
+            Some(long) if !missed.is_empty() => self.pass(area, long, self.cargo_mutants(area), &missed),
             _ => Ok(()),
         }
     }
