@@ -9,7 +9,7 @@ use narx_core::dictionary::Decimal;
 /// A message's name, an identifier, its bytes, and its fields with what they hold there.
 type Row = (&'static str, u32, u64, &'static [(&'static str, i64)]);
 
-const ROWS: [Row; 8] = [
+const ROWS: [Row; 9] = [
     ("BUILD_INFO", 0x0AAD_5400, 0x0001_0002_0003_0004, &[]),
     ("REQUEST_WORD", 0x0AAD_5202, 0x0000_0002_0000_0000, &[("Motor mode", 2)]),
     (
@@ -32,6 +32,12 @@ const ROWS: [Row; 8] = [
         0x1552_A870,
         0xFFFF_1000_F000_7FFF,
         &[("Address", 65_535), ("Sample 1", 4096), ("Sample 2", -4096), ("Sample 3", 32_767)],
+    ),
+    (
+        "UPDATE_VERSION",
+        0x1552_A8A1,
+        0x0104_0203_00E7_0000,
+        &[("Major version", 1), ("Minor version", 4), ("Patch level", 0x203), ("Build number", 231)],
     ),
     (
         "UPDATE_STATUS",
