@@ -374,6 +374,18 @@ fn a_flipped_bit_is_detected_and_mended() {
     assert!(seen.abs_diff(flips / 2) < 8, "{seen} of {flips} flips were seen");
 }
 
+/// One wrong bit in either twin: the page is made anew from the other one.
+#[test]
+fn a_damaged_twin_is_made_anew() {
+    for at in [20, PAGE + 20] {
+        let mut chip = worn(1);
+        flip(&mut chip, at, 3);
+        let (opened, storage) = boot(&chip);
+        assert!(opened.repaired && opened.parameters == with(1, 0), "{at}");
+        assert!(!boot(&storage.into_flash()).0.repaired, "{at}");
+    }
+}
+
 /// A bit that falls in the blank part while the drive runs, in either twin or in both: what is stored next goes around it.
 #[test]
 fn a_store_goes_around_fallen_bits() {
