@@ -46,6 +46,8 @@ fn what_other_writers_do_is_read() {
         ("  (1436509052.249713123)   can0\t1A2#DEAD", 1_436_509_052.249_713_2, true, plain),
         // More digits than a float has: a division of rounded numbers gives a neighbour.
         ("(1810185161.8982853) can0 1A2#DEAD", 1_810_185_161.898_285_3, true, plain),
+        // 2^64 + 1.
+        ("(18446744073709551617) can0 1A2#DEAD", 18_446_744_073_709_551_617.0, true, plain),
         ("(0) 1 1A2#DEAD", 0.0, true, plain),
         ("(-0.5) can0 1A2#DEAD", -0.5, true, plain),
         ("(1e3) can0 1A2#DEAD", 1000.0, true, plain),
@@ -75,6 +77,14 @@ fn what_other_writers_do_is_read() {
         panic!("not an error frame")
     };
     assert_eq!((class, data.len(), data.bytes().nth(1)), (0x88, 4, Some(4)));
+    // As much as such frames can have, and nothing.
+    for (digits, id) in [(16, "20000088#"), (0, "20000088#"), (128, "123##1"), (0, "123##1")] {
+        let text = format!("(1) c {id}{}", "5A".repeat(digits / 2));
+        let read = parse(&text).unwrap().unwrap();
+        let (Content::Error { data, .. } | Content::Fd { data, .. }) = read.content else { panic!("{text}") };
+        assert_eq!((data.len(), data.is_empty()), (digits / 2, digits == 0), "{text}");
+        assert!(data.bytes().eq(std::iter::repeat_n(0x5A, digits / 2)), "{text}");
+    }
 }
 
 #[test]
@@ -106,14 +116,33 @@ fn what_is_no_line_is_refused_for_what_is_wrong_with_it() {
         ("(1.0) can0 123##", Data),
         ("(1.0) can0 123##G00", Data),
         ("(1.0) can0 123##0R", Data),
+        ("(1.0) can0 123##0ABC", Data),
+        ("(1.0) can0 123##0GG", Data),
+        ("(1.0) can0 123#GG", Data),
         ("(1.0) can0 123#R10", Data),
         ("(1.0) can0 123#R9", Length),
         ("(1.0) can0 123#001122334455667788", Length),
         (long.as_str(), Length),
+        ("(1.0) can0 20000088#001122334455667788", Length),
     ] {
         assert_eq!(parse(text), Err(error), "{text}");
     }
     assert_eq!(Line::parse(b"(1.0) \xFF 123#00"), Err(Channel));
+}
+
+#[test]
+fn what_is_wrong_is_told_in_words() {
+    for (error, text) in [
+        (ParseError::Shape, "not \"(time) channel identifier#data\", with R or T behind it or not"),
+        (ParseError::Time, "the time is not a finite number"),
+        (ParseError::Channel, "the channel is not UTF-8"),
+        (ParseError::Separator, "no # between identifier and data"),
+        (ParseError::Identifier, "the identifier is not 1 to 3 hexadecimal digits up to 7FF, or 4 to 8"),
+        (ParseError::Data, "the data are not pairs of hexadecimal digits"),
+        (ParseError::Length, "more than 8 data bytes, or 64 of CAN FD"),
+    ] {
+        assert_eq!(error.to_string(), text);
+    }
 }
 
 proptest! {

@@ -4,6 +4,7 @@ mod arbitration;
 mod bits;
 mod candump;
 mod errors;
+mod frame;
 mod frames;
 mod log;
 mod slcan;

@@ -19,6 +19,7 @@ mod random;
 mod restart;
 mod sdo;
 mod sensors;
+mod texts;
 mod wire;
 mod wired;
 mod with_a_drive;

@@ -135,6 +135,9 @@ fn variations_of_other_nodes_are_understood() {
     };
     value(4, 0x0403_0201, decode(&[0x42, 0, 0x20, 0, 1, 2, 3, 4]));
     value(3, 0x0003_0201, decode(&[0x47, 0, 0x20, 0, 1, 2, 3, 4]));
+    let three = frame(0x582, &[0x47, 0, 0x20, 0, 1, 2, 3, 0]);
+    let (from, message) = FromNode::decode(&three, SINGLE).unwrap();
+    assert_eq!(message.encode(from, SINGLE), three, "it goes on as it came");
     // Bytes beyond the size do not count.
     value(2, 0x0201, decode(&[0x4B, 0, 0x20, 0, 1, 2, 3, 4]));
     value(1, 0x01, decode(&[0x4F, 0, 0x20, 0, 1, 2, 3, 4]));
@@ -213,7 +216,8 @@ fn every_identifier() {
 fn node_ids_are_1_to_127() {
     for raw in 0..=u8::MAX {
         assert_eq!(NodeId::new(raw).map(NodeId::raw), (1..=127).contains(&raw).then_some(raw));
-        assert_eq!(postcard::from_bytes::<NodeId>(&[raw]).is_ok(), (1..=127).contains(&raw));
+        assert_eq!(postcard::from_bytes(&[raw]).ok(), NodeId::new(raw));
+        assert!(NodeId::new(raw).is_none_or(|node| postcard::to_stdvec(&node) == Ok(vec![raw])));
     }
 }
 

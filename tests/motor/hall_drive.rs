@@ -4,7 +4,7 @@ use crate::rotor::ScriptedRotor;
 use crate::scripted::{BOOT, Scripted};
 use crate::support::coefficients;
 use narx_core::dictionary::number;
-use narx_core::motor::{Cause, Request, Samples, State, Step};
+use narx_core::motor::{Cause, Event, Request, Samples, State, Step};
 
 fn drive(frequency: f64) -> Scripted {
     let c = coefficients(&[(number::HALL_ENABLE, 1), (number::SPEED_MIN_HES, 300)]);
@@ -150,4 +150,26 @@ fn a_tick_number_that_wraps() {
     }
     assert_eq!(zero.drive.state(), State::HallClosedLoop);
     assert!(wraps.status.tick < 2_000);
+}
+
+/// A calibration is for the next start alone, and whoever withdraws it gets an ordinary start.
+#[test]
+fn a_calibration_is_armed_withdrawn_and_spent() {
+    for (asked, expected) in [
+        (&[][..], State::HallClosedLoop),
+        (&[true], State::RotorLock),
+        (&[true, false], State::HallClosedLoop),
+        (&[true, false, true], State::RotorLock),
+    ] {
+        let mut script = drive(0.0);
+        asked.iter().for_each(|run| script.drive.handle_event(Event::CalibrateHall(*run)));
+        for state in [expected, State::HallClosedLoop] {
+            script.ask(Request::Drive);
+            script.tick(|_| {});
+            assert_eq!(script.drive.state(), state, "{asked:?}");
+            script.ask(Request::Standby);
+            script.tick(|_| {});
+            assert_eq!(script.drive.state(), State::Standby, "{asked:?}");
+        }
+    }
 }

@@ -181,6 +181,8 @@ fn hall_causes_count_and_forgive() {
     assert_eq!(hall_fault(every(1, jump)), Some((5, Cause::HallJumps as u16)));
     assert_eq!(hall_fault(every(131, jump)), None, "one in 13 ms is forgiven");
     assert_eq!(hall_fault(every(40, back)), Some((6 * 40, Cause::HallDirection as u16)));
+    let turned = |tick| Evidence { torque: false, ..every(40, back)(tick) };
+    assert_eq!(hall_fault(turned), None, "without torque whoever turns it is not to blame");
     let stalled = |_| Evidence { hall_stopped: true, ..healthy() };
     // 500 ms after the speed has been found to be 0.
     assert_eq!(hall_fault(stalled), Some((5000, Cause::HallStall as u16)));

@@ -27,5 +27,7 @@ mod random;
 mod restart;
 #[path = "../eddycan/sdo.rs"]
 mod sdo;
+#[path = "../eddycan/texts.rs"]
+mod texts;
 #[path = "../eddycan/wire.rs"]
 mod wire;

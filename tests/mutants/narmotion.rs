@@ -7,24 +7,16 @@ mod bench;
 mod broadcast;
 #[path = "../can/candump.rs"]
 mod candump;
-#[path = "../protocol/described.rs"]
-mod described;
 #[path = "../protocol/device.rs"]
 mod device;
-#[path = "../protocol/download_bench.rs"]
-mod download_bench;
+#[path = "../protocol/fields.rs"]
+mod fields;
+#[path = "../can/frame.rs"]
+mod frame;
 #[path = "../can/frames.rs"]
 mod frames;
 #[path = "../protocol/master.rs"]
 mod master;
-#[path = "../protocol/master_downloads.rs"]
-mod master_downloads;
-#[path = "../protocol/master_link.rs"]
-mod master_link;
-#[path = "../protocol/master_log.rs"]
-mod master_log;
-#[path = "../protocol/master_report.rs"]
-mod master_report;
 #[path = "../protocol/master_requests.rs"]
 mod master_requests;
 #[path = "../protocol/node.rs"]
@@ -33,5 +25,9 @@ mod node;
 mod pair;
 #[path = "../protocol/parameters.rs"]
 mod parameters;
+#[path = "../protocol/texts.rs"]
+mod texts;
 #[path = "../protocol/wire.rs"]
 mod wire;
+#[path = "../protocol/wire_update.rs"]
+mod wire_update;

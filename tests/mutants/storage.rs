@@ -15,6 +15,10 @@ mod flash;
 mod flips;
 #[path = "../storage/log.rs"]
 mod log;
+#[path = "../storage/log_memory.rs"]
+mod log_memory;
+#[path = "../storage/mailbox.rs"]
+mod mailbox;
 #[path = "../storage/node.rs"]
 mod node;
 #[path = "../storage/store.rs"]

@@ -217,3 +217,14 @@ fn identifiers_in_the_message_table_agree_with_the_code() {
     );
     assert!(table.iter().all(|row| found.contains(row)) && table.len() == found.len());
 }
+
+/// What each code of an update means is told by hand.
+#[test]
+fn codes_of_an_update_are_told() {
+    let text = protocol();
+    let codes = NAMES.iter().find(|names| names.of == "update code").unwrap().values;
+    for (code, name) in codes {
+        let row = format!("| {code} {name} | ");
+        assert!(text.lines().any(|line| line.starts_with(&row)), "{row}");
+    }
+}

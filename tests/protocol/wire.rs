@@ -222,8 +222,39 @@ fn refused_frames() {
     for id in unknown {
         assert_eq!(FromDrive::decode(&frame(id, 0)), Err(DecodeError::Opcode), "{id:08X}");
     }
+    for word in [0, 2] {
+        assert_eq!(
+            FromDrive::decode(&frame(0x1552_A865, word << 48)),
+            Err(DecodeError::Value),
+            "REBOOT {word}"
+        );
+    }
     assert_eq!(FromDrive::decode(&frame(0x1552_A803, 4 << 32)), Err(DecodeError::Value));
     assert_eq!(FromDrive::decode(&frame(0x1552_A803, 0x400 << 32)), Err(DecodeError::Value));
+}
+
+/// Word 3 of an answer, and modes of the status word.
+#[test]
+fn every_status_and_every_mode() {
+    for status in 0..8_u64 {
+        let decoded = FromDrive::decode(&frame(0x1552_A86E, 0x0072_0000_00FA_0000 | status));
+        let found = decoded.map(|(_, message)| match message {
+            FromDrive::Parameter { number: 114, value: 250, status } => status as u64,
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(found, if status < 6 { Ok(status) } else { Err(DecodeError::Value) });
+    }
+    for (mode, control) in (0..16_u64).flat_map(|mode| (0..16_u64).map(move |control| (mode, control))) {
+        let found = FromDrive::decode(&frame(0x1552_A803, (control << 8 | mode) << 32));
+        let found = found.map(|(_, message)| match message {
+            FromDrive::Status(word) => (word.mode as u64, word.control as u64),
+            other => panic!("{other:?}"),
+        });
+        assert_eq!(
+            found,
+            if mode < 4 && control < 4 { Ok((mode, control)) } else { Err(DecodeError::Value) }
+        );
+    }
 }
 
 #[test]
@@ -261,6 +292,11 @@ fn invalid_identifiers_and_frames_cannot_be_made() {
     assert!(Id::standard(0x100).unwrap() < Id::extended(0x100 << 18).unwrap());
     assert!(Id::extended(5).unwrap() < Id::extended(6).unwrap());
     assert_eq!(Opcode::new(512), None);
+    for raw in [0, 200, 511, 512, u16::MAX] {
+        let bytes = postcard::to_stdvec(&raw).unwrap();
+        assert_eq!(postcard::from_bytes(&bytes).ok(), Opcode::new(raw), "{raw}");
+        assert!(Opcode::new(raw).is_none_or(|opcode| postcard::to_stdvec(&opcode).unwrap() == bytes));
+    }
     let bytes = postcard::to_stdvec(&(0x2000_0000_u32 | 1 << 31, false, 8_u8, [0_u8; 8])).unwrap();
     assert!(postcard::from_bytes::<Frame>(&bytes).is_err());
     let bytes = postcard::to_stdvec(&(1_u32, false, 9_u8, [0_u8; 8])).unwrap();

@@ -79,7 +79,7 @@ fn until_full() -> i32 {
         bytes(chip).chunks(PAGE as usize).filter(|page| page.iter().any(|byte| *byte != 0xFF)).count()
     };
     let moves = |variant: &i32| store(&mut storage, &set(*variant), Part::Set) && pages(storage.flash()) > 2;
-    (1..).find(moves).unwrap() - 1
+    (1..1000).find(moves).unwrap() - 1
 }
 
 #[test]
@@ -174,11 +174,17 @@ fn a_flash_of_the_wrong_size_is_absent() {
         let fits = faults == FaultWord::STORE_MISMATCH;
         assert_eq!(store(&mut storage, &set(1), Part::Set), fits, "{capacity} bytes");
     }
-    // A page of 512 bytes has no room for a set.
-    let mut storage = CodeFlash::new(InternalFlash::<Sparse, 512>::new(Sparse::new(), 4096, 1));
+    // A page of 512 bytes has no room for a set, one of 1024 has.
+    assert_eq!(on_pages_of::<512>(), FaultWord::STORE_ABSENT);
+    assert_eq!(on_pages_of::<1024>(), FaultWord::STORE_MISMATCH);
+}
+
+/// The faults of a first power-up on a blank flash with such pages.
+fn on_pages_of<const BYTES: usize>() -> FaultWord {
+    let mut storage = CodeFlash::new(InternalFlash::<Sparse, BYTES>::new(Sparse::new(), 4096, 1));
     storage.begin(Request::Open);
-    let Some(Report::Opened(opened)) = storage.step() else { panic!() };
-    assert_eq!(opened.faults, FaultWord::STORE_ABSENT);
+    let Some(Report::Opened(opened)) = (0..3).find_map(|_| storage.step()) else { panic!() };
+    opened.faults
 }
 
 #[test]
@@ -213,11 +219,12 @@ type Left<'a> = (&'a str, i32, &'a [(u16, i32)], FaultWord, i32);
 #[test]
 fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     let (rate, factory) = (number::SPEED_RATE, Parameters::new().raw(number::SPEED_RATE));
-    let cases: [Left<'_>; 5] = [
+    let cases: [Left<'_>; 6] = [
         ("a number that nobody knows yet", 1, &[(rate, 1001), (0x3FF, 9)], FaultWord::empty(), 1001),
         ("a number less", 1, &[(number::LOG_PERIOD, 20)], FaultWord::empty(), factory),
         ("a value out of range", 1, &[(rate, -5)], FaultWord::STORE_VERSION, factory),
         ("one that was put right later", 1, &[(rate, -5), (rate, 70)], FaultWord::empty(), 70),
+        ("a board's fact out of range", 1, &[(number::DEVICE_NUMBER, -1)], FaultWord::STORE_VERSION, factory),
         ("a form to come", 2, &[(rate, 1001)], FaultWord::STORE_VERSION, factory),
     ];
     for (what, form, records, faults, raw) in cases {
@@ -365,6 +372,38 @@ fn a_flipped_bit_is_detected_and_mended() {
     }
     // Half of the pages are not in use.
     assert!(seen.abs_diff(flips / 2) < 8, "{seen} of {flips} flips were seen");
+}
+
+/// One wrong bit in either twin: the page is made anew from the other one.
+#[test]
+fn a_damaged_twin_is_made_anew() {
+    for at in [20, PAGE + 20] {
+        let mut chip = worn(1);
+        flip(&mut chip, at, 3);
+        let (opened, storage) = boot(&chip);
+        assert!(opened.repaired && opened.parameters == with(1, 0), "{at}");
+        assert!(!boot(&storage.into_flash()).0.repaired, "{at}");
+    }
+}
+
+/// A bit that falls in the blank part while the drive runs, in either twin or in both: what is stored next goes around it.
+#[test]
+fn a_store_goes_around_fallen_bits() {
+    let chip = worn(1);
+    let blank = |at: u32| bytes(&chip)[at as usize..][..WORD].iter().all(|byte| *byte == 0xFF);
+    let end = (0..PAGE).step_by(WORD).find(|at| blank(*at)).unwrap();
+    for at in (end..end + 64).step_by(5).chain([PAGE - 1]) {
+        for struck in [&[0][..], &[PAGE], &[0, PAGE], &[0, PAGE, 2 * PAGE]] {
+            let mut storage = boot(&chip).1;
+            struck.iter().for_each(|page| flip(storage.flash(), page + at, 5));
+            for variant in [2, 3] {
+                assert!(store(&mut storage, &set(variant), Part::Set), "{at:x} of {struck:x?}");
+                let (opened, _) = boot(storage.flash());
+                let found = (opened.faults, opened.repaired, opened.parameters);
+                assert_eq!(found, (FaultWord::empty(), false, with(variant, 0)), "{at:x} of {struck:x?}");
+            }
+        }
+    }
 }
 
 /// Both twins are damaged: nothing older is brought back, and the drive says so.

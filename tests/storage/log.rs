@@ -12,14 +12,14 @@ fn entry(value: i32) -> Entry {
     Entry { time: value as u32, values: values.into_iter().collect() }
 }
 
-fn ask(storage: &mut Storage<Chip>, request: Request) -> (bool, Memory) {
+pub(crate) fn ask(storage: &mut Storage<Chip>, request: Request) -> (bool, Memory) {
     match now(storage.execute(request)) {
         Report::Log { done, memory } => (done, memory),
         other => panic!("{other:?}"),
     }
 }
 
-fn append(storage: &mut Storage<Chip>, value: i32) -> bool {
+pub(crate) fn append(storage: &mut Storage<Chip>, value: i32) -> bool {
     ask(storage, Request::Append(entry(value))).0
 }
 
@@ -31,7 +31,7 @@ fn read(storage: &mut Storage<Chip>, index: u32) -> Option<Record> {
 }
 
 /// Erases to the end; how many steps it took.
-fn erase(storage: &mut Storage<Chip>) -> usize {
+pub(crate) fn erase(storage: &mut Storage<Chip>) -> usize {
     for step in 0..10_000 {
         let (done, memory) = ask(storage, Request::Erase);
         assert!(done);
@@ -44,7 +44,7 @@ fn erase(storage: &mut Storage<Chip>) -> usize {
 }
 
 /// A drive with `count` records since an erase, of which the log begins at subsector `first`.
-fn filled(first: u32, count: i32) -> Storage<Chip> {
+pub(crate) fn filled(first: u32, count: i32) -> Storage<Chip> {
     let mut storage = Storage::new(small(&set(1)));
     open(&mut storage);
     for value in 0..first * 16 {
@@ -59,7 +59,7 @@ fn filled(first: u32, count: i32) -> Storage<Chip> {
     storage
 }
 
-fn values(storage: &mut Storage<Chip>, written: u32) -> Vec<Option<i32>> {
+pub(crate) fn values(storage: &mut Storage<Chip>, written: u32) -> Vec<Option<i32>> {
     (0..written).map(|index| read(storage, index).map(|record| record.entry().values[0].1)).collect()
 }
 

@@ -8,6 +8,8 @@ mod device;
 mod flash;
 mod flips;
 mod log;
+mod log_memory;
+mod mailbox;
 mod master;
 mod node;
 mod store;

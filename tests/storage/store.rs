@@ -1,8 +1,9 @@
 //! The parameter store: what comes back, what the faults are, and how they are cured.
 
-use crate::support::{blank, boot, formatted, now, open, set, small, store};
+use crate::support::{Chip, blank, boot, formatted, now, open, set, small, store};
+use core::ops::Range;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
-use narx_core::dictionary::{Parameters, number};
+use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::fault::FaultWord;
 use narx_core::storage::layout::{Layout, capacity};
 use narx_core::storage::{Part, Report, Request, Storage};
@@ -18,6 +19,13 @@ fn the_size_is_the_devices_and_five_per_cent_are_fenced_off() {
         ([0xEF, 0x40, 0x19], Some(32 << 20)),
         ([0xFF, 0xFF, 0xFF], None),
         ([0, 0, 0], None),
+        // Of a line that hangs, the last byte may look like a size.
+        ([0xFF, 0xBA, 0x19], None),
+        ([0, 0xBA, 0x19], None),
+        ([0x20, 0xBA, 0x0F], None),
+        ([0x20, 0xBA, 0x10], Some(64 << 10)),
+        ([0x20, 0xBA, 0x1A], None),
+        ([0x20, 0xBA, 0x20], Some(64 << 20)),
         ([0x20, 0xBA, 0x23], None),
     ];
     for (identification, bytes) in cases {
@@ -37,6 +45,10 @@ fn the_size_is_the_devices_and_five_per_cent_are_fenced_off() {
     }
     // 256 Mbit: 7782 of 8192 subsectors.
     assert_eq!(Layout::of(32 << 20, SUBSECTOR).unwrap().log.end, 7782 * 4096);
+    // The smallest has two subsectors for each map: one to write and one to move to.
+    let smallest = Layout::of(101 * SUBSECTOR, SUBSECTOR).unwrap();
+    assert_eq!(smallest.mirror.map, 99 * SUBSECTOR..101 * SUBSECTOR);
+    assert_eq!(Layout::of(100 * SUBSECTOR, SUBSECTOR), None);
     assert_eq!(Layout::of(64 << 10, SUBSECTOR), None);
     assert_eq!(Layout::of(0, SUBSECTOR), None);
 }
@@ -93,6 +105,37 @@ fn a_flash_without_our_layout_is_fault_26_untouched_and_cured_by_storing() {
     }
 }
 
+/// Name and version of the layout, size of the flash, and a check of them: firmware that looked for anything else would find nothing on the flash of a drive in the field.
+#[test]
+fn labels_are_those_of_the_drives_in_the_field() {
+    let mut chip = small(&set(1));
+    let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+    for label in [layout.primary.label, layout.mirror.label] {
+        let mut bytes = [0; 16];
+        now(chip.read(label.start, &mut bytes)).unwrap();
+        let (text, numbers) = bytes.split_at(4);
+        assert_eq!((text, numbers), (&b"narx"[..], &[0, 0, 0, 2, 0, 8, 0, 0, 0x91, 0x96, 0x8D, 0x85][..]));
+    }
+}
+
+/// Neither copy of the set can be read: the drive says so, and keeps the board's own facts.
+#[test]
+fn a_set_that_is_lost_is_fault_26() {
+    let mut chip = small(&set(4));
+    let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+    for map in [&layout.primary.map, &layout.mirror.map] {
+        lose(&mut chip, map.clone());
+    }
+    let (opened, after) = boot(&chip);
+    assert_eq!(opened.faults, FaultWord::STORE_MISMATCH);
+    let value = |number| opened.parameters.raw(number);
+    assert_eq!((value(number::SPEED_RATE), value(number::DEVICE_NUMBER)), (2000, 100));
+    let mut storage = Storage::new(after);
+    open(&mut storage);
+    assert!(store(&mut storage, &set(5), Part::Set));
+    assert_eq!(boot(storage.flash()).0.faults, FaultWord::empty());
+}
+
 #[test]
 fn no_answer_is_fault_30_and_what_was_stored_is_there_when_the_flash_is_back() {
     let mut chip = small(&set(4));
@@ -135,7 +178,7 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     for (what, change, faults, rate) in cases {
         let mut changed = chip.clone();
         for map in [&layout.primary.map, &layout.mirror.map] {
-            rewrite(&mut changed, map.clone(), change);
+            rewrite(&mut changed, map.clone(), 1, change);
         }
         let (opened, after) = boot(&changed);
         assert_eq!((opened.faults, opened.parameters.raw(number::SPEED_RATE)), (faults, rate), "{what}");
@@ -149,8 +192,26 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
     chip.restore_power();
 }
 
-/// What is done to a stored set.
-type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
+/// Of newer firmware's numbers 8 are passed over; a set with more finds no room and counts as damaged.
+#[test]
+fn a_set_may_have_eight_numbers_more() {
+    let stored = Dictionary::rows().filter(|row| Part::Set.contains(row) || Part::Once.contains(row)).count();
+    for (more, faults, rate) in [(8, FaultWord::empty(), 1001), (9, FaultWord::STORE_MISMATCH, 2000)] {
+        let mut chip = small(&set(1));
+        let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
+        for map in [&layout.primary.map, &layout.mirror.map] {
+            rewrite(&mut chip, map.clone(), 1, &|body| {
+                let numbers = (0xF000_u16..).take((4 + 6 * (stored + more) - body.len()) / 6);
+                numbers.for_each(|number| body.extend([number.to_be_bytes(), [0, 0], [0, 9]].as_flattened()));
+            });
+        }
+        let (opened, _) = boot(&chip);
+        assert_eq!((opened.faults, opened.parameters.raw(number::SPEED_RATE)), (faults, rate), "{more}");
+    }
+}
+
+/// What is done to an item.
+pub(crate) type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
 
 fn patch(body: &mut [u8], number: u16, raw: i32) {
     let pair = body[4..].chunks_mut(6).find(|pair| pair[..2] == number.to_be_bytes()).unwrap();
@@ -158,46 +219,61 @@ fn patch(body: &mut [u8], number: u16, raw: i32) {
 }
 
 /// Makes the speed rate of the stored set a value that it cannot have any more.
-pub(crate) fn spoil(chip: &mut crate::support::Chip) {
+pub(crate) fn spoil(chip: &mut Chip) {
     let layout = Layout::of(512 << 10, SUBSECTOR).unwrap();
     for map in [&layout.primary.map, &layout.mirror.map] {
-        rewrite(chip, map.clone(), &|body| patch(body, number::SPEED_RATE, -5));
+        rewrite(chip, map.clone(), 1, &|body| patch(body, number::SPEED_RATE, -5));
     }
 }
 
-/// Changes the body of the stored set in one map, all of whose items stand in its first page: number of the page; of each item key and length, inverted, count and body, CRC-32 over
-/// key and both, filled up to units of 8.
-fn rewrite(chip: &mut crate::support::Chip, map: core::ops::Range<u32>, change: Change) {
-    let mut page = vec![0; SUBSECTOR as usize];
+/// Changes the body of the items of a key in one map, all of which stand in its first page, and makes their checks anew.
+pub(crate) fn rewrite(chip: &mut Chip, map: Range<u32>, key: u8, change: Change) {
+    let mut page = vec![0; 8];
     now(chip.read(map.start, &mut page)).unwrap();
-    let (number, mut items) = page.split_at(8);
-    let mut changed = number.to_vec();
-    while let [key, a, b, c, _, _, _, _, rest @ ..] = items
-        && *key != 0xFF
-    {
-        let length = u32::from_be_bytes([0, *a, *b, *c]) as usize;
-        let mut content = rest[..length].to_vec();
-        items = &rest[(length + 4).next_multiple_of(8)..];
-        if *key == 1 {
+    for (of, _, mut content) in items(chip, &map) {
+        if of == key {
             let mut body = content.split_off(4);
             change(&mut body);
             content.extend(body);
         }
-        let title = u32::from(*key) << 24 | content.len() as u32;
-        changed.extend([title, !title].map(u32::to_be_bytes).as_flattened());
-        let keyed = [&[*key], content.as_slice()].concat();
-        changed.extend(content);
-        changed.extend(crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&keyed).to_be_bytes());
-        changed.resize(changed.len().next_multiple_of(8), 0xFF);
+        let title = u32::from(of) << 24 | content.len() as u32;
+        page.extend([title, !title].map(u32::to_be_bytes).as_flattened());
+        let keyed = [&[of], content.as_slice()].concat();
+        page.extend(content);
+        page.extend(crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&keyed).to_be_bytes());
+        page.resize(page.len().next_multiple_of(8), 0xFF);
     }
     now(chip.erase(map.start, map.start + SUBSECTOR)).unwrap();
-    now(chip.write(map.start, &changed)).unwrap();
+    now(chip.write(map.start, &page)).unwrap();
+}
+
+/// A bit of every stored set of one map falls over.
+fn lose(chip: &mut Chip, map: Range<u32>) {
+    for (_, at, _) in items(chip, &map).into_iter().filter(|(key, ..)| *key == 1) {
+        chip.flip(at, 0);
+    }
+}
+
+/// The items of a map's first page: key, where the content stands, and the content, which is a count and a body. Before it stand key and length, and these inverted; behind it CRC-32 over key
+/// and content, and ones up to a multiple of 8. The page begins with its number.
+fn items(chip: &mut Chip, map: &Range<u32>) -> Vec<(u8, u32, Vec<u8>)> {
+    let mut page = vec![0; SUBSECTOR as usize];
+    now(chip.read(map.start, &mut page)).unwrap();
+    let (mut at, mut items) = (8, Vec::new());
+    while let [key, a, b, c, _, _, _, _, rest @ ..] = &page[at..]
+        && *key != 0xFF
+    {
+        let length = u32::from_be_bytes([0, *a, *b, *c]) as usize;
+        items.push((*key, map.start + at as u32 + 8, rest[..length].to_vec()));
+        at += 8 + (length + 4).next_multiple_of(8);
+    }
+    items
 }
 
 /// A chip with a place that takes nothing any more.
 struct WornOut {
-    chip: crate::support::Chip,
-    place: core::ops::Range<u32>,
+    chip: Chip,
+    place: Range<u32>,
 }
 
 impl ErrorType for WornOut {

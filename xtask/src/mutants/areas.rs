@@ -10,6 +10,8 @@ pub(super) struct Tests {
     pub programs: &'static [&'static str],
     /// Tests that are not about the area and take long.
     pub skip: &'static [&'static str],
+    /// A mutant that they take longer for hangs, s: ten times what they take on two busy cores.
+    pub timeout: &'static str,
 }
 
 /// Some files, and what is about them.
@@ -24,20 +26,23 @@ pub(super) struct Area {
     pub files: &'static [&'static str],
     /// Run against every mutant: built in seconds.
     pub quick: Tests,
-    /// Run against what those leave; takes longer.
-    pub whole: Option<Tests>,
+    /// Run against what those leave, where there are tests that take longer.
+    pub long: Option<Tests>,
 }
 
 const fn quick(programs: &'static [&'static str], features: &'static str) -> Tests {
-    Tests { package: "narx-mutants", features, programs, skip: &[] }
+    Tests { package: "narx-mutants", features, programs, skip: &[], timeout: "40" }
 }
 
-const fn suites(programs: &'static [&'static str]) -> Tests {
-    Tests { package: "narx-tests", features: "", programs, skip: &[] }
-}
-
-/// Every cut at every byte, again and again: the other tests of storage see most of it sooner.
-const CUTS: [&str; 3] = ["cuts::every_cut_of_a_store", "cuts::every_cut_of_a_recovery", "flips::no_content"];
+/// Every cut, every bit and every page's life, again and again: the other tests of storage see most of it sooner.
+const LONG: [&str; 6] = [
+    "code_flash::a_flipped_bit",
+    "every_cut_of_",
+    "flips::",
+    "log::a_log_is_a_list",
+    "log::fallen_bits",
+    "store::wear_is_even",
+];
 
 /// All of them.
 pub(super) const AREAS: [Area; 5] = [
@@ -47,23 +52,23 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/motor/{machine,state,fault,protection}.rs", "core/src/motor/protection/*.rs"],
         quick: quick(&["machine"], ""),
-        whole: Some(quick(&["drive"], "bench")),
+        long: Some(Tests { timeout: "120", ..quick(&["drive"], "bench") }),
     },
     Area {
         name: "boot",
         what: "bootloader: images, slots, swap",
         package: "narx-boot",
         files: &["firmware/boot/src/*.rs"],
-        quick: Tests { package: "narx-boot", features: "", programs: &["boot"], skip: &[] },
-        whole: None,
+        quick: Tests { package: "narx-boot", features: "", programs: &["boot"], skip: &[], timeout: "120" },
+        long: None,
     },
     Area {
         name: "storage",
         what: "parameters and log in the flash",
         package: "narx-core",
         files: &["core/src/storage/**/*.rs"],
-        quick: Tests { skip: &CUTS, ..quick(&["storage"], "bench") },
-        whole: Some(suites(&["storage"])),
+        quick: Tests { skip: &LONG, timeout: "20", ..quick(&["storage"], "bench") },
+        long: Some(Tests { timeout: "120", ..quick(&["storage"], "bench") }),
     },
     Area {
         name: "narmotion",
@@ -71,7 +76,7 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/bus/*.rs", "core/src/bus/narmotion/*.rs"],
         quick: quick(&["narmotion"], ""),
-        whole: Some(suites(&["protocol", "can", "recording"])),
+        long: None,
     },
     Area {
         name: "eddycan",
@@ -79,7 +84,7 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/bus/eddycan/*.rs"],
         quick: quick(&["eddycan"], ""),
-        whole: Some(suites(&["eddycan"])),
+        long: None,
     },
 ];
 
@@ -94,10 +99,9 @@ mod tests {
     fn every_program_is_there() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
         for area in &AREAS {
-            for tests in [Some(&area.quick), area.whole.as_ref()].into_iter().flatten() {
+            for tests in [Some(&area.quick), area.long.as_ref()].into_iter().flatten() {
                 let folder = match tests.package {
                     "narx-mutants" => "tests/mutants",
-                    "narx-tests" => "tests",
                     _ => "firmware/boot",
                 };
                 let manifest = fs::read_to_string(root.join(folder).join("Cargo.toml")).unwrap();

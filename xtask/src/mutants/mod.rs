@@ -1,5 +1,5 @@
 //! Changes the code on purpose, one place at a time, and sees whether a test fails: cargo-mutants, area by area. What counts is the time for one mutant, so it is run
-//! against small programs of tests that are about its area first (`tests/mutants`), and only what they leave against whole suites.
+//! against small programs of the tests that are about its area (`tests/mutants`), without those that take long first, and only what they leave against these, too.
 
 mod areas;
 mod outcomes;
@@ -20,9 +20,6 @@ use std::{env, fs};
 /// Of cargo-mutants.
 const VERSION: &str = "27.1.0";
 
-/// A mutant whose tests take longer hangs, s: ten times what they take on two busy cores.
-const TIMEOUT: &str = "120";
-
 /// What to mutate.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -31,11 +28,14 @@ pub struct Arguments {
     /// A part of an area's mutants: 0/4 is the first quarter
     #[arg(long)]
     shard: Option<String>,
+    /// At most so many of those that nobody has run yet
+    #[arg(long, value_name = "COUNT", conflicts_with = "shard")]
+    rest: Option<usize>,
     /// Only those that were missed last time, to see whether new tests notice them
-    #[arg(long, conflicts_with = "shard")]
+    #[arg(long, conflicts_with_all = ["shard", "rest"])]
     missed: bool,
     /// Run nothing; write what the runs so far have found
-    #[arg(long, conflicts_with_all = ["shard", "missed"])]
+    #[arg(long, conflicts_with_all = ["shard", "rest", "missed"])]
     collect: bool,
     /// Folder of mutants.json
     #[arg(long, default_value = "target")]
@@ -93,26 +93,30 @@ struct Bench {
 }
 
 impl Bench {
-    /// One run of an area: quick tests, then whole suites for what these leave. Each writes a folder of its own; the last word on a mutant counts.
+    /// One run of an area: quick tests, then the long ones for what these leave. Each writes a folder of its own; the last word on a mutant counts.
     fn run(&self, area: &Area, arguments: &Arguments) -> Result<(), String> {
-        let mut only = Vec::new();
-        if arguments.missed {
-            only = self.missed(area)?;
-        } else if arguments.shard.is_none() {
-            // Whoever runs all begins anew; shards add up.
-            fs::remove_dir_all(self.folder.join(area.name)).ok();
-        }
-        if arguments.missed && only.is_empty() {
-            return Ok(());
-        }
         let mut command = self.cargo_mutants(area);
+        let mut only = Vec::new();
         if let Some(shard) = &arguments.shard {
             command.args(["--shard", shard]);
+        } else if arguments.missed || arguments.rest.is_some() {
+            only = match arguments.rest {
+                Some(count) => rest(self.list(area)?, &self.results(area)?, count),
+                None => self.missed(area)?,
+            };
+            if only.is_empty() {
+                return Ok(());
+            }
+        } else {
+            // Whoever runs all begins anew; parts add up.
+            fs::remove_dir_all(self.folder.join(area.name)).ok();
         }
         self.pass(area, &area.quick, command, &only)?;
-        let missed = self.missed(area)?;
-        match &area.whole {
-            Some(whole) if !missed.is_empty() => self.pass(area, whole, self.cargo_mutants(area), &missed),
+        // What parts leave is asked of the long tests once, at their end.
+        let is_part = arguments.shard.is_some() || arguments.rest.is_some();
+        let missed = if is_part { Vec::new() } else { self.missed(area)? };
+        match &area.long {
+            Some(long) if !missed.is_empty() => self.pass(area, long, self.cargo_mutants(area), &missed),
             _ => Ok(()),
         }
     }
@@ -129,7 +133,14 @@ impl Bench {
         let next = self.folder.join(area.name).join(format!("{:03}", passes.len()));
         fs::create_dir_all(&next).map_err(|error| format!("{}: {error}", next.display()))?;
         self.check(tests)?;
-        command.args(["--in-place", "--baseline=skip", "--timeout", TIMEOUT, "--no-shuffle", "--output"]);
+        command.args([
+            "--in-place",
+            "--baseline=skip",
+            "--timeout",
+            tests.timeout,
+            "--no-shuffle",
+            "--output",
+        ]);
         command.arg(&next).args(["--test-package", tests.package]);
         command.args(tests.programs.iter().map(|program| format!("--cargo-arg=--test={program}")));
         command.args(features(tests));
@@ -201,6 +212,13 @@ impl Bench {
     }
 }
 
+/// The first of those that have no result.
+fn rest(mut listed: Vec<Listed>, results: &BTreeMap<String, Summary>, count: usize) -> Vec<Listed> {
+    listed.retain(|mutant| !results.contains_key(&mutant.name));
+    listed.truncate(count);
+    listed
+}
+
 /// Of a package that is not the one that is mutated.
 fn features(tests: &Tests) -> Vec<String> {
     match tests.features {
@@ -232,6 +250,21 @@ mod tests {
         assert_eq!(error, "no area \"shell\"; there are machine boot storage narmotion eddycan");
         assert_eq!(chosen(&[]).unwrap().len(), AREAS.len());
         assert_eq!(chosen(&names(&["boot"])).unwrap()[0].name, "boot");
+    }
+
+    #[test]
+    fn the_rest_is_what_has_no_result() {
+        let texts: Vec<String> = ["a", "b", "c", "d"]
+            .map(|name| format!(r#"{{"name": "{name}", "file": "", "replacement": "", "genre": ""}}"#))
+            .into();
+        let listed: Vec<Listed> = texts.iter().map(|text| serde_json::from_str(text).unwrap()).collect();
+        let results = [("b", Summary::CaughtMutant), ("c", Summary::MissedMutant)];
+        let results = results.map(|(name, summary)| (name.to_owned(), summary)).into();
+        let names = |count| -> Vec<String> {
+            rest(listed.clone(), &results, count).into_iter().map(|it| it.name).collect()
+        };
+        assert_eq!(names(9), ["a", "d"]);
+        assert_eq!(names(1), ["a"]);
     }
 
     /// Operators are mutants' names, and signs of a regular expression.

@@ -1,0 +1,108 @@
+//! What is known of the log's memory, and what it refuses.
+
+use crate::log::{append, ask, erase, filled, values};
+use crate::store::rewrite;
+use crate::support::{blank, now, open, set, small, store};
+use embedded_storage_async::nor_flash::NorFlash;
+use narx_core::storage::layout::Layout;
+use narx_core::storage::{Entry, Memory, Part, Request, Storage};
+use narx_sim::flash::MBIT_256;
+
+/// What the status word and a master's request go by.
+#[test]
+fn a_memory_is_full_or_erased_or_neither() {
+    let memory = |records, written, erasing, lost| {
+        let memory = Memory { records, written, erasing, lost, ..Memory::default() };
+        (memory.is_full(), memory.is_erased())
+    };
+    for (found, expected, what) in [
+        (memory(0, 0, None, false), (false, false), "there is none"),
+        (memory(16, 0, None, false), (false, true), "nothing is written"),
+        (memory(16, 15, None, false), (false, false), "one more"),
+        (memory(16, 16, None, false), (true, false), "the last is written"),
+        (memory(16, 0, Some(0), false), (false, false), "it is being erased"),
+        (memory(16, 0, None, true), (true, false), "nobody knows what it holds"),
+    ] {
+        assert_eq!(found, expected, "{what}");
+    }
+}
+
+/// An entry with so many values.
+fn entry_of(values: usize) -> Request {
+    Request::Append(Entry { time: 1, values: (0..values as u16).map(|what| (what, 7)).collect() })
+}
+
+/// What a full log, or one that is being erased, is asked to keep is refused, however long: not a byte of the flash changes, nor what is known of it.
+#[test]
+fn a_log_that_takes_nothing_stays_as_it_is() {
+    let mut full = filled(0, 121 * 16);
+    let mut erasing = filled(0, 40);
+    assert!(ask(&mut erasing, Request::Erase).0);
+    for mut storage in [full.clone(), erasing] {
+        let before = (storage.flash().counts(), ask(&mut storage, entry_of(2)).1);
+        for values in [2, 3, 37] {
+            assert_eq!(ask(&mut storage, entry_of(values)), (false, before.1), "{values}");
+            assert_eq!(storage.flash().counts(), before.0, "{values}");
+        }
+    }
+    assert_eq!(values(&mut full, 2), [Some(0), Some(1)]);
+}
+
+/// The maps are written for a record that is longer than all before, and for no other: they would wear.
+#[test]
+fn only_a_longer_record_is_noted() {
+    let mut storage = filled(0, 1);
+    for (values, is_noted) in
+        [(2, false), (1, false), (3, true), (3, false), (2, false), (37, true), (37, false)]
+    {
+        let before = storage.flash().counts().programs;
+        assert!(ask(&mut storage, entry_of(values)).0);
+        let programs = storage.flash().counts().programs - before;
+        assert_eq!(programs > 1, is_noted, "{values} values: {programs} programs");
+    }
+}
+
+/// A log that begins where there is none is not read. It can be erased.
+#[test]
+fn a_beginning_outside_of_the_log_is_none() {
+    let layout = Layout::of(512 << 10, 4096).unwrap();
+    for (first, lost) in [(120_u32, false), (121, true), (u32::MAX, true)] {
+        let mut chip = small(&set(1));
+        for map in [&layout.primary.map, &layout.mirror.map] {
+            rewrite(&mut chip, map.clone(), 3, &|body| body[..4].copy_from_slice(&first.to_be_bytes()));
+        }
+        let mut storage = Storage::new(chip);
+        assert_eq!(open(&mut storage).log.lost, lost, "{first}");
+        assert_eq!(append(&mut storage, 1), !lost, "{first}");
+        erase(&mut storage);
+        assert!(append(&mut storage, 1));
+    }
+}
+
+/// A sector at most in one step, and the memory tells how far it is.
+#[test]
+fn an_erase_goes_by_sectors() {
+    let mut chip = blank(MBIT_256);
+    for at in [0, 0x1_8000, 7781 * 4096] {
+        now(chip.write(at, &[0])).unwrap();
+    }
+    let mut storage = Storage::new(chip);
+    open(&mut storage);
+    assert!(store(&mut storage, &set(1), Part::Set));
+    open(&mut storage);
+    assert_eq!(ask(&mut storage, Request::Erase).1.erasing, Some(0));
+    for step in 1..=7782_u32.div_ceil(16) {
+        let before = storage.flash().counts().erases;
+        let (done, memory) = ask(&mut storage, Request::Erase);
+        let erases = storage.flash().counts().erases - before;
+        let expected = match step {
+            // 98 304 is in the second sector, and the last one has six subsectors.
+            1 | 2 => 16,
+            487 => 6,
+            _ => 0,
+        };
+        assert_eq!((done, erases), (true, expected), "{step}");
+        assert_eq!(memory.erasing, Some((16 * step).min(7782)), "{step}");
+    }
+    assert!(ask(&mut storage, Request::Erase).1.is_erased());
+}

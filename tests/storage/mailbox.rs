@@ -1,0 +1,58 @@
+//! Between a node and its storage, in a loop that polls.
+
+use crate::support::{Chip, now, set, small};
+use core::pin::pin;
+use core::task::{Context, Waker};
+use narx_core::storage::{CodeFlash, Mailbox, Part, Report, Request, Storage};
+use narx_sim::flash::Sparse;
+use narx_sim::internal_flash::InternalFlash;
+
+/// Several passes of a background loop in which a storage has its turn.
+fn serve(mailbox: &Mailbox, storage: &mut Storage<Chip>) {
+    let mut serving = pin!(mailbox.serve(storage));
+    for _ in 0..3 {
+        assert!(serving.as_mut().poll(&mut Context::from_waker(Waker::noop())).is_pending());
+    }
+}
+
+#[test]
+fn a_request_gets_its_report_once() {
+    let (mailbox, mut storage) = (Mailbox::new(), Storage::new(small(&set(1))));
+    serve(&mailbox, &mut storage);
+    assert_eq!(mailbox.take_report(), None, "nobody has asked");
+    for request in [Request::Open, Request::Store(set(2), Part::Set), Request::Read(0)] {
+        mailbox.ask(request.clone());
+        assert_eq!(mailbox.take_report(), None, "it has not been served");
+        serve(&mailbox, &mut storage);
+        let report = mailbox.take_report().expect("a report");
+        let same = now(storage.execute(request));
+        assert_eq!(core::mem::discriminant(&report), core::mem::discriminant(&same));
+        assert_eq!(mailbox.take_report(), None, "it was taken");
+    }
+    mailbox.ask(Request::Open);
+    serve(&mailbox, &mut storage);
+    let Some(Report::Opened(opened)) = mailbox.take_report() else { panic!() };
+    assert_eq!(opened.parameters.raw(narx_core::dictionary::number::SPEED_RATE), 1002);
+}
+
+/// Where nothing waits a request goes on by a step in every pass.
+#[test]
+fn the_codes_own_flash_is_served_in_steps() {
+    let mailbox = Mailbox::new();
+    let mut storage = CodeFlash::new(InternalFlash::<Sparse>::new(Sparse::new(), 8192, 1));
+    for (request, passes) in [(Request::Open, 2), (Request::Store(set(3), Part::Set), 3), (Request::Open, 2)]
+    {
+        mailbox.ask(request);
+        for pass in 1..=passes {
+            assert_eq!(mailbox.take_report(), None, "{pass}");
+            mailbox.serve_step(&mut storage);
+        }
+        match mailbox.take_report() {
+            Some(Report::Opened(opened)) => assert!(opened.log.records == 0),
+            Some(Report::Stored { done, .. }) => assert!(done),
+            other => panic!("{other:?}"),
+        }
+        mailbox.serve_step(&mut storage);
+        assert_eq!(mailbox.take_report(), None, "it was taken");
+    }
+}
