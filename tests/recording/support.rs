@@ -4,7 +4,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use narx_core::motor::event::{Command, Event, Health, Request, SlowMeasurements};
 use narx_core::motor::fault::FaultWord;
 use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, PwmCommand, SampleMode, Samples};
-use narx_core::recording::{Header, Recorder, Tick};
+use narx_core::recording::{BEHAVIOUR_VERSION, Header, LAYOUT_VERSION, Recorder, Tick};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::recording::RecordingBuffer;
 use proptest::prelude::*;
@@ -34,8 +34,11 @@ pub(crate) fn container(chunks: &[(u8, &[u8])]) -> Vec<u8> {
     file
 }
 
-/// The header payload of a drive recording with an empty label.
-pub(crate) const HEADER: [u8; 10] = [1, 5, 0, 5, 0, 0x10, 0x27, 0, 0, 0];
+/// The header payload of a drive recording with an empty label, of this narx.
+pub(crate) const HEADER: [u8; 10] = {
+    let [behaviour, layout] = [BEHAVIOUR_VERSION.to_le_bytes(), LAYOUT_VERSION.to_le_bytes()];
+    [1, behaviour[0], behaviour[1], layout[0], layout[1], 0x10, 0x27, 0, 0, 0]
+};
 
 pub(crate) fn event() -> impl Strategy<Value = Event> {
     prop_oneof![

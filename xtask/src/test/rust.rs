@@ -17,7 +17,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
             "cargo",
             &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"],
         ),
-        Step::command(root, "tests", "cargo", &["test"]),
+        Step::command(root, "tests", "cargo", &["test", "--no-fail-fast"]),
         // Fails for a package that uses std or the heap: the target has neither.
         Step::new("Cortex-M target", || install::rust_target(EMBEDDED)),
         Step::command(
