@@ -266,13 +266,15 @@ impl Place {
         for (key, part) in [(Key::Set, Part::Set), (Key::Once, Part::Once)] {
             let found = self.pair.read(flash, key, buffers).await?;
             opened.repaired |= found.differs;
-            if !found.present && part == Part::Set {
-                opened.faults |= FaultWord::STORE_MISMATCH;
-            }
-            if found.present && part.decode(buffers.body(), &mut opened.parameters).is_err() {
-                opened.faults |= FaultWord::STORE_VERSION;
-                self.unfit = true;
-            }
+            let fault = if !found.present {
+                FaultWord::STORE_MISMATCH
+            } else if part.decode(buffers.body(), &mut opened.parameters).is_err() {
+                FaultWord::STORE_VERSION
+            } else {
+                continue;
+            };
+            opened.faults |= fault;
+            self.unfit = true;
         }
         Ok(())
     }

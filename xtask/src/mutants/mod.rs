@@ -197,8 +197,9 @@ impl Bench {
     fn results(&self, area: &Area) -> Result<BTreeMap<String, Summary>, String> {
         let mut results = BTreeMap::new();
         for pass in self.passes(area) {
-            let found = outcomes::read(&pass.join("mutants.out/outcomes.json"))?;
-            results.extend(found.into_iter().map(|(mutant, summary)| (mutant.name, summary)));
+            for (mutant, summary) in outcomes::read(&pass.join("mutants.out/outcomes.json"))? {
+                learn(&mut results, mutant.name, summary);
+            }
         }
         Ok(results)
     }
@@ -209,6 +210,15 @@ impl Bench {
         let mut passes: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
         passes.sort();
         passes
+    }
+}
+
+/// What one run says of a mutant. The last word counts, but one that a test has noticed stays noticed: cargo-mutants does not hold
+/// every kind of mutant to the names it is asked for, so other tests may have run it, too.
+fn learn(results: &mut BTreeMap<String, Summary>, name: String, summary: Summary) {
+    let is_noticed = matches!(results.get(&name), Some(Summary::CaughtMutant | Summary::Timeout));
+    if !(is_noticed && summary == Summary::MissedMutant) {
+        results.insert(name, summary);
     }
 }
 
@@ -265,6 +275,25 @@ mod tests {
         };
         assert_eq!(names(9), ["a", "d"]);
         assert_eq!(names(1), ["a"]);
+    }
+
+    #[test]
+    fn what_a_test_has_noticed_stays_noticed() {
+        let mut results = BTreeMap::new();
+        let words = [
+            ("a", Summary::CaughtMutant),
+            ("b", Summary::MissedMutant),
+            ("c", Summary::Timeout),
+            ("a", Summary::MissedMutant),
+            ("b", Summary::CaughtMutant),
+            ("c", Summary::MissedMutant),
+            ("d", Summary::MissedMutant),
+        ];
+        for (name, summary) in words {
+            learn(&mut results, name.to_owned(), summary);
+        }
+        let seen: Vec<Summary> = results.into_values().collect();
+        assert_eq!(seen, [Summary::CaughtMutant, Summary::CaughtMutant, Summary::Timeout, Summary::MissedMutant]);
     }
 
     /// Operators are mutants' names, and signs of a regular expression.
