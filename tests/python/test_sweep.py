@@ -293,7 +293,9 @@ def test_ctrl_c_keeps_what_has_ended(outside: bool, monkeypatch: pytest.MonkeyPa
     assert isinstance(caught.value, narx.SweepInterrupted)
     partial = caught.value.sweep
     assert partial.interrupted and 3 <= len(partial) <= 4 and set(partial["outcome"]) == {"running"}
-    assert f"{narx.replay(partial.replay(0).recording()).digest:016x}" == partial["digest"][0]
+    # Which of the four short ones has not ended is the machine's business.
+    ended = int(partial["variant"][0])
+    assert f"{narx.replay(partial.replay(ended).recording()).digest:016x}" == partial["digest"][0]
 
 
 class interrupting:
