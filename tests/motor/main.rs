@@ -20,6 +20,7 @@ mod hall;
 mod hall_drive;
 mod limits;
 mod live;
+mod machine_rest;
 mod machine_search;
 mod must_have;
 mod peak_current;

@@ -11,6 +11,8 @@ mod calm;
 mod flying_start;
 #[path = "../motor/live.rs"]
 mod live;
+#[path = "../motor/machine_rest.rs"]
+mod machine_rest;
 #[path = "../motor/machine_search.rs"]
 mod machine_search;
 #[path = "../motor/rotor.rs"]

@@ -214,18 +214,14 @@ impl Machine {
         self.command_age = self.command_age.saturating_add_unsigned(ticks);
     }
 
-    /// This request was the last one, too, and has had its effect: once more it only says that the master is there.
+    /// This request was the last one, too, and has had its effect: once more it only says that the master is there. Drive and Reverse
+    /// do the rest of their work the first time.
     pub fn knows(&self, request: Request) -> bool {
-        let done = match request {
-            Request::Standby => {
-                self.armed
-                    && self.refusal == Refusal::None
-                    && (self.acknowledged || self.state != State::Fault)
-            }
-            Request::Drive | Request::Reverse => !(self.armed && self.state == State::Initialization),
-            Request::Shutdown => true,
+        let is_done = match request {
+            Request::Standby => self.armed && (self.acknowledged || self.state != State::Fault),
+            Request::Drive | Request::Reverse | Request::Shutdown => true,
         };
-        done && request == self.command.request
+        is_done && request == self.command.request
     }
 
     #[inline]

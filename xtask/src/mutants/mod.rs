@@ -293,7 +293,10 @@ mod tests {
             learn(&mut results, name.to_owned(), summary);
         }
         let seen: Vec<Summary> = results.into_values().collect();
-        assert_eq!(seen, [Summary::CaughtMutant, Summary::CaughtMutant, Summary::Timeout, Summary::MissedMutant]);
+        assert_eq!(
+            seen,
+            [Summary::CaughtMutant, Summary::CaughtMutant, Summary::Timeout, Summary::MissedMutant]
+        );
     }
 
     /// Operators are mutants' names, and signs of a regular expression.
