@@ -20,6 +20,8 @@ pub struct Arguments {
 const PROGRAM: &str = "cargo-llvm-cov";
 /// The version whose figures these are.
 const VERSION: &str = "0.9.1";
+/// Whose tests run.
+const PACKAGES: [&str; 2] = ["narx-tests", "narx-boot"];
 /// What is looked at.
 const CORE: &str = "core/src";
 
@@ -50,7 +52,7 @@ pub struct Branches {
     pub files: BTreeMap<String, File>,
 }
 
-/// Runs the tests of `narx-tests` with every branch counted, and writes what they took.
+/// Runs the tests of the core and of the bootloader with every branch counted, and writes what they took.
 pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
     steps::finish(measure(root, &root.join(&arguments.out).join("branches.json")))
 }
@@ -58,14 +60,13 @@ pub fn command(root: &Path, arguments: &Arguments) -> ExitCode {
 fn measure(root: &Path, path: &Path) -> Outcome {
     install::nightly(&["rustc", "llvm-tools"])?;
     install::cargo_program(PROGRAM, VERSION)?;
-    // Debug information would fill the disk and says nothing here.
     let export = install::target_directory(root).join("branches.json");
-    let mut cargo = Command::new("cargo");
-    cargo
-        .args(["+nightly", "llvm-cov", "--branch", "--json", "--summary-only", "--output-path"])
-        .arg(&export);
-    cargo.args(["-p", "narx-tests", "--tests"]).current_dir(root);
-    steps::run(cargo.env("CARGO_PROFILE_TEST_DEBUG", "0").env("CARGO_PROFILE_DEV_DEBUG", "0"))?;
+    // Whoever names packages for the report gets those alone, and the core is none of those whose tests run.
+    let mut tests = llvm_cov(root, &["--no-report", "--branch"]);
+    tests.args(PACKAGES.iter().flat_map(|package| ["-p", package])).arg("--tests");
+    steps::run(&mut tests)?;
+    let mut report = llvm_cov(root, &["report", "--branch", "--json", "--summary-only", "--output-path"]);
+    steps::run(report.arg(&export))?;
     let failed = |error: io::Error| format!("{}: {error}", export.display());
     let text = fs::read_to_string(&export).map_err(failed)?;
     let files = read(&text, root).map_err(|reason| format!("{}: {reason}", export.display()))?;
@@ -75,6 +76,14 @@ fn measure(root: &Path, path: &Path) -> Outcome {
     let measured = Branches { command: "cargo xtask branches".into(), commit: figures::commit(root), files };
     figures::write(path, &measured)?;
     Ok(vec![closing, format!("written to {}", path.display())])
+}
+
+fn llvm_cov(root: &Path, arguments: &[&str]) -> Command {
+    let mut cargo = Command::new("cargo");
+    cargo.args(["+nightly", "llvm-cov"]).args(arguments).current_dir(root);
+    // Debug information would fill the disk and says nothing here.
+    cargo.env("CARGO_PROFILE_TEST_DEBUG", "0").env("CARGO_PROFILE_DEV_DEBUG", "0");
+    cargo
 }
 
 /// What `llvm-cov export` tells of a file, as far as it is read.

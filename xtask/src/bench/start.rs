@@ -78,7 +78,7 @@ impl Start {
         trial.start(drawn.rpm);
         let (mut first_try, mut driven, mut since) = (true, false, None);
         let mut ending = Ending::Undecided;
-        let mut from = *trial.seen();
+        let (mut from, mut estimates) = (*trial.seen(), Mean::default());
         for tick in 1..=(LONGEST / TICK) as u32 {
             trial.tick();
             let (now, state) = (f64::from(tick) * TICK, trial.state());
@@ -88,10 +88,11 @@ impl Start {
                 State::SensorlessClosedLoop => {
                     let held = now - *since.get_or_insert(now);
                     if held < HELD - 0.1 {
-                        from = *trial.seen();
+                        (from, estimates) = (*trial.seen(), Mean::default());
                     }
+                    estimates.add(f64::from(trial.bench.status().speed_sensorless.to_bits()) / 65_536.0);
                     if held >= HELD {
-                        ending = judge(trial, from.angle, from.time, first_try);
+                        ending = judge(trial, from.angle, from.time, estimates.value(), first_try);
                         break;
                     }
                 }
@@ -127,12 +128,29 @@ impl Start {
     }
 }
 
-/// The true speed of the last tenth of a second against the estimate.
-fn judge(trial: &Trial, angle: f64, time: f64, first_try: bool) -> Ending {
+/// Mean of what was added.
+#[derive(Clone, Copy, Default)]
+struct Mean {
+    sum: f64,
+    count: u32,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.count += 1;
+    }
+
+    fn value(self) -> f64 {
+        self.sum / f64::from(self.count.max(1))
+    }
+}
+
+/// The true speed of the last tenth of a second against the estimate, both as means: under a heavy load a single crossing may be late.
+fn judge(trial: &Trial, angle: f64, time: f64, estimated: f64, first_try: bool) -> Ending {
     let seen = trial.seen();
     let pole_pairs = f64::from(trial.bench.plant().config().motor.pole_pairs);
     let turning = (seen.angle - angle) / (seen.time - time) / TAU * pole_pairs;
-    let estimated = f64::from(trial.bench.status().speed_sensorless.to_bits()) / 65_536.0;
     // While the speed still rises the mean lies behind: twice the tolerance over a tenth of a second of ramp.
     let apart = (estimated - turning).abs() > AGREEMENT * 2.0 * turning.abs();
     if apart { Ending::Deceived } else { Ending::Started { first_try } }
