@@ -238,5 +238,9 @@ fn bounds() {
     assert_eq!(pair.master.sync(), Err(NotTaken::Full));
     assert_eq!(pair.master.next_poll(5), 5);
     pair.run(20, |_| false);
-    assert_eq!(pair.master.next_poll(pair.bench.now), u64::MAX);
+    let now = pair.bench.now;
+    assert_eq!(pair.master.next_poll(now), u64::MAX);
+    assert_eq!(pair.answers(), [Ok(1)]);
+    pair.master.request(read).unwrap();
+    assert_eq!(pair.master.next_poll(now), now, "what is asked for is due at once");
 }

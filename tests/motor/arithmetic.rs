@@ -72,6 +72,16 @@ fn gain_edges() {
     assert_eq!(Gain::from_ratio(1, 1 << 56), None);
     // Wider than what can be shifted by 62: refused, not wrapped.
     assert_eq!(Gain::from_ratio(1 << 100, 1 << 100), None);
+    assert_eq!(Gain::from_ratio(1, 1 << 97), None);
+    for (mantissa, shift, fits) in [
+        (Gain::MANTISSA_MAX, 62, true),
+        (Gain::MANTISSA_MAX + 1, 0, false),
+        (0, 63, false),
+        (0, 0, true),
+        (-1, 0, false),
+    ] {
+        assert_eq!(Gain::new(mantissa, shift).is_some(), fits, "{mantissa} 2^-{shift}");
+    }
     assert_eq!(gain(1, 1).apply(i32::MIN), i32::MIN as i64);
     assert_eq!(gain(1, 3).apply(-1), -1, "rounds down");
     assert_eq!(gain((1 << 30) - 1, 1).apply32(i32::MAX), i32::MAX);

@@ -5,12 +5,13 @@ use narx_core::blocks::{
     Commutation, CommutationSettings, Fault, FaultSettings, Hall, HallSettings, Pi, PiSettings, Position,
     Ramp, RampSettings, StateMachine, StateSettings, ZeroCrossing, ZeroCrossingSettings,
 };
-use narx_core::motor::event::Command;
+use narx_core::motor::event::{Command, Health};
 use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::Gain;
-use narx_core::motor::machine::Inputs;
+use narx_core::motor::machine::{Change, Inputs};
 use narx_core::motor::protection::Evidence;
 use narx_core::motor::rails::Rail;
+use narx_core::motor::state::TRANSITIONS;
 use narx_core::motor::zero_crossing::Why;
 use narx_core::motor::{
     Cause, Direction, FaultWord, Leg, PwmCommand, Request, SampleMode, Samples, State, Step,
@@ -146,6 +147,14 @@ fn commutation_changes_where_the_sectors_do() {
             angle += frequency / 10_000.0;
         }
         assert_eq!(changes, 6, "{frequency} rev/s");
+        // A rotor that is where it was and is to be turned the other way has the other step at once.
+        let other = if torque == Direction::Forward { Direction::Reverse } else { Direction::Forward };
+        let sector = sector_at(angle + f64::from(advance) / 36_000.0 * frequency.signum());
+        let mut here = |torque| commutation.step(position(angle, frequency), torque).0;
+        assert_eq!(
+            [here(torque), here(other)],
+            [torque, other].map(|torque| Step::for_sector(sector, torque))
+        );
     }
 }
 
@@ -288,6 +297,48 @@ fn fault_qualifies_latches_and_is_acknowledged() {
         assert_eq!(fault.critical(), cause.bit(), "latched");
         assert!(fault.acknowledge());
         assert_eq!((fault.word(), fault.code()), (FaultWord::empty(), 0));
+    }
+}
+
+/// As the state machine beside it goes: a time-out and a failed boot latch, leaving Fault acknowledges, and what the hall sensors have done counts
+/// within a driven episode only.
+#[test]
+fn fault_follows_the_state_machine() {
+    let built = || Fault::build(&FaultSettings { hall_stall_ms: 10, ..FaultSettings::default() }).unwrap();
+    let change = |name, timed_out| {
+        let row = TRANSITIONS.iter().find(|row| row.name == name).unwrap();
+        Change { row, timed_out }
+    };
+    let failed = Health { self_test_failed: true, ..Health::default() };
+    let unhealthy = Evidence { health: failed, ..healthy() };
+    let nothing = FaultWord::empty();
+    for (name, timed_out, latched) in [
+        ("T56", true, Cause::CommandTimeout.bit()),
+        ("T56", false, nothing),
+        ("T06", false, Cause::SelfTest.bit()),
+        ("T16", false, nothing),
+    ] {
+        let mut fault = built();
+        fault.handle_change(&change(name, timed_out), &unhealthy);
+        assert_eq!(fault.critical(), latched, "{name}");
+    }
+    for (name, left) in [("T61", nothing), ("T51", Cause::CommandTimeout.bit())] {
+        let mut fault = built();
+        fault.handle_change(&change("T56", true), &healthy());
+        fault.handle_change(&change(name, false), &healthy());
+        assert_eq!(fault.critical(), left, "{name}");
+    }
+    // A tick before the stall is one: both sides drive, or one of them does not.
+    let still = Evidence { hall_driving: true, hall_stopped: true, torque: true, ..healthy() };
+    for (name, stalls) in [("T23", true), ("T15", false), ("T51", false)] {
+        let mut fault = built();
+        for _ in 0..99 {
+            fault.step(&still);
+        }
+        assert_eq!(fault.word(), nothing);
+        fault.handle_change(&change(name, false), &still);
+        fault.step(&still);
+        assert_eq!(fault.word().contains(Cause::HallStall.bit()), stalls, "{name}");
     }
 }
 

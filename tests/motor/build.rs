@@ -2,7 +2,7 @@
 
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::gain::Gain;
-use narx_core::motor::{Board, Coefficients};
+use narx_core::motor::{Board, BuildError, Coefficients};
 use std::f64::consts::TAU;
 
 /// What a parameter becomes, in volts, amperes, electrical revolutions, seconds or shares of one.
@@ -104,4 +104,20 @@ fn every_parameter_reaches_the_tick_in_its_units() {
             "{name} is the factory's"
         );
     }
+}
+
+#[test]
+fn what_does_not_fit_is_named_with_what_does() {
+    let mut parameters = Parameters::new();
+    parameters.set(number::OVER_VOLTAGE, 20_000).unwrap();
+    parameters.set(number::UNDER_VOLTAGE, 19_500).unwrap();
+    let refused = Coefficients::build(&parameters, &Board::BENCH).unwrap_err();
+    let expected = BuildError { parameter: number::UNDER_VOLTAGE, raw: 19_500, min: 0, max: 18_500 };
+    assert_eq!(refused, expected);
+    assert_eq!(
+        refused.to_string(),
+        "parameter 120 \"Under-voltage HV threshold\": 19.5 does not fit the other parameters, which allow 0 to 18.5 V"
+    );
+    // Its fields are public: one that nobody builds.
+    assert_eq!(BuildError { parameter: 122, ..expected }.to_string(), "unknown parameter");
 }

@@ -170,9 +170,11 @@ fn what_is_wrong_is_named() {
         (" number=\"5\"", " number=\"5\" number=\"5\"", attribute("number")),
         ("uint16", "uint8", attribute("type")),
         ("0.1", "0.2", attribute("scale")),
+        ("0.1", "0", attribute("scale")),
         ("10.5", "10.55", attribute("max")),
         ("10.5", "6553.6", attribute("max")),
         ("min=\"0\"", "min=\"-1\"", attribute("max")),
+        ("min=\"0\"", "min=\"10.6\"", attribute("max")),
         ("factory=\"1\"", "factory=\"10.6\"", attribute("factory")),
         ("live", "dead", attribute("access")),
         ("acts=\"reboot\"", "acts=\"never\"", attribute("acts")),
@@ -205,4 +207,17 @@ fn what_is_new_is_passed_over() {
     let (described, end) = read(with_row(&format!("<news a=\"b\"/>{row}")).as_bytes());
     assert_eq!((described.len(), end), (1, Ok(())));
     assert_eq!(described[0].max, 105);
+}
+
+/// No parameter of ours has one.
+#[test]
+fn a_scale_may_be_above_one() {
+    let row = ROW.replacen("0.1", "100", 1).replacen("10.5", "4200", 1).replacen(
+        "factory=\"1\"",
+        "factory=\"300\"",
+        1,
+    );
+    let (described, end) = read(with_row(&row).as_bytes());
+    assert_eq!(end, Ok(()));
+    assert_eq!((described[0].exponent, described[0].max, described[0].default), (2, 42, 3));
 }

@@ -153,6 +153,10 @@ fn errors_name_number_name_value_and_range() {
         text(parameters.set(number::SPEED_KP_HES, -1)),
         "parameter 93 \"Speed Kp coefficient HES\": -0.000000001 V/rpm is outside 0 to 2.147483647 V/rpm"
     );
+    assert_eq!(
+        text(parameters.set(number::MOTOR_POLE_PAIRS, 51)),
+        "parameter 78 \"Motor pair poles\": 51 is outside 1 to 50"
+    );
     assert_eq!(text(parameters.set(122, 0)), "there is no parameter 122");
     assert_eq!(text(parameters.set(255, 0)), "there is no parameter 255");
     assert_eq!(text(parameters.set(u16::MAX, 0)), "there is no parameter 65535");

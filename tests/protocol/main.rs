@@ -28,6 +28,7 @@ mod parameters;
 mod scope;
 mod scope_bench;
 mod scope_inputs;
+mod scope_link;
 mod texts;
 mod wire;
 mod wire_update;

@@ -2,7 +2,7 @@
 
 use crate::bench::frame;
 use crate::pair::{Pair, is_command, said};
-use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, StatusWord, ToDrive};
+use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, StatusWord, ToDrive};
 use narx_core::dictionary::{PARAMETER_COUNT, Parameters, number};
 use narx_core::master::{Config, DescriptionReader, Download, Master, NotTaken, Request, Service};
 use narx_core::motor::event::{Request as MotorRequest, Status};
@@ -128,6 +128,28 @@ fn polling_when_it_says_is_enough() {
     }
     assert_eq!(sparse, every_tick);
     assert!(polls < 120, "{polls}");
+}
+
+/// A caller that sleeps until then is told at once of what was asked for meanwhile.
+#[test]
+fn what_is_asked_for_is_due_at_once() {
+    let config = Config { setpoint_period: 1000 * MS, read_parameters: false, ..Config::default() };
+    let mut master = Master::new(config);
+    let drain = |master: &mut Master, now| std::iter::from_fn(|| master.poll_frame(now)).count();
+    assert_eq!((drain(&mut master, 0), master.next_poll(7)), (1, 1000 * MS));
+    master.request(Request::Read { number: 9 }).unwrap();
+    assert_eq!((master.next_poll(7), drain(&mut master, 7)), (7, 1));
+    let answer = FromDrive::Parameter { number: 9, value: 0, status: ParameterStatus::Done };
+    master.handle_frame(&said(answer), 8);
+    assert_eq!(master.next_poll(8), 1000 * MS);
+    // Its state is worth reading, as long as it is there.
+    master.handle_frame(&said(FromDrive::Status(StatusWord::default())), 9);
+    assert_eq!(master.next_poll(9), 9);
+    assert_eq!(master.next_poll(9 + config.lost_after), 1000 * MS);
+    // The request of a start goes behind its set-point.
+    master.start(2000);
+    assert!(master.poll_frame(9).is_some());
+    assert_eq!(master.next_poll(9), 9);
 }
 
 /// A few KiB are what a small board can spare.

@@ -10,13 +10,17 @@ fn read(file: &[u8]) -> (Vec<Tick>, Option<ReadError>) {
         Err(error) => return (Vec::new(), Some(error)),
     };
     let mut ticks = Vec::new();
-    for tick in recording.ticks() {
-        match tick {
-            Ok(tick) => ticks.push(tick),
-            Err(error) => return (ticks, Some(error)),
+    let mut reader = recording.ticks();
+    let error = loop {
+        match reader.next() {
+            Some(Ok(tick)) => ticks.push(tick),
+            Some(Err(error)) => break Some(error),
+            None => break None,
         }
-    }
-    (ticks, None)
+    };
+    assert_eq!(reader.next(), None, "nothing follows, neither an end nor an error");
+    assert_eq!(reader.end().is_some(), error.is_none());
+    (ticks, error)
 }
 
 fn sample_file() -> (Vec<u8>, Vec<Tick>) {

@@ -3,7 +3,9 @@
 use super::support::{HEADER, Noise, container, record, turning};
 use narx_core::motor::event::Event;
 use narx_core::motor::{Edge, EdgeSource, Lines, SampleMode, Samples};
-use narx_core::recording::{BEHAVIOUR_VERSION, Header, Kind, LAYOUT_VERSION, ReadError, Recording, Tick};
+use narx_core::recording::{
+    BEHAVIOUR_VERSION, Header, Kind, LABEL_MAX, LAYOUT_VERSION, ReadError, Recording, Tick,
+};
 use proptest::prelude::*;
 
 #[test]
@@ -49,11 +51,12 @@ fn versions_have_errors_of_their_own() {
     assert_eq!(error, ReadError::ContainerVersion { found: 2 });
     assert_eq!(error.to_string(), "container version 2, but this narx reads version 1");
 
-    let newer = LAYOUT_VERSION + 1;
-    let file = record(&Header { layout_version: newer, ..here }, &[], &ticks);
-    let error = Recording::open(&file).unwrap_err();
-    assert_eq!(error, ReadError::LayoutVersion { found: newer, known: here.layout_version });
-    assert!(error.to_string().starts_with("recorded by a newer narx"), "{error}");
+    for (found, age) in [(LAYOUT_VERSION + 1, "a newer"), (LAYOUT_VERSION - 1, "an older")] {
+        let file = record(&Header { layout_version: found, ..here }, &[], &ticks);
+        let error = Recording::open(&file).unwrap_err();
+        assert_eq!(error, ReadError::LayoutVersion { found, known: here.layout_version });
+        assert!(error.to_string().starts_with(&format!("recorded by {age} narx")), "{error}");
+    }
 
     let file = record(&Header { kind: Kind::Node, ..here }, &[], &ticks);
     assert_eq!(Recording::open(&file).unwrap_err(), ReadError::Kind { found: 2 });
@@ -75,6 +78,9 @@ fn well_formed_chunks_in_the_wrong_place() {
     assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'S', &[])])));
     assert!(malformed(bad(&[(b'H', &HEADER[..9]), (b'S', &[]), (b'E', &end)])));
     assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'E', &end[..15])])));
+    assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'E', &[0; 17])])));
+    let label = [&HEADER[..9], &[LABEL_MAX as u8 + 1], &[b'x'; LABEL_MAX + 1]].concat();
+    assert!(malformed(bad(&[(b'H', &label), (b'S', &[]), (b'E', &end)])));
     // A mask that says more is to come, and a fifth edge.
     assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'T', &[0x01]), (b'E', &end)])));
     let edges = [&[0x40, 5][..], &[0; 15]].concat();

@@ -209,6 +209,10 @@ fn what_no_shell_does_is_malformed() {
         };
         assert_eq!(found, expected, "{calls:?}");
     }
+    let end = [2_u64.to_le_bytes(), [0; 8]].concat();
+    let file = container(&[(b'H', header), (b'S', setup), (b'C', &[10, 1]), (b'E', &end)]);
+    let refused = ReadError::TickCount { stored: 2, read: 1 };
+    assert_eq!(replay_any(&file).unwrap_err(), ReplayError::Read(refused));
 }
 
 proptest! {
@@ -247,6 +251,8 @@ proptest! {
         for call in &calls {
             prop_assert_eq!(reader.read().unwrap(), Some(call));
         }
+        // As often as it is asked.
+        prop_assert_eq!(reader.read().unwrap(), None);
         prop_assert_eq!(reader.read().unwrap(), None);
     }
 }

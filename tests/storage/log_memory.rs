@@ -1,9 +1,14 @@
 //! What is known of the log's memory, and what it refuses.
 
 use crate::log::{append, ask, erase, filled, values};
+use crate::node::device;
 use crate::store::rewrite;
 use crate::support::{blank, now, open, set, small, store};
 use embedded_storage_async::nor_flash::NorFlash;
+use narx_core::bus::narmotion::{MotorMode, ParameterStatus};
+use narx_core::dictionary::number;
+use narx_core::motor::State;
+use narx_core::motor::fault::FaultWord;
 use narx_core::storage::layout::Layout;
 use narx_core::storage::{Entry, Memory, Part, Request, Storage};
 use narx_sim::flash::MBIT_256;
@@ -105,4 +110,22 @@ fn an_erase_goes_by_sectors() {
         assert_eq!(memory.erasing, Some((16 * step).min(7782)), "{step}");
     }
     assert!(ask(&mut storage, Request::Erase).1.is_erased());
+}
+
+/// An erase that the flash does not take is over, and fault 30 says why; when the flash is back, it can be asked for again.
+#[test]
+fn an_erase_that_fails_is_fault_30() {
+    let mut device = device();
+    device.storage.flash().set_absent(true);
+    assert_eq!(device.command(number::LOG_ERASE_REQUEST), Some(ParameterStatus::Done));
+    device.run(20);
+    assert_eq!((device.state(), device.faults()), (State::Fault, FaultWord::STORE_ABSENT));
+    device.storage.flash().set_absent(false);
+    device.run(1100);
+    device.request(MotorMode::Standby);
+    device.run(20);
+    assert_eq!((device.state(), device.faults()), (State::Standby, FaultWord::empty()));
+    assert_eq!(device.command(number::LOG_ERASE_REQUEST), Some(ParameterStatus::Done));
+    device.run(20);
+    assert!(device.status().memory_erased);
 }
