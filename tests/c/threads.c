@@ -20,13 +20,12 @@ static narx_scope_t scope;
 /* How far either half is. Neither runs away from the other, whatever the machine does; relaxed, so that this orders nothing else. */
 static long ticks;
 static long passes;
-static int paced = 1;
 
 static void keep_up(long *mine, const long *other)
 {
     const long now = __atomic_add_fetch(mine, 1, __ATOMIC_RELAXED);
 
-    while (paced && __atomic_load_n(other, __ATOMIC_RELAXED) < now - APART) {
+    while (__atomic_load_n(other, __ATOMIC_RELAXED) < now - APART) {
         sched_yield();
     }
 }
@@ -43,18 +42,25 @@ static narx_samples_t at_rest(void)
     return samples;
 }
 
-/* The control interrupt's part. Answers how many calls failed. */
-static void *tick_half(void *failures)
+/* A thread in the tick half: how many of its calls failed, how far it is, and how far the other one. */
+struct half {
+    long failed;
+    long *mine;
+    const long *other;
+};
+
+/* The control interrupt's part. */
+static void *tick_half(void *thread)
 {
     narx_samples_t samples = at_rest();
     narx_pwm_command_t command;
-    long *failed = failures;
+    struct half *half = thread;
     long tick;
 
     for (tick = 0; tick < TICKS; tick++) {
         samples.tick = (uint64_t)tick;
-        *failed += narx_drive_step(&drive, &samples, &command) != NARX_OK;
-        keep_up(&ticks, &passes);
+        half->failed += narx_drive_step(&drive, &samples, &command) != NARX_OK;
+        keep_up(half->mine, half->other);
     }
     return NULL;
 }
@@ -109,17 +115,17 @@ int main(int argc, char **argv)
 {
     const int misuse = argc > 1 && strcmp(argv[1], "--misuse") == 0;
     struct seen seen;
-    long failed = 0;
+    struct half tick = {0, &ticks, &passes};
+    long failed;
     pthread_t thread;
 
-    paced = !misuse;
     if (narx_drive_init(&drive, sizeof drive, NULL) != NARX_OK
         || narx_drive_attach_scope(&drive, &scope, narx_scope_size(64)) != NARX_OK
-        || pthread_create(&thread, NULL, tick_half, &failed) != 0) {
+        || pthread_create(&thread, NULL, tick_half, &tick) != 0) {
         return 1;
     }
     if (misuse) {
-        long second = 0;
+        struct half second = {0, &passes, &ticks};
 
         tick_half(&second);
         pthread_join(thread, NULL);
@@ -127,7 +133,8 @@ int main(int argc, char **argv)
     }
     seen = background_half();
     pthread_join(thread, NULL);
-    printf("%d ticks, %ld calls failed, %ld frames, %ld words of the scope, state %d\n", (int)TICKS,
-           failed + seen.failed, seen.frames, seen.words, (int)seen.state);
-    return failed + seen.failed == 0 && seen.frames > 100 && seen.words > 60 && seen.state == NARX_STATE_STANDBY ? 0 : 1;
+    failed = tick.failed + seen.failed;
+    printf("%d ticks, %ld calls failed, %ld frames, %ld words of the scope, state %d\n", (int)TICKS, failed,
+           seen.frames, seen.words, (int)seen.state);
+    return failed == 0 && seen.frames > 100 && seen.words > 60 && seen.state == NARX_STATE_STANDBY ? 0 : 1;
 }
