@@ -5,6 +5,8 @@
 mod bulk;
 #[path = "../storage/code_flash.rs"]
 mod code_flash;
+#[path = "../storage/code_flash_damage.rs"]
+mod code_flash_damage;
 #[path = "../storage/cuts.rs"]
 mod cuts;
 #[path = "../storage/device.rs"]
@@ -25,3 +27,5 @@ mod node;
 mod store;
 #[path = "../storage/support.rs"]
 mod support;
+#[path = "../storage/worn_out.rs"]
+mod worn_out;

@@ -8,11 +8,11 @@ use narx_sim::flash::{Memory as _, Sparse, Tear};
 use narx_sim::internal_flash::{InternalFlash, WORD};
 use proptest::prelude::*;
 
-const PAGE: u32 = 2 << 10;
-const PAGES: u32 = 4;
+pub(crate) const PAGE: u32 = 2 << 10;
+pub(crate) const PAGES: u32 = 4;
 const TEARS: [Tear; 3] = [Tear::Nothing, Tear::Partial, Tear::Garbage];
 
-type Chip = InternalFlash<Sparse>;
+pub(crate) type Chip = InternalFlash<Sparse>;
 
 fn blank() -> CodeFlash<Chip> {
     CodeFlash::new(InternalFlash::new(Sparse::new(), PAGES * PAGE, 1))
@@ -24,14 +24,14 @@ fn execute(storage: &mut CodeFlash<Chip>, request: Request) -> Report {
     (0..3 * PAGES).find_map(|_| storage.step()).expect("a request ends")
 }
 
-fn open(storage: &mut CodeFlash<Chip>) -> Opened {
+pub(crate) fn open(storage: &mut CodeFlash<Chip>) -> Opened {
     match execute(storage, Request::Open) {
         Report::Opened(opened) => opened,
         other => panic!("{other:?}"),
     }
 }
 
-fn store(storage: &mut CodeFlash<Chip>, parameters: &Parameters, part: Part) -> bool {
+pub(crate) fn store(storage: &mut CodeFlash<Chip>, parameters: &Parameters, part: Part) -> bool {
     match execute(storage, Request::Store(parameters.clone(), part)) {
         Report::Stored { done, .. } => done,
         other => panic!("{other:?}"),
@@ -39,7 +39,7 @@ fn store(storage: &mut CodeFlash<Chip>, parameters: &Parameters, part: Part) -> 
 }
 
 /// What a drive finds at power-up.
-fn boot(chip: &Chip) -> (Opened, CodeFlash<Chip>) {
+pub(crate) fn boot(chip: &Chip) -> (Opened, CodeFlash<Chip>) {
     let mut chip = chip.clone();
     chip.restore_power();
     let mut storage = CodeFlash::new(chip);
@@ -47,7 +47,7 @@ fn boot(chip: &Chip) -> (Opened, CodeFlash<Chip>) {
 }
 
 /// Both parts of `set(0)` are stored, and then so many sets of one parameter and a few.
-fn worn(stores: i32) -> Chip {
+pub(crate) fn worn(stores: i32) -> Chip {
     let mut storage = blank();
     open(&mut storage);
     for variant in 0..=stores {
@@ -57,7 +57,7 @@ fn worn(stores: i32) -> Chip {
 }
 
 /// The set of `variant` beside the board's own facts of `once`.
-fn with(variant: i32, once: i32) -> Parameters {
+pub(crate) fn with(variant: i32, once: i32) -> Parameters {
     let mut parameters = set(variant);
     for (row, raw) in set(once).iter().filter(|(row, _)| Part::Once.contains(row)) {
         parameters.set(row.number, raw).unwrap();
@@ -65,14 +65,14 @@ fn with(variant: i32, once: i32) -> Parameters {
     parameters
 }
 
-fn bytes(chip: &Chip) -> Vec<u8> {
+pub(crate) fn bytes(chip: &Chip) -> Vec<u8> {
     let mut bytes = vec![0; (PAGES * PAGE) as usize];
     chip.memory().read(0, &mut bytes);
     bytes
 }
 
 /// So many stores of [`worn`] fill the first page: with the next one both twins move.
-fn until_full() -> i32 {
+pub(crate) fn until_full() -> i32 {
     let mut storage = CodeFlash::new(worn(0));
     open(&mut storage);
     let pages = |chip: &Chip| {
@@ -336,101 +336,6 @@ fn every_cut_of_the_first_store() {
         assert!(store(&mut storage, &set(7), Part::Set), "step {cut}, {tear:?}");
         assert_eq!(boot(storage.flash()).0.parameters, set(7));
     }
-}
-
-fn flip(chip: &mut Chip, at: u32, bit: u32) {
-    let mut byte = [0];
-    chip.memory().read(at, &mut byte);
-    chip.load(at, &[byte[0] ^ 1 << bit]);
-}
-
-/// Bits of every page, blank ones too: it is seen, the set is right, no older one comes back, and the page is made anew.
-#[test]
-fn a_flipped_bit_is_detected_and_mended() {
-    // The older pages hold older sets.
-    let stores = 3 * until_full() + 1;
-    let chip = worn(stores);
-    let (mut seen, mut flips) = (0, 0);
-    for at in (0..PAGES * PAGE).step_by(3) {
-        // One bit of a byte, and all of those of some.
-        for bit in if at % 97 == 0 { 0..8 } else { at % 8..at % 8 + 1 } {
-            let mut flipped = chip.clone();
-            flip(&mut flipped, at, bit);
-            let (opened, storage) = boot(&flipped);
-            assert_eq!(
-                (opened.faults, opened.parameters),
-                (FaultWord::empty(), with(stores, 0)),
-                "{at:x}.{bit}"
-            );
-            if opened.repaired && at % 97 == 0 {
-                let (again, _) = boot(&storage.into_flash());
-                assert_eq!((again.repaired, again.parameters), (false, with(stores, 0)), "{at:x}.{bit}");
-            }
-            seen += u32::from(opened.repaired);
-            flips += 1;
-        }
-    }
-    // Half of the pages are not in use.
-    assert!(seen.abs_diff(flips / 2) < 8, "{seen} of {flips} flips were seen");
-}
-
-/// One wrong bit in either twin: the page is made anew from the other one.
-#[test]
-fn a_damaged_twin_is_made_anew() {
-    for at in [20, PAGE + 20] {
-        let mut chip = worn(1);
-        flip(&mut chip, at, 3);
-        let (opened, storage) = boot(&chip);
-        assert!(opened.repaired && opened.parameters == with(1, 0), "{at}");
-        assert!(!boot(&storage.into_flash()).0.repaired, "{at}");
-    }
-}
-
-/// A bit that falls in the blank part while the drive runs, in either twin or in both: what is stored next goes around it.
-#[test]
-fn a_store_goes_around_fallen_bits() {
-    let chip = worn(1);
-    let blank = |at: u32| bytes(&chip)[at as usize..][..WORD].iter().all(|byte| *byte == 0xFF);
-    let end = (0..PAGE).step_by(WORD).find(|at| blank(*at)).unwrap();
-    for at in (end..end + 64).step_by(5).chain([PAGE - 1]) {
-        for struck in [&[0][..], &[PAGE], &[0, PAGE], &[0, PAGE, 2 * PAGE]] {
-            let mut storage = boot(&chip).1;
-            struck.iter().for_each(|page| flip(storage.flash(), page + at, 5));
-            for variant in [2, 3] {
-                assert!(store(&mut storage, &set(variant), Part::Set), "{at:x} of {struck:x?}");
-                let (opened, _) = boot(storage.flash());
-                let found = (opened.faults, opened.repaired, opened.parameters);
-                assert_eq!(found, (FaultWord::empty(), false, with(variant, 0)), "{at:x} of {struck:x?}");
-            }
-        }
-    }
-}
-
-/// Both twins are damaged: nothing older is brought back, and the drive says so.
-#[test]
-fn a_set_that_is_lost_is_a_fault_and_not_the_set_before() {
-    let stores = 3 * until_full() + 1;
-    let mut chip = worn(stores);
-    for page in 0..PAGES {
-        let mut first = [0; 16];
-        chip.memory().read(page * PAGE, &mut first);
-        if boot_of_one(&chip, page) == with(stores, 0) {
-            flip(&mut chip, page * PAGE + 8, 3);
-        }
-    }
-    let (opened, mut storage) = boot(&chip);
-    assert_eq!((opened.faults, opened.parameters), (FaultWord::STORE_MISMATCH, Parameters::new()));
-    assert!(store(&mut storage, &set(5), Part::Set));
-    let (opened, _) = boot(storage.flash());
-    assert_eq!((opened.faults, opened.repaired, opened.parameters), (FaultWord::empty(), false, set(5)));
-}
-
-/// What would be found if `page` were the only one.
-fn boot_of_one(chip: &Chip, page: u32) -> Parameters {
-    let mut alone: Chip = InternalFlash::new(Sparse::new(), PAGES * PAGE, 1);
-    let from = (page * PAGE) as usize;
-    alone.load(0, &bytes(chip)[from..from + PAGE as usize]);
-    boot(&alone).0.parameters
 }
 
 /// What happens to a flash.

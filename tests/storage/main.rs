@@ -3,6 +3,7 @@
 mod bench;
 mod bulk;
 mod code_flash;
+mod code_flash_damage;
 mod cuts;
 mod device;
 mod flash;
@@ -14,3 +15,4 @@ mod master;
 mod node;
 mod store;
 mod support;
+mod worn_out;

@@ -2,12 +2,12 @@
 
 use crate::support::{Chip, blank, boot, formatted, now, open, set, small, store};
 use core::ops::Range;
-use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
+use embedded_storage_async::nor_flash::{NorFlash, ReadNorFlash};
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::fault::FaultWord;
 use narx_core::storage::layout::{Layout, capacity};
 use narx_core::storage::{Part, Report, Request, Storage};
-use narx_sim::flash::{FlashError, KBYTE_512, MBIT_256, MBYTE_256};
+use narx_sim::flash::{KBYTE_512, MBIT_256, MBYTE_256};
 
 const SUBSECTOR: u32 = 4096;
 
@@ -254,7 +254,7 @@ pub(crate) fn rewrite(chip: &mut Chip, map: Range<u32>, key: u8, change: Change)
 }
 
 /// A bit of every item of that key in one map falls over.
-fn lose(chip: &mut Chip, map: Range<u32>, key: u8) {
+pub(crate) fn lose(chip: &mut Chip, map: Range<u32>, key: u8) {
     for (_, at, _) in items(chip, &map).into_iter().filter(|(of, ..)| *of == key) {
         chip.flip(at, 0);
     }
@@ -262,7 +262,7 @@ fn lose(chip: &mut Chip, map: Range<u32>, key: u8) {
 
 /// The items of a map's first page: key, where the content stands, and the content, which is a count and a body. Before it stand key and length, and these inverted; behind it CRC-32 over key
 /// and content, and ones up to a multiple of 8. The page begins with its number.
-fn items(chip: &mut Chip, map: &Range<u32>) -> Vec<(u8, u32, Vec<u8>)> {
+pub(crate) fn items(chip: &mut Chip, map: &Range<u32>) -> Vec<(u8, u32, Vec<u8>)> {
     let mut page = vec![0; SUBSECTOR as usize];
     now(chip.read(map.start, &mut page)).unwrap();
     let (mut at, mut items) = (8, Vec::new());
@@ -274,62 +274,6 @@ fn items(chip: &mut Chip, map: &Range<u32>) -> Vec<(u8, u32, Vec<u8>)> {
         at += 8 + (length + 4).next_multiple_of(8);
     }
     items
-}
-
-/// A chip with a place that takes nothing any more.
-struct WornOut {
-    chip: Chip,
-    place: Range<u32>,
-}
-
-impl ErrorType for WornOut {
-    type Error = FlashError;
-}
-
-impl ReadNorFlash for WornOut {
-    const READ_SIZE: usize = 1;
-
-    async fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), FlashError> {
-        self.chip.read(offset, bytes).await
-    }
-
-    fn capacity(&self) -> usize {
-        self.chip.capacity()
-    }
-}
-
-impl NorFlash for WornOut {
-    const WRITE_SIZE: usize = 1;
-    const ERASE_SIZE: usize = SUBSECTOR as usize;
-
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashError> {
-        self.chip.erase(from, to).await
-    }
-
-    async fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), FlashError> {
-        if self.place.contains(&offset) { Ok(()) } else { self.chip.write(offset, bytes).await }
-    }
-}
-
-#[test]
-fn a_page_that_takes_nothing_any_more_is_passed_over() {
-    let layout = Layout::of(32 << 20, SUBSECTOR).unwrap();
-    for map in [&layout.primary.map, &layout.mirror.map] {
-        for page in [0, 1, 3] {
-            let start = map.start + page * SUBSECTOR;
-            let chip = formatted(MBIT_256, &set(0));
-            let mut storage = Storage::new(WornOut { chip, place: start..start + SUBSECTOR });
-            now(storage.execute(Request::Open));
-            // Enough to fill four pages.
-            for variant in 1..30 {
-                let stored = now(storage.execute(Request::Store(set(variant), Part::Set)));
-                assert!(matches!(stored, Report::Stored { done: true, .. }), "{page} of {map:x?}: {variant}");
-            }
-            let (opened, _) = boot(&storage.into_flash().chip);
-            assert_eq!(opened.parameters.raw(number::SPEED_RATE), 1029, "{page} of {map:x?}");
-            assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), false), "{page} of {map:x?}");
-        }
-    }
 }
 
 #[test]

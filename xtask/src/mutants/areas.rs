@@ -36,7 +36,7 @@ const fn quick(programs: &'static [&'static str], features: &'static str) -> Tes
 
 /// Every cut, every bit and every page's life, again and again: the other tests of storage see most of it sooner.
 const LONG: [&str; 6] = [
-    "code_flash::a_flipped_bit",
+    "code_flash_damage::a_flipped_bit",
     "every_cut_of_",
     "flips::",
     "log::a_log_is_a_list",
