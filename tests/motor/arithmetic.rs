@@ -7,6 +7,7 @@ use narx_core::motor::gain::{Gain, SIGNIFICANT_BITS};
 use narx_core::motor::measurement::{ChannelScale, Measurement, MeasurementScales};
 use narx_core::motor::pi::{Pi, PiGains};
 use narx_core::motor::ramp::Ramp;
+use narx_core::motor::signal::SpeedScale;
 use proptest::prelude::*;
 
 fn gain(numerator: i128, denominator: i128) -> Gain {
@@ -256,4 +257,29 @@ fn duty_without_a_bus_is_finite() {
         assert_eq!(measurement.duty(-1).to_bits(), 0);
         assert_eq!(measurement.duty(i32::MAX).to_bits(), 32_768);
     }
+}
+
+/// A channel beyond what a board may state, or an offset that no calibration has, counts as the nearest that there is: no product overflows.
+#[test]
+fn a_channel_and_its_offset_are_bounded() {
+    let channel = |micro_per_code| Channel { zero: 100, micro_per_code };
+    let most = Channel::MICRO_PER_CODE_MAX;
+    for (channel, offset, like) in [
+        (channel(most + 1), 0, (channel(most), 0)),
+        (channel(i32::MAX), 0, (channel(most), 0)),
+        (channel(-1), 7, (channel(0), 7)),
+        (channel(1000), i32::MAX, (channel(1000), 1 << 24)),
+        (channel(1000), i32::MIN, (channel(1000), -(1 << 24))),
+    ] {
+        let (found, expected) = (ChannelScale::new(channel, offset), ChannelScale::new(like.0, like.1));
+        assert_eq!(found, expected, "{channel:?} {offset}");
+        assert_eq!(found.convert(100), like.1, "its zero, less the offset");
+    }
+}
+
+/// A motor of no pole pairs, which no parameter can ask for, is scaled as one of one.
+#[test]
+fn a_speed_has_at_least_one_pole_pair() {
+    let [none, one, four] = [0, 1, 4].map(|pairs| SpeedScale::new(pairs).apply(100 << 16));
+    assert_eq!((none, one / 4), (one, four));
 }

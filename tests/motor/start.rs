@@ -1,6 +1,10 @@
 //! Starting without sensors: 200 random plants, every preset at every supply.
 
+use crate::bench::{Closed, MOTOR};
+use narx_core::dictionary::number;
+use narx_core::motor::{Request, State};
 use narx_sim::commissioning::Mode;
+use narx_sim::plant::PlantConfig;
 use narx_sim::presets::PRESETS;
 use std::fmt::Write as _;
 use xtask::bench::{Point, Start, map};
@@ -29,6 +33,35 @@ fn two_hundred_random_plants_start() {
     assert!(first >= 190, "{first} at the first try; not:\n{}", list(&|start| !start.started_at_once()));
     assert_eq!(list(&|start| !start.is_accounted_for()), "");
     assert_eq!(list(&|start| start.to_closed_loop > 3.0), "");
+}
+
+/// Parameter 84 in per cent of the nominal voltage: a motor that was brought up without sensors goes on in closed loop from there, and with 0 from the voltage it had. Either way it reaches
+/// its set-point.
+#[test]
+fn closed_loop_begins_with_its_initial_voltage() {
+    let begins = |initial: i32| {
+        let mut closed =
+            Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &[(number::INITIAL_DUTY, initial)]);
+        closed.boot();
+        closed.ask(Request::Drive);
+        let voltage = |closed: &Closed| f64::from(closed.output.duty.to_bits()) / 32_768.0 * 24.0;
+        let mut before = 0.0;
+        while closed.drive.state() != State::SensorlessClosedLoop {
+            before = voltage(&closed);
+            closed.tick();
+        }
+        // The slew limit passes within some ticks, the speed loop goes on from there.
+        (0..5).for_each(|_| closed.tick());
+        let after = voltage(&closed);
+        (0..20_000).for_each(|_| closed.tick());
+        assert_eq!(closed.drive.state(), State::SensorlessClosedLoop);
+        assert!((closed.rpm() / crate::bench::RPM - 1.0).abs() < 0.02, "{} rpm", closed.rpm());
+        (before, after)
+    };
+    for (initial, change) in [(0, -0.1..0.1), (300, -9.0..-0.3), (2500, 1.0..9.0)] {
+        let (before, after) = begins(initial);
+        assert!(change.contains(&(after - before)), "{initial}: {before:.2} V, then {after:.2} V");
+    }
 }
 
 /// One line of a table; rounded so that only what an eye would notice changes it.

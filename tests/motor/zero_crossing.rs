@@ -451,3 +451,19 @@ fn a_stable_wrong_lock_is_found_by_its_voltage() {
     // What a hot winding could take at a high current is not held against the motor.
     assert!(judge(0.5, 0.1, 2.0, 100.0, 50.0), "half the speed is claimed");
 }
+
+/// A motor of which neither constant is known cannot be contradicted by its voltage.
+#[test]
+fn without_constants_no_lock_is_wrong() {
+    let one = Gain::from_ratio(1, 10).unwrap();
+    let known = RailCoefficients { resistance: one, back_emf: one, commutation: Gain::ZERO, leak: 1 };
+    for (c, expected) in [
+        (known, true),
+        (RailCoefficients { resistance: Gain::ZERO, ..known }, false),
+        (RailCoefficients { back_emf: Gain::ZERO, ..known }, false),
+    ] {
+        let mut rails = Rails::default();
+        let found = (0..1000).any(|_| rails.is_wrong_lock(&c, raw(5.0), raw(1.0), raw(1000.0)));
+        assert_eq!(found, expected, "{c:?}");
+    }
+}
