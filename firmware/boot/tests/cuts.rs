@@ -1,7 +1,8 @@
 //! The power fails in every step of an update, and again while the board recovers: it always boots a verified image, the old or the new one,
 //! whole. Signatures are hashes here (`Hasty`): that they are looked at is `slots.rs`'s business.
 
-use crate::support::{Flash, Hasty, NEW, OLD, active, board_with, receive, runs, slot};
+use crate::support::{Flash, Hasty, MAP, NEW, OLD, active, board_with, receive, runs, slot};
+use embedded_storage::nor_flash::ReadNorFlash;
 use narx_sim::flash::Tear;
 use narx_sim::random::Random;
 
@@ -108,4 +109,47 @@ fn a_transfer_that_is_cut_off_is_no_candidate() {
         assert_eq!(runs(Hasty::boot(&mut flash)), Some(OLD), "{step}");
         assert_eq!(flash.steps(), step + 1, "nothing was moved");
     }
+}
+
+/// In the midst of a swap nothing is on trial: that begins when its last page has been moved.
+#[test]
+fn a_swap_that_is_cut_off_is_no_trial() {
+    let images = Images { old: Hasty::image(OLD, 1320), new: Hasty::image(NEW, 1528) };
+    let mut marked = board_with(&images.old);
+    receive(&mut marked, &images.new).unwrap();
+    let mut whole = marked.clone();
+    assert_eq!(runs(Hasty::boot(&mut whole)), Some(NEW));
+    assert!(slot(&mut whole).condition().unwrap().trial);
+    for step in 0..whole.steps() - marked.steps() {
+        let mut flash = marked.clone();
+        flash.cut_after(step, Tear::Nothing);
+        let _ = Hasty::boot(&mut flash);
+        flash.restore_power();
+        assert!(!slot(&mut flash).condition().unwrap().trial, "{step}");
+    }
+}
+
+/// A confirmation says first that the swap no longer counts: cut off behind that, the image is no longer on trial, and stays.
+#[test]
+fn a_confirmation_that_has_begun_is_one() {
+    let images = Images { old: Hasty::image(OLD, 1320), new: Hasty::image(NEW, 1528) };
+    let mut trial = board_with(&images.old);
+    receive(&mut trial, &images.new).unwrap();
+    assert_eq!(runs(Hasty::boot(&mut trial)), Some(NEW));
+    for (words, is_trial, stays) in [(0, true, OLD), (1, false, NEW)] {
+        let mut flash = trial.clone();
+        flash.cut_after(words, Tear::Nothing);
+        slot(&mut flash).confirm().unwrap_err();
+        flash.restore_power();
+        assert_eq!(slot(&mut flash).condition().unwrap().trial, is_trial, "{words}");
+        let slots = MAP.dfu.start as usize..MAP.dfu.end as usize;
+        assert!(all(&mut flash)[slots.clone()] == all(&mut trial)[slots], "nothing else was written");
+        assert_eq!(runs(Hasty::boot(&mut flash)), Some(stays), "{words}");
+    }
+}
+
+fn all(flash: &mut Flash) -> Vec<u8> {
+    let mut bytes = vec![0; flash.capacity()];
+    flash.read(0, &mut bytes).unwrap();
+    bytes
 }

@@ -1,10 +1,12 @@
 //! The drive's side of programming: what it refuses and why, what it repairs, and what it leaves alone.
 
-use crate::support::{Flash, HARDWARE, Hasty, MAP, NEW, OLD, board_with, version};
+use crate::support::{Flash, HARDWARE, Hasty, MAP, NEW, OLD, board_with, receive, version};
 use crate::wire::Drive;
+use narx_boot::{Server, Slot};
 use narx_core::bus::narmotion::MotorMode;
 use narx_core::bus::narmotion::update::{UpdateAnswer, UpdateCode, UpdateRequest, UpdateState, UpdateStatus};
 use narx_core::motor::{Event, State};
+use narx_core::node::update::Condition;
 use proptest::prelude::*;
 
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
@@ -203,6 +205,15 @@ fn a_mark_can_be_taken_back() {
     drive.run(3);
     assert_eq!(said(drive.ask(UpdateRequest::Status)), (UpdateState::Idle, UpdateCode::Aborted));
     assert!(!drive.is_marked());
+}
+
+/// An application that starts anew without a look of the bootloader's finds the mark.
+#[test]
+fn a_mark_outlives_a_restart_without_the_bootloader() {
+    let mut flash = factory();
+    receive(&mut flash, &Hasty::image(NEW, 1000)).unwrap();
+    let slots = Server::new(Slot::new(flash, MAP, HARDWARE).unwrap()).slots().unwrap();
+    assert_eq!((slots.condition, slots.running), (Condition::Marked, OLD.into()));
 }
 
 fn on_trial() -> Drive {

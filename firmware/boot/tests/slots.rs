@@ -251,3 +251,20 @@ fn a_file_is_a_whole_image() {
         assert_eq!(Header::of(file), Err(HeaderError::File { length: file.len(), wanted }));
     }
 }
+
+/// The verdict is a word of the state pages' end: its code, and that inverted in every other byte. Written by halves it says nothing.
+#[test]
+fn a_verdict_that_was_cut_off_says_nothing() {
+    let at = MAP.state.end - 8;
+    for (word, expected) in [
+        ([4, 0xFB, 0xFB, 0xFB, 0xFB, 0xFB, 0xFB, 0xFB], Some(Verdict::Refused(Refused::Signature))),
+        ([4, 0xFB, 0xFB, 0xFB, 0xFB, 0xFB, 0xFB, 0xFF], None),
+        ([4, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF], None),
+        // Nothing that a bootloader of this version says.
+        ([6, 0xF9, 0xF9, 0xF9, 0xF9, 0xF9, 0xF9, 0xF9], None),
+    ] {
+        let mut flash = board_with(&image(OLD, 1000));
+        flash.load(at, &word);
+        assert_eq!(slot(&mut flash).condition().unwrap().verdict, expected, "{word:x?}");
+    }
+}
