@@ -18,19 +18,19 @@ const MOTOR: &str = "ec45-flat-50w-18v";
 const SUPPLY: f64 = 18.0;
 
 /// One tick of a drive.
-struct Told<'a> {
-    event: Option<&'a Event>,
-    samples: &'a Samples,
+pub(crate) struct Told<'a> {
+    pub(crate) event: Option<&'a Event>,
+    pub(crate) samples: &'a Samples,
     /// What was in force in the period that has ended.
-    applied: &'a PwmCommand,
+    pub(crate) applied: &'a PwmCommand,
     /// What is answered.
-    command: &'a PwmCommand,
-    status: Option<&'a Status>,
-    state: State,
+    pub(crate) command: &'a PwmCommand,
+    pub(crate) status: Option<&'a Status>,
+    pub(crate) state: State,
 }
 
 /// Runs a session: `rpm` for a second and a half, another speed, and Standby; then shows every tick of its recording.
-fn beside(mode: Mode, rpm: i32, mut observe: impl FnMut(&Session, Told<'_>)) -> u32 {
+pub(crate) fn beside(mode: Mode, rpm: i32, mut observe: impl FnMut(&Session, Told<'_>)) -> u32 {
     let config =
         SessionConfig { trace: false, ..SessionConfig::new(preset(MOTOR).unwrap().motor, SUPPLY, mode) };
     let mut session = Session::new(&config).unwrap();
@@ -177,7 +177,7 @@ fn zero_crossing_and_commutation() {
     }
 }
 
-fn sensorless_blocks(session: &Session) -> (ZeroCrossing, Commutation) {
+pub(crate) fn sensorless_blocks(session: &Session) -> (ZeroCrossing, Commutation) {
     let of = |number| parameter(session, number);
     let commutation =
         CommutationSettings { advance_cdeg: of(number::TIMING_ADVANCE) as u16, earliest: 8_192 };

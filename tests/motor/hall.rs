@@ -258,12 +258,16 @@ fn sleeping_through_an_invalid_code_counts_it() {
     let c = coefficients(false).hall;
     let mut rotor = ScriptedRotor::new(0.1, 20.0, false);
     let mut mute = running(&c, &mut rotor, 2.0);
-    (0..3).for_each(|_| drop(mute.step(&c, &level(7))));
+    for _ in 0..3 {
+        mute.step(&c, &level(7));
+    }
     assert!(mute.is_mute());
     for ticks in [1, 254, 255, 300] {
         let (mut sleeps, mut looks) = (mute, mute);
         sleeps.sleep(ticks);
-        (0..ticks).for_each(|_| drop(looks.step(&c, &level(7))));
+        for _ in 0..ticks {
+            looks.step(&c, &level(7));
+        }
         assert_eq!(sleeps.diagnostics(), looks.diagnostics(), "{ticks} ticks");
     }
     // There is no more room.

@@ -7,6 +7,7 @@ mod bench;
 mod blocks;
 mod blocks_any_input;
 mod blocks_beside_a_drive;
+mod blocks_that_lose;
 mod boot;
 mod build;
 mod calm;

@@ -65,11 +65,14 @@ fn measure(root: &Path, path: &Path) -> Outcome {
     let mut tests = llvm_cov(root, &["--no-report", "--branch"]);
     tests.args(PACKAGES.iter().flat_map(|package| ["-p", package])).arg("--tests");
     steps::run(&mut tests)?;
-    let mut report = llvm_cov(root, &["report", "--branch", "--json", "--summary-only", "--output-path"]);
+    let mut report = llvm_cov(root, &["report", "--branch", "--json", "--output-path"]);
     steps::run(report.arg(&export))?;
     let failed = |error: io::Error| format!("{}: {error}", export.display());
     let text = fs::read_to_string(&export).map_err(failed)?;
-    let files = read(&text, root).map_err(|reason| format!("{}: {reason}", export.display()))?;
+    let (files, gaps) = read(&text, root).map_err(|reason| format!("{}: {reason}", export.display()))?;
+    for Gap { file, line, column, ways } in gaps {
+        println!("{CORE}/{file}:{line}:{column}: never {ways}");
+    }
     let sum = |of: fn(&File) -> u64| files.values().map(of).sum::<u64>();
     let (branches, missed) = (sum(|file| file.branches), sum(|file| file.missed()));
     let closing = format!("{branches} branches of {} files, {missed} not taken", files.len());
@@ -100,38 +103,53 @@ struct Data {
 #[derive(Deserialize)]
 struct Told {
     filename: PathBuf,
-    summary: Summary,
+    /// One for each copy of the code that the compiler has made.
+    branches: Vec<Condition>,
 }
 
-#[derive(Deserialize)]
-struct Summary {
-    branches: Count,
+/// Line and column, from and to; how often it was true and false; and what is of no use here.
+type Condition = (u32, u32, u32, u32, u64, u64, u64, u64, u64);
+
+/// A condition, and which of its ways out no copy of it has taken.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Gap {
+    file: String,
+    line: u32,
+    column: u32,
+    ways: &'static str,
 }
 
-#[derive(Deserialize)]
-struct Count {
-    count: u64,
-    covered: u64,
-}
-
-/// The files of the core.
-fn read(text: &str, root: &Path) -> Result<BTreeMap<String, File>, String> {
+/// The files of the core, and every way out of a condition in them that was not taken. Generic code has a copy for each type that it is made for: what one of them takes is taken. The summary
+/// that comes along counts otherwise: it asks more of code with copies, and nothing of code that never ran.
+fn read(text: &str, root: &Path) -> Result<(BTreeMap<String, File>, Vec<Gap>), String> {
     let export: Export = serde_json::from_str(text).map_err(|error| error.to_string())?;
     let core = root.join(CORE);
-    let files: BTreeMap<String, File> = export
-        .data
-        .into_iter()
-        .flat_map(|data| data.files)
-        .filter_map(|told| {
-            let path = told.filename.strip_prefix(&core).ok()?.to_string_lossy().into_owned();
-            let Count { count, covered } = told.summary.branches;
-            Some((path, File { branches: count, covered }))
-        })
-        .collect();
-    if files.values().all(|file| file.branches == 0) {
+    let (mut files, mut gaps) = (BTreeMap::new(), Vec::new());
+    for told in export.data.into_iter().flat_map(|data| data.files) {
+        let Ok(path) = told.filename.strip_prefix(&core) else { continue };
+        let name = path.to_string_lossy().into_owned();
+        let mut conditions: BTreeMap<(u32, u32, u32, u32), [bool; 2]> = BTreeMap::new();
+        for (line, column, to_line, to_column, yes, no, ..) in told.branches {
+            let taken = conditions.entry((line, column, to_line, to_column)).or_default();
+            *taken = [taken[0] | (yes > 0), taken[1] | (no > 0)];
+        }
+        let covered = conditions.values().flatten().filter(|taken| **taken).count() as u64;
+        let file = File { branches: 2 * conditions.len() as u64, covered };
+        gaps.extend(conditions.into_iter().filter_map(|((line, column, ..), taken)| {
+            let ways = match taken {
+                [true, true] => return None,
+                [true, false] => "false",
+                [false, true] => "true",
+                [false, false] => "reached",
+            };
+            Some(Gap { file: name.clone(), line, column, ways })
+        }));
+        files.insert(name, file);
+    }
+    if files.values().all(|file: &File| file.branches == 0) {
         return Err(format!("no branch of {CORE} in it"));
     }
-    Ok(files)
+    Ok((files, gaps))
 }
 
 #[cfg(test)]
@@ -139,20 +157,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_of_the_core_are_read_and_no_others() {
-        let file = |name: &str, count: u64| {
-            let covered = count.min(3);
-            let branches = format!(r#""branches":{{"count":{count},"covered":{covered}}}"#);
-            format!(r#"{{"filename":"{name}","summary":{{{branches},"lines":{{}}}}}}"#)
+    fn ways_out_are_those_of_all_copies_together() {
+        let condition = |line: u32, yes: u64, no: u64| format!("[{line},9,{line},20,{yes},{no},0,0,4]");
+        let file = |name: &str, conditions: &[String]| {
+            format!(r#"{{"filename":"{name}","branches":[{}]}}"#, conditions.join(","))
         };
         let text = |files: &[String]| format!(r#"{{"data":[{{"files":[{}]}}],"type":"x"}}"#, files.join(","));
         let root = Path::new("/narx");
-        let all = text(&[file("/narx/core/src/motor/pi.rs", 4), file("/narx/sim/src/lib.rs", 8)]);
-        let files = read(&all, root).unwrap();
-        assert_eq!(files, BTreeMap::from([("motor/pi.rs".to_owned(), File { branches: 4, covered: 3 })]));
-        assert_eq!(files["motor/pi.rs"].missed(), 1);
+        let copies = [
+            condition(5, 3, 0),
+            condition(7, 0, 0),
+            condition(5, 0, 2),
+            condition(6, 1, 0),
+            condition(6, 4, 0),
+        ];
+        let all = text(&[file("/narx/core/src/motor/pi.rs", &copies), file("/narx/sim/src/lib.rs", &copies)]);
+        let (files, gaps) = read(&all, root).unwrap();
+        assert_eq!(files, BTreeMap::from([("motor/pi.rs".to_owned(), File { branches: 6, covered: 3 })]));
+        assert_eq!(files["motor/pi.rs"].missed(), 3);
+        let gap = |line, ways| Gap { file: "motor/pi.rs".into(), line, column: 9, ways };
+        assert_eq!(gaps, [gap(6, "false"), gap(7, "reached")]);
         // A toolchain that counts no branches must not look like one whose branches are all taken.
-        assert!(read(&text(&[file("/narx/core/src/motor/pi.rs", 0)]), root).is_err());
+        assert!(read(&text(&[file("/narx/core/src/motor/pi.rs", &[])]), root).is_err());
         assert!(read("{}", root).is_err());
     }
 }

@@ -1,0 +1,86 @@
+//! The back-EMF block where it is not as it should be: what it was following is gone, comes out of step or too early, or coasts the other way.
+
+use crate::blocks_beside_a_drive::{beside, sensorless_blocks};
+use narx_core::blocks::{ZeroCrossing, ZeroCrossingReading};
+use narx_core::motor::rails::Rail;
+use narx_core::motor::zero_crossing::Why;
+use narx_core::motor::{Direction, Samples, State, Step};
+use narx_core::units::ElectricalSpeed;
+use narx_sim::commissioning::Mode;
+
+/// Crossings that the block has followed before something happens to it.
+const FOLLOWED: u32 = 200;
+
+/// A block beside a drive without sensors; once it has followed a while, it is shown what `see` makes of each tick, as often as `times` says after so many crossings. Its readings from there on, up to the
+/// first that ends the episode.
+fn follow(see: impl Fn(&Samples) -> Samples, times: impl Fn(u32) -> u32) -> Vec<ZeroCrossingReading> {
+    let mut block = None;
+    let mut readings: Vec<ZeroCrossingReading> = Vec::new();
+    let mut is_struck = false;
+    beside(Mode::Sensorless, 1500, |session, told| {
+        let block = block.get_or_insert_with(|| sensorless_blocks(session).0);
+        if readings.last().is_some_and(|reading| reading.lost != Rail::None) {
+            return;
+        }
+        if told.applied.step == Step::LockCA && told.command.step == Step::Coast {
+            block.start(u32::MAX / 3 + 1, Direction::Forward);
+        }
+        let (seen, times) = if is_struck {
+            (see(told.samples), times(readings.last().map_or(0, |reading| reading.accepted)))
+        } else {
+            (told.samples.clone(), 1)
+        };
+        for _ in 0..times {
+            let reading = block.step(&seen, told.applied, Direction::Forward);
+            if is_struck {
+                readings.push(reading);
+            }
+            is_struck |= reading.running && reading.accepted > FOLLOWED;
+        }
+    });
+    assert!(is_struck);
+    readings
+}
+
+fn end(readings: &[ZeroCrossingReading]) -> Rail {
+    readings.last().unwrap().lost
+}
+
+/// The terminals show nothing any more: six steps are commutated blind, and the rotor is lost long before its time-out.
+#[test]
+fn a_rotor_that_is_not_seen_is_lost() {
+    let nothing =
+        |samples: &Samples| Samples { phase_voltage: [samples.bus_voltage / 2; 3], ..samples.clone() };
+    let readings = follow(nothing, |_| 1);
+    assert_eq!(end(&readings), Rail::Stall);
+    assert!(readings.len() < 400, "{} ticks, of 500", readings.len());
+    assert!(readings.iter().any(|reading| reading.why == Why::Blind));
+    let before = &readings[..readings.len() - 1];
+    assert!(before.iter().all(|reading| reading.lost == Rail::None && reading.running));
+}
+
+/// From every second crossing to the next it takes twice as long: nobody turns like that.
+#[test]
+fn a_rotor_that_is_out_of_step_is_told() {
+    let readings = follow(Samples::clone, |crossings| 1 + crossings % 2);
+    assert_eq!(end(&readings), Rail::Desynchronised);
+}
+
+/// A block that was made for a motor turning forward, or has forgotten which way it was, and hears it coast backward: it believes its ears, and runs.
+#[test]
+fn a_motor_that_coasts_the_other_way_is_followed() {
+    let mut listener: Option<ZeroCrossing> = None;
+    let mut last = ElectricalSpeed::default();
+    let mut wakes = 0;
+    beside(Mode::Sensorless, -1500, |session, told| {
+        // From where the drive lets go on.
+        let coasts = told.state == State::Standby && session.bench().status().tick > 20_000;
+        if coasts {
+            let block = listener.get_or_insert_with(|| sensorless_blocks(session).0);
+            let reading = block.step(told.samples, told.applied, Direction::Forward);
+            wakes += u32::from(reading.running);
+            last = last.min(reading.speed);
+        }
+    });
+    assert!(wakes > 1000 && last.to_bits() < -300 << 16, "{wakes} ticks, {last:?}");
+}
