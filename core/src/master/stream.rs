@@ -187,7 +187,8 @@ impl Stream {
     /// even a slow caller gets one after the other.
     fn take_of_record(&mut self, piece: &Piece, words: NonZeroU32, room: usize) -> bool {
         let (place, offset) = (piece.begin / words, piece.begin % words);
-        if !self.missing.wants(piece.begin, piece.end) {
+        // A record is whole frames of its own: words across a border of theirs are no part of it.
+        if !offset.is_multiple_of(3) || !self.missing.wants(piece.begin, piece.end) {
             return false;
         }
         if !self.assembly.is_at(place) {

@@ -174,7 +174,7 @@ impl Caller {
             (0..values as u16).map(|what| (what, seed.wrapping_mul(u32::from(what) + 1) as i32)).collect();
         let record = Record::new(seed, &narx_core::storage::Entry { time: seed, values });
         for (place, data) in (0..).map_while(|place| record.frame(place)).enumerate() {
-            self.hear(FromDrive::LogData { counter: counter.wrapping_add(place as u16), data });
+            self.hear(FromDrive::LogData { counter: counter.wrapping_add(3 * place as u16), data });
         }
     }
 
