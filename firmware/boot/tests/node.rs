@@ -212,7 +212,9 @@ fn a_mark_can_be_taken_back() {
 fn a_mark_outlives_a_restart_without_the_bootloader() {
     let mut flash = factory();
     receive(&mut flash, &Hasty::image(NEW, 1000)).unwrap();
-    let slots = Server::new(Slot::new(flash, MAP, HARDWARE).unwrap()).slots().unwrap();
+    let mut server = Server::new(Slot::new(flash, MAP, HARDWARE).unwrap());
+    assert_eq!(format!("{server:?}"), format!("{:?}", server.slot()));
+    let slots = server.slots().unwrap();
     assert_eq!((slots.condition, slots.running), (Condition::Marked, OLD.into()));
 }
 

@@ -4,6 +4,7 @@ use crate::support::{
     HARDWARE, Hasty, MAP, NEW, OLD, OWNER, PAGE, active, board_with, boot, image, image_by, receive, runs,
     slot, version,
 };
+use embedded_storage::nor_flash::NorFlashErrorKind;
 use narx_boot::sign::SecretKey;
 use narx_boot::{Event, Header, HeaderError, ImageError, Outcome, Refused, SlotError, Verdict, Version};
 use narx_sim::flash::Tear;
@@ -267,4 +268,22 @@ fn a_verdict_that_was_cut_off_says_nothing() {
         flash.load(at, &word);
         assert_eq!(slot(&mut flash).condition().unwrap().verdict, expected, "{word:x?}");
     }
+}
+
+/// The slot has as many pages as an image has room for, though its flash goes on behind them: one more is the swap's, and no part of any image.
+#[test]
+fn nothing_is_written_beyond_the_slot() {
+    let mut flash = board_with(&image(OLD, 1000));
+    let room = MAP.room();
+    let beyond = Err(SlotError::Flash(NorFlashErrorKind::OutOfBounds));
+    let mut slot = slot(&mut flash);
+    let before = slot.flash().clone();
+    for offset in [room, room + PAGE as u32, u32::MAX - 7] {
+        assert_eq!(slot.erase(offset), beyond, "{offset}");
+        assert_eq!(slot.write(offset, &[0; 8]), beyond, "{offset}");
+        assert_eq!(slot.read(offset, &mut [0; 8]), beyond, "{offset}");
+    }
+    assert_eq!(slot.write(room - 8, &[0; 16]), beyond, "half of it");
+    assert_eq!(slot.flash().steps(), before.steps(), "nothing was done");
+    assert_eq!((slot.erase(room - PAGE as u32), slot.write(room - 8, &[0; 8])), (Ok(()), Ok(())));
 }
