@@ -292,3 +292,26 @@ fn wear_is_even_and_bounded() {
     assert!(worst <= STORES.div_ceil(4 * 64) + 1, "{worst} erases of one subsector");
     assert_eq!(boot(storage.flash()).0.parameters.raw(number::SPEED_RATE), 999 + STORES as i32);
 }
+
+/// Two MByte: the mirror ends where the flash ends. A page there that something is wrong with is searched to its last byte, and no further.
+#[test]
+fn the_last_page_of_the_flash_is_searched_to_its_end() {
+    const MBYTE_2: [u8; 3] = [0x20, 0xBA, 0x15];
+    let layout = Layout::of(2 << 20, SUBSECTOR).unwrap();
+    assert_eq!(layout.mirror.map.end, 2 << 20);
+    let mut storage = Storage::new(formatted(MBYTE_2, &set(0)));
+    open(&mut storage);
+    let last = layout.mirror.map.end - SUBSECTOR;
+    let mut variant = 0;
+    while storage.flash().memory().subsectors().all(|(start, _)| start != last) {
+        variant += 1;
+        assert!(store(&mut storage, &set(variant), Part::Set));
+    }
+    let mut chip = storage.into_flash();
+    // In the first item's content.
+    chip.flip(last + 24, 3);
+    let (opened, chip) = boot(&chip);
+    assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), true));
+    assert_eq!(opened.parameters.raw(number::SPEED_RATE), 1000 + variant);
+    assert!(!boot(&chip).0.repaired);
+}

@@ -158,6 +158,7 @@ fn a_record_that_is_not_kept_is_written_again() {
         (Fate::Blank, 1, Some(40)),
         (Fate::Blank, 3, Some(40)),
         (Fate::Half, 1, Some(41)),
+        (Fate::Half, 3, Some(43)),
         (Fate::Blank, 4, None),
     ] {
         let what = format!("{fate:?} {times} times");
@@ -166,7 +167,7 @@ fn a_record_that_is_not_kept_is_written_again() {
             time: 7,
             values: [(111, 700)].into_iter().collect(),
         });
-        let place = 40 * 256..41 * 256;
+        let place = 40 * 256..44 * 256;
         let mut worn = Storage::new(WornOut { chip: storage.flash().clone(), place, fate, times });
         now(worn.execute(Request::Open));
         let Report::Log { done, memory } = now(worn.execute(entry)) else { panic!("{what}") };
