@@ -9,8 +9,6 @@ mod broadcast;
 mod candump;
 #[path = "../protocol/device.rs"]
 mod device;
-#[path = "../eddycan/wire.rs"]
-mod eddycan_wire;
 #[path = "../protocol/fields.rs"]
 mod fields;
 #[path = "../can/frame.rs"]

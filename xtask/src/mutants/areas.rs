@@ -76,7 +76,8 @@ pub(super) const AREAS: [Area; 5] = [
         package: "narx-core",
         files: &["core/src/bus/*.rs", "core/src/bus/narmotion/*.rs"],
         quick: quick(&["narmotion"], ""),
-        long: None,
+        // Both have their frames in common.
+        long: Some(quick(&["eddycan"], "")),
     },
     Area {
         name: "eddycan",
