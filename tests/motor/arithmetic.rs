@@ -283,3 +283,18 @@ fn a_speed_has_at_least_one_pole_pair() {
     let [none, one, four] = [0, 1, 4].map(|pairs| SpeedScale::new(pairs).apply(100 << 16));
     assert_eq!((none, one / 4), (one, four));
 }
+
+/// Gains that no motor wants: neither part overflows, and the output ends at its limit.
+#[test]
+fn a_controller_with_any_gains_stays_within_its_limits() {
+    let most = Gain::new(Gain::MANTISSA_MAX, 0).unwrap();
+    for (proportional, integral) in [(Gain::ZERO, most), (most, Gain::ZERO), (most, most)] {
+        for (error, expected) in [(i32::MAX, 7), (i32::MIN, -3)] {
+            let mut pi = Pi::default();
+            let gains = PiGains { proportional, integral };
+            for _ in 0..3 {
+                assert_eq!(pi.step(&gains, error, -3, 7), expected, "{gains:?} {error}");
+            }
+        }
+    }
+}

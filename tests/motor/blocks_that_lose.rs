@@ -1,6 +1,7 @@
 //! The back-EMF block where it is not as it should be: what it was following is gone, comes out of step or too early, or coasts the other way.
 
 use crate::blocks_beside_a_drive::{beside, sensorless_blocks};
+use core::cell::Cell;
 use narx_core::blocks::{ZeroCrossing, ZeroCrossingReading};
 use narx_core::motor::rails::Rail;
 use narx_core::motor::zero_crossing::Why;
@@ -13,11 +14,15 @@ const FOLLOWED: u32 = 200;
 
 /// A block beside a drive without sensors; once it has followed a while, it is shown what `see` makes of each tick, as often as `times` says after so many crossings. Its readings from there on, up to the
 /// first that ends the episode.
-fn follow(see: impl Fn(&Samples) -> Samples, times: impl Fn(u32) -> u32) -> Vec<ZeroCrossingReading> {
+fn follow(
+    rpm: i32,
+    see: impl Fn(&Samples) -> Samples,
+    times: impl Fn(u32) -> u32,
+) -> Vec<ZeroCrossingReading> {
     let mut block = None;
     let mut readings: Vec<ZeroCrossingReading> = Vec::new();
     let mut is_struck = false;
-    beside(Mode::Sensorless, 1500, |session, told| {
+    beside(Mode::Sensorless, rpm, |session, told| {
         let block = block.get_or_insert_with(|| sensorless_blocks(session).0);
         if readings.last().is_some_and(|reading| reading.lost != Rail::None) {
             return;
@@ -51,7 +56,7 @@ fn end(readings: &[ZeroCrossingReading]) -> Rail {
 fn a_rotor_that_is_not_seen_is_lost() {
     let nothing =
         |samples: &Samples| Samples { phase_voltage: [samples.bus_voltage / 2; 3], ..samples.clone() };
-    let readings = follow(nothing, |_| 1);
+    let readings = follow(1500, nothing, |_| 1);
     assert_eq!(end(&readings), Rail::Stall);
     assert!(readings.len() < 400, "{} ticks, of 500", readings.len());
     assert!(readings.iter().any(|reading| reading.why == Why::Blind));
@@ -62,8 +67,19 @@ fn a_rotor_that_is_not_seen_is_lost() {
 /// From every second crossing to the next it takes twice as long: nobody turns like that.
 #[test]
 fn a_rotor_that_is_out_of_step_is_told() {
-    let readings = follow(Samples::clone, |crossings| 1 + crossings % 2);
+    let readings = follow(1500, Samples::clone, |crossings| 1 + crossings % 2);
     assert_eq!(end(&readings), Rail::Desynchronised);
+}
+
+/// Time that passes three times as fast: the next crossing comes before half of a sector has passed, and is none.
+#[test]
+fn a_crossing_that_is_too_early_is_none() {
+    let ticks = Cell::new(0);
+    let readings = follow(600, Samples::clone, |_| {
+        ticks.set(ticks.get() + 1);
+        u32::from(ticks.get() % 3 == 0)
+    });
+    assert!(readings.iter().any(|reading| reading.why == Why::Filtered));
 }
 
 /// A block that was made for a motor turning forward, or has forgotten which way it was, and hears it coast backward: it believes its ears, and runs.

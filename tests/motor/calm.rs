@@ -4,7 +4,7 @@
 use crate::bench::{Closed, MOTOR, Outcome};
 use narx_core::dictionary::number;
 use narx_core::motor::{Cause, FaultWord, Request, State};
-use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, PlantConfig};
+use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, Phase, PlantConfig};
 
 fn watched(supply: f64) -> Closed {
     let mut config = PlantConfig::new(MOTOR, supply);
@@ -156,5 +156,41 @@ fn a_lane_is_left_in_time() {
         closed.ask(Request::Drive);
         closed.run(4_000);
         assert_eq!(closed.status.faults, FaultWord::empty(), "{:?}", closed.status);
+    }
+}
+
+/// A phase that opens under way is found out by steps without current, or by crossings that do not come; the drive says so in the tick in which it knows, however calm it was.
+#[test]
+fn an_open_phase_is_told_in_its_tick() {
+    for (sensors, phase) in
+        [true, false].into_iter().flat_map(|sensors| Phase::ALL.map(|phase| (sensors, phase)))
+    {
+        let mut closed = running(sensors);
+        closed.plant.set_load(LoadConfig { inertia: 50.0 * MOTOR.inertia, ..LoadConfig::default() });
+        assert_eq!(closed.run(20_000), Outcome::Running);
+        closed.plant.inject(Injection::OpenPhase(phase));
+        let outcome = closed.run(20_000);
+        if sensors {
+            let code = Cause::OpenPhase as u16;
+            assert!(matches!(outcome, Outcome::Fault { code: found, .. } if found == code), "{outcome:?}");
+        } else {
+            // Its crossings are gone first.
+            assert_eq!(closed.drive.state(), State::SensorlessAutoRestart, "{phase:?}");
+        }
+    }
+}
+
+/// A set-point that falls without a ramp takes the speed loop's whole voltage in one turn.
+#[test]
+fn a_set_point_that_leaps_is_followed() {
+    for sensors in [true, false] {
+        let mut closed = running(sensors);
+        closed.configure(&[(number::SPEED_RATE, 10_000_000)]);
+        for set_point in [3_000.0, 700.0, 2_000.0, 900.0] {
+            closed.set_point = set_point;
+            closed.ask(Request::Drive);
+            assert_eq!(closed.run(6_000), Outcome::Running, "{set_point}");
+            assert!((closed.rpm() - set_point).abs() < 0.1 * set_point, "{} rpm", closed.rpm());
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! A rotor that turns already when Drive is asked for: forward it is caught, backward it is braked within the bus limit first.
 
 use crate::bench::{Closed, MOTOR, RPM};
-use narx_core::motor::{Request, State};
+use narx_core::motor::{Request, State, Step};
 use narx_sim::plant::{LoadConfig, Plant, PlantConfig};
 
 /// What a start into a turning rotor came to.
@@ -79,4 +79,32 @@ fn a_rotor_that_cannot_be_braked_is_left_alone() {
     let flight = fly(24.0, -2500.0, 40.0);
     assert_eq!(flight.closed.drive.state(), State::Standby);
     assert!(flight.peak < 0.1 && flight.bus_max < 24.1, "{:.2} A", flight.peak);
+}
+
+/// The other direction is asked for while the rotor is still being brought up: the bridge lets go at once, and the start begins anew in that direction.
+#[test]
+fn a_start_that_is_reversed_begins_anew() {
+    for (state, ticks) in [
+        (State::RotorLock, 0),
+        (State::RotorLock, 900),
+        (State::OpenLoop, 0),
+        (State::OpenLoop, 10),
+        (State::OpenLoop, 30),
+        (State::OpenLoop, 80),
+    ] {
+        let mut closed = Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &[]);
+        closed.watch();
+        closed.boot();
+        closed.ask(Request::Drive);
+        while closed.drive.state() != state {
+            closed.tick();
+        }
+        (0..ticks).for_each(|_| closed.tick());
+        closed.ask(Request::Reverse);
+        closed.tick();
+        assert_eq!(closed.output.step, Step::Coast, "{ticks} ticks of {state:?}");
+        (0..40_000).for_each(|_| closed.tick());
+        assert_eq!(closed.drive.state(), State::SensorlessClosedLoop);
+        assert!((closed.rpm() / -RPM - 1.0).abs() < 0.02, "{} rpm", closed.rpm());
+    }
 }

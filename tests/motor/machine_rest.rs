@@ -88,3 +88,23 @@ fn a_request_that_it_knows_only_feeds_the_time_out() {
     );
     assert!(known.iter().all(|(state, request)| !(state.is_driving() && *request == Request::Standby as u8)));
 }
+
+/// Only what is driven can be reversed, and only by somebody who still wants it to run.
+#[test]
+fn nothing_is_reversed_that_is_not_driven() {
+    let mut seen = HashSet::new();
+    for before in reached() {
+        let machine = machine(before);
+        let asks = matches!(before.command.request, Request::Drive | Request::Reverse);
+        seen.insert((before.state.is_driving(), asks, machine.reversing()));
+        assert!(!machine.reversing() || (before.state.is_driving() && asks), "{before:?}");
+    }
+    let all = [
+        (false, false, false),
+        (false, true, false),
+        (true, false, false),
+        (true, true, false),
+        (true, true, true),
+    ];
+    assert_eq!(seen, HashSet::from(all));
+}
