@@ -10,7 +10,7 @@ use std::path::Path;
 const COMMAND: &str = "cargo xtask branches";
 
 const HEAD: &str = "\
-Every condition of the core has two ways out. These are the ways that the Rust tests of the public surfaces take (`narx-tests` and `narx-boot`; the tests of the other targets, worlds and fuzzing come on top and are not in it). What is not taken is explained in `docs/evidence/gaps.toml`, file by file, or it is *open*.
+Every condition of the core has two ways out. These are the ways that the Rust tests of the public surfaces take (`narx-tests` and `narx-boot`; the tests of the other targets, worlds and fuzzing come on top and are not in it). Of generic code, what one of its copies takes is taken; what only the compiler runs is not. What is not taken is explained in `docs/evidence/gaps.toml`, file by file, or it is *open*.
 
 ";
 

@@ -55,10 +55,10 @@ fn sweeps(report: &Report) -> String {
     }
     let _ = writeln!(
         text,
-        "{command}:\n\n| node | identifiers | lengths | data, remote | frames | seconds |\n|---|---|---:|---:|---:|---:|"
+        "{command}:\n\n| node | identifiers | lengths | data, remote | frames | seconds | code of commit |\n|---|---|---:|---:|---:|---:|---|"
     );
-    for Sweep { node, bits, frames, seconds } in &report.sweeps {
-        let _ = writeln!(text, "| {node} | all of {bits} bits | 9 | 2 | {frames} | {seconds} |");
+    for Sweep { node, bits, frames, seconds, commit } in &report.sweeps {
+        let _ = writeln!(text, "| {node} | all of {bits} bits | 9 | 2 | {frames} | {seconds} | {commit} |");
     }
     text
 }

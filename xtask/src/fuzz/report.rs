@@ -13,7 +13,7 @@ const LOOKED_AT: [&str; 6] =
 /// Everything in one file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Report {
-    /// The last commit that changed what was looked at.
+    /// The last commit that changed what the targets look at.
     pub(crate) commit: String,
     /// Where rates were measured.
     pub(crate) machine: String,
@@ -53,13 +53,20 @@ pub(crate) struct Sweep {
     pub(crate) frames: u64,
     /// That it took.
     pub(crate) seconds: u64,
+    /// The last commit then that had changed what is looked at.
+    pub(crate) commit: String,
 }
 
 impl Report {
-    /// What stands in the file so far, for what `root` holds now: nothing if there is no file, or if it is of other code.
+    /// What stands in the file so far, for what `root` holds now: of the targets nothing if there is no file, or if it is of other code. A sweep takes half an hour of all processors and says
+    /// itself of which code it is.
     pub(crate) fn resume(root: &Path, path: &Path) -> Result<Self, String> {
         let new = Self { commit: commit(root)?, machine: figures::machine(), ..Self::default() };
-        Ok(Self::read(path)?.filter(|old| old.commit == new.commit).unwrap_or(new))
+        Ok(match Self::read(path)? {
+            Some(old) if old.commit == new.commit => old,
+            Some(Self { sweeps, .. }) => Self { sweeps, ..new },
+            None => new,
+        })
     }
 
     /// Reads a file; `None` if there is none.
@@ -162,13 +169,15 @@ mod tests {
         let mut report = Report::resume(root, &path).unwrap();
         assert_eq!(report.targets, []);
         report.add(&row("bus", 30, 900, &[]));
-        report.put(Sweep { node: "a drive".into(), bits: 29, frames: 1, seconds: 2 });
-        report.put(Sweep { node: "a drive".into(), bits: 29, frames: 3, seconds: 2 });
+        let sweep = |frames| Sweep { node: "a drive".into(), bits: 29, frames, seconds: 2, commit: "c".into() };
+        report.put(sweep(1));
+        report.put(sweep(3));
         assert_eq!(report.sweeps.len(), 1);
         figures::write(&path, &report).unwrap();
         assert_eq!(Report::resume(root, &path), Ok(report.clone()));
         figures::write(&path, &Report { commit: "another".into(), ..report }).unwrap();
-        assert_eq!(Report::resume(root, &path).unwrap().targets, []);
+        let resumed = Report::resume(root, &path).unwrap();
+        assert_eq!((resumed.targets, resumed.sweeps), (vec![], vec![sweep(3)]));
         fs::write(&path, "{}").unwrap();
         assert!(Report::resume(root, &path).unwrap_err().contains("missing field"));
         fs::remove_file(&path).unwrap();

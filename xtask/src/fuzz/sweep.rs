@@ -29,7 +29,7 @@ pub(super) fn identifiers(root: &Path, file: &Path) -> Result<(), String> {
     if !output.status.success() {
         return Err("a frame is not what PROTOCOL.md says".into());
     }
-    let swept: Vec<Sweep> = said.lines().filter_map(sweep).collect();
+    let swept: Vec<Sweep> = said.lines().filter_map(|line| sweep(line, &report.commit)).collect();
     if swept.is_empty() {
         return Err("the tests told no figures".into());
     }
@@ -42,13 +42,14 @@ pub(super) fn identifiers(root: &Path, file: &Path) -> Result<(), String> {
 }
 
 /// `swept BITS FRAMES SECONDS NODE`, behind the name of the test.
-fn sweep(line: &str) -> Option<Sweep> {
+fn sweep(line: &str, commit: &str) -> Option<Sweep> {
     let mut words = line.split_once("swept ")?.1.splitn(4, ' ');
     Some(Sweep {
         bits: words.next()?.parse().ok()?,
         frames: words.next()?.parse().ok()?,
         seconds: words.next()?.parse().ok()?,
         node: words.next()?.into(),
+        commit: commit.into(),
     })
 }
 
@@ -59,10 +60,10 @@ mod tests {
     #[test]
     fn lines_of_the_tests_are_figures() {
         let line = "test every_29_bit_identifier_to_the_drive ... swept 29 9663676416 61 a drive";
-        let told = Sweep { node: "a drive".into(), bits: 29, frames: 9_663_676_416, seconds: 61 };
-        assert_eq!(sweep(line), Some(told));
+        let told = Sweep { node: "a drive".into(), bits: 29, frames: 9_663_676_416, seconds: 61, commit: "c".into() };
+        assert_eq!(sweep(line, "c"), Some(told));
         for other in ["ok", "test a_frame_is_swept ... ok", "swept 29 many 61 a drive", ""] {
-            assert_eq!(sweep(other), None, "{other}");
+            assert_eq!(sweep(other, "c"), None, "{other}");
         }
     }
 }
