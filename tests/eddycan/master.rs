@@ -1,8 +1,8 @@
 //! The master, with a driver at the other end of the bus or with what other nodes answer.
 
 use crate::bench::{Bench, SAMPLE, frame, mm, node};
-use narx_core::bus::Frame;
 use narx_core::bus::eddycan::{AbortCode, Channels, Layout, NmtCommand, NmtState, PdoKind, Reading};
+use narx_core::bus::{Frame, Id};
 use narx_core::eddycan::{Entry, OBJECTS, Sample};
 use narx_core::master::NotTaken;
 use narx_core::master::eddycan::{Answer, Config, Request, RequestError, TxMaster};
@@ -215,6 +215,10 @@ fn counts_what_it_hears() {
     let report = master.report();
     assert_eq!((report.boots, report.errors, report.last_error, report.malformed), (1, 2, Some(0x1000), 2));
     assert!(master.reading().is_some());
+    // Another master asks the node for its positions, under the node's own identifier.
+    let asked = Frame::remote(Id::standard(0x381).unwrap(), 6).unwrap();
+    master.handle_frame(&asked, 1);
+    assert_eq!(master.report().malformed, 2);
     master.handle_frame(&frame(0x701, &[0]), 2);
     assert_eq!((master.report().boots, master.reading()), (2, None), "a new life");
 }

@@ -109,6 +109,20 @@ fn a_write_of_the_same_value_stores_nothing() {
     assert_eq!(bench.driver.poll_store(), None);
 }
 
+/// What is being stored is what was written once more.
+#[test]
+fn a_write_of_the_same_value_while_it_is_stored_stores_nothing_more() {
+    for (again, stores) in [(7, 0), (8, 1)] {
+        let mut bench = Bench::new(Channels::Single, &[]);
+        bench.put(Entry::UpdateTime, 7);
+        assert_eq!(bench.driver.poll_store(), Some(configured(&[(Entry::UpdateTime, 7)])));
+        bench.put(Entry::UpdateTime, again);
+        bench.driver.handle_store(true);
+        bench.wait(5_000_000);
+        assert_eq!(std::iter::from_fn(|| bench.driver.poll_store()).count(), stores, "{again}");
+    }
+}
+
 #[test]
 fn a_reset_by_name_is_for_that_node() {
     let mut bench = Bench::new(Channels::Single, &[]);

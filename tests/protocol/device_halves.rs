@@ -1,11 +1,11 @@
 //! The two halves that a shell links: joined by queues alone, they are the drive and the node of the bench.
 
 use narx_core::bus::narmotion::{FromDrive, MotorMode, RequestWord, ToDrive};
-use narx_core::device::Queues;
+use narx_core::device::{Background, Queues};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::{Board, Samples, State};
 use narx_core::node::Identity;
-use narx_core::scope::Memory;
+use narx_core::scope::{Memory, State as ScopeState};
 
 /// Codes of a healthy 24 V board at rest: 24 V / 19.531 mV, no current.
 fn at_rest(tick: u64) -> Samples {
@@ -106,4 +106,32 @@ fn a_scope_works_between_the_halves() {
             assert_eq!((states, record.len(), refused), (vec![0, 1, 3, 3, 3], 63, 0));
         }
     }
+}
+
+/// A background that is faster than the tick, which has room for one order: the next one waits, and none is lost.
+#[test]
+fn orders_wait_for_the_tick() {
+    let mut memory = Memory::<[u16; 64]>::new();
+    let mut queues = Queues::new();
+    let (mut tick, mut background) = queues.power_up(Identity::default(), Board::BENCH, Parameters::new());
+    background.attach_scope(&mut memory);
+    let state = |background: &mut Background<'_, '_>| {
+        background.node().read_parameter(number::SCOPE_STATE).map(|raw| raw == ScopeState::Done as i32)
+    };
+    // To arm, and to force.
+    for _ in 0..2 {
+        let addresses = background.node().addresses();
+        background.node().handle_frame(&ToDrive::TriggerScope.encode(addresses));
+        (0..3).for_each(|_| background.run(0));
+    }
+    assert_eq!(background.node().read_parameter(number::REFUSED_FRAMES), Some(0));
+    for now in 0..4_000 {
+        assert_eq!(state(&mut background), Some(false), "at {now}");
+        tick.step(&at_rest(now));
+        background.run(now);
+        if state(&mut background) == Some(true) {
+            return;
+        }
+    }
+    panic!("it was forced");
 }

@@ -111,6 +111,23 @@ fn a_record_counts_when_its_crc_is_right() {
     assert_eq!(master.poll_download(), None, "record 1 where record 0 should be");
 }
 
+/// Words that stand across two frames of a record, as no drive sends them: with the zeros of a record that cannot be read they would pass for one, and the caller would miss a word of it.
+#[test]
+fn words_across_frames_make_no_record() {
+    let mut master = raised(1);
+    master.handle_frame(&said(RAISED), 1);
+    for counter in [1, 4] {
+        master.handle_frame(&said(FromDrive::LogData { counter, data: [0; 3] }), 2);
+        assert!(master.poll_chunk().is_none(), "{counter}");
+    }
+    assert_eq!(master.poll_download(), None);
+    for (place, data) in frames_of(0).into_iter().enumerate() {
+        master.handle_frame(&said(FromDrive::LogData { counter: place as u16 * 3, data }), 3);
+    }
+    assert_eq!(std::iter::from_fn(|| master.poll_chunk()).count(), 3);
+    assert_eq!(master.poll_download(), Some(Ok(9)));
+}
+
 #[test]
 fn a_record_that_stays_spoiled_is_named() {
     let mut bench = Bench::new(Device::new(0, 24));
@@ -139,6 +156,26 @@ fn a_slow_caller_gets_every_record() {
         let words = bench.download(Download::Log { first: 5, records: 20 }).unwrap();
         assert!(words == bench.device.log[600..3000], "{appetite}");
     }
+}
+
+/// A caller that sleeps until the next poll is due is not woken for a record that has no room before he has taken what has come.
+#[test]
+fn a_gap_is_asked_for_when_there_is_room() {
+    let mut master = raised(2);
+    master.handle_frame(&said(RAISED), 1);
+    // Of the first record the middle is lost.
+    for (place, data) in [frames_of(0), frames_of(1)].concat().into_iter().enumerate() {
+        if place != 1 {
+            master.handle_frame(&said(FromDrive::LogData { counter: place as u16 * 3, data }), 2);
+        }
+    }
+    let period = master.config().setpoint_period;
+    for left in (1..=5).rev() {
+        assert_eq!((sent(&mut master, 3), master.next_poll(3)), (vec![], period), "{left} chunks wait");
+        assert!(master.poll_chunk().is_some());
+    }
+    assert_eq!(master.next_poll(3), 3);
+    assert_eq!(sent(&mut master, 3), [ToDrive::SetParameter { number: number::LOG_READ_START, value: 0 }]);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use crate::bench::frame;
 use crate::pair::{Pair, is_request, said};
 use narx_core::bus::narmotion::{
-    Addresses, ControlMode, FromDrive, Measurement, MotorMode, Opcode, SIGNALS, StatusWord, ToDrive,
+    Addresses, ControlMode, FromDrive, Measurement, MotorMode, Opcode, ParameterStatus, SIGNALS, StatusWord,
+    ToDrive,
 };
 use narx_core::dictionary::{Access, Decimal, PARAMETER_COUNT, number};
 use narx_core::master::{Config, Heard, Master};
@@ -219,4 +220,14 @@ fn other_addresses_are_somebody_elses() {
     master.handle_frame(&frame(0x1552_A803, 4 << 32), 5);
     master.handle_frame(&status.encode(addresses), 6);
     assert_eq!(master.report().last, Some(6));
+}
+
+/// A drive of another version has parameters that are not in this one's dictionary.
+#[test]
+fn a_parameter_that_is_not_known_here_is_passed_over() {
+    let mut master = Master::new(Config::default());
+    let answer = FromDrive::Parameter { number: 9999, value: 7, status: ParameterStatus::Done };
+    master.handle_frame(&said(answer), 5);
+    assert_eq!((master.parameters().known(), master.parameters().get(9999)), (0, None));
+    assert!(master.is_connected(5));
 }

@@ -248,16 +248,19 @@ fn what_is_not_answered_is_repeated_and_given_up() {
 /// A store may wait for long, until the drive is at rest; who asks more often than that on his own goes on doing so.
 #[test]
 fn a_store_is_asked_for_a_hundred_times_at_least() {
-    let store = ToDrive::SetParameter { number: number::STORE, value: 1 };
-    for (attempts, expected) in [(3, 100), (100, 100), (101, 101), (u8::MAX, 255)] {
+    let rows = [(3, 100), (100, 100), (101, 101), (u8::MAX, 255)];
+    let numbers = [number::STORE, number::STORE_ONCE];
+    for ((attempts, expected), number) in rows.into_iter().flat_map(|row| numbers.map(|number| (row, number)))
+    {
+        let store = ToDrive::SetParameter { number, value: 1 };
         let mut master = Master::new(Config { timeout: 20 * MS, attempts, ..Config::default() });
-        master.request(Request::Write { number: number::STORE, raw: 1 }).unwrap();
+        master.request(Request::Write { number, raw: 1 }).unwrap();
         let mut asked = 0;
         for now in (0..300 * 20 * MS).step_by(20 * MS as usize) {
             let sent = std::iter::from_fn(|| master.poll_frame(now));
             asked += sent.filter(|frame| ToDrive::decode(frame).unwrap().1 == store).count();
         }
-        assert_eq!(asked, expected, "{attempts} attempts");
+        assert_eq!(asked, expected, "parameter {number}, {attempts} attempts");
     }
 }
 

@@ -296,6 +296,20 @@ fn restore_wants_the_serial_number_and_a_stopped_drive() {
     assert_eq!(bench.read(number::BUILD_NUMBER), (42, Done));
 }
 
+/// A calibration that was asked for and has not begun is not part of the factory's set.
+#[test]
+fn restore_withdraws_a_hall_calibration() {
+    let mut bench = Bench::new();
+    bench.write(number::HALL_CALIBRATE, 0);
+    bench.write(number::HALL_CALIBRATE, 1);
+    assert_eq!(bench.events(), [Event::CalibrateHall(true)]);
+    bench.send(ToDrive::RestoreFactory { serial: 1 });
+    assert!(matches!(bench.events()[..], [Event::Coefficients(_), Event::CalibrateHall(false)]));
+    assert_eq!(bench.read(number::HALL_CALIBRATE), (0, Done));
+    bench.send(ToDrive::RestoreFactory { serial: 1 });
+    assert!(matches!(bench.events()[..], [Event::Coefficients(_)]), "there is none to withdraw");
+}
+
 #[test]
 fn a_new_address_waits_for_the_reboot() {
     let mut bench = Bench::new();

@@ -189,8 +189,66 @@ fn damaged_words_are_refused() {
         words[place] = word;
         assert_eq!(error(&words).to_string(), expected);
     }
+    // The sixth word of the first tick, behind the head, that of the segment and the drive's state: it has a bit that means nothing.
+    let what = 6 + 7 + usize::from(words[11]).div_ceil(2) + 5;
+    let mut other = words.clone();
+    other[what] |= 0x8000;
+    assert_eq!(error(&other), ScopedError::Words(MalformedInputs::Words));
     let label = "x".repeat(100);
     assert!(matches!(record_scoped(&words, &label, RecordingBuffer::default()), Err(ScopedError::Record(_))));
+}
+
+/// The record of a scope that is done.
+fn read(pair: &mut Pair) -> Vec<u16> {
+    pair.handle(Request::Read);
+    let (mut words, mut length) = (Vec::new(), 0);
+    while let Some(report) = pair.poll() {
+        match report {
+            Report::State(_, words) => length = usize::from(words),
+            Report::Block(block) => words.extend(block.words),
+        }
+    }
+    assert_eq!(words.len(), length.next_multiple_of(3));
+    words.truncate(length);
+    words
+}
+
+/// Each half has to have room for the longest tick, of 26 words.
+#[test]
+fn a_memory_too_small_for_inputs_records_signals_alone() {
+    for (mut pair, inputs) in [(Pair::new::<51>(), ScopeState::Idle), (Pair::new::<52>(), ScopeState::Armed)]
+    {
+        let signals =
+            Setup { signals: [Signal::State].into_iter().collect(), samples: 5, ..Setup::default() };
+        pair.handle(Request::Arm(Setup { inputs: true, ..signals.clone() }));
+        assert_eq!(pair.state(), inputs);
+        if inputs == ScopeState::Idle {
+            pair.handle(Request::Arm(signals));
+            assert_eq!(pair.state(), ScopeState::Armed);
+        }
+    }
+}
+
+/// Who asks for no samples gets no record of signals, and one of inputs with the tick of the trigger.
+#[test]
+fn a_recording_has_at_least_one_tick() {
+    let mut pair = Pair::new::<600>();
+    let signals = Setup { signals: [Signal::State].into_iter().collect(), ..Setup::default() };
+    pair.handle(Request::Arm(signals.clone()));
+    assert_eq!(pair.state(), ScopeState::Idle);
+    pair.handle(Request::Arm(Setup { inputs: true, tick_rate: 10_000, ..signals }));
+    pair.handle(Request::Force);
+    let mut drive = Drive::new(Coefficients::build(&Default::default(), &Board::BENCH).unwrap());
+    for tick in 0..100 {
+        let samples = Samples { tick, ..Samples::default() };
+        drive.step(&samples);
+        pair.step(&drive, &samples);
+    }
+    assert_eq!(pair.state(), ScopeState::Done);
+    let words = read(&mut pair);
+    let ticks =
+        Inputs::open(&words).unwrap().segments().map(|segment| segment.ticks().count()).sum::<usize>();
+    assert_eq!((ticks, rerun(&words).ticks), (1, 1));
 }
 
 fn samples() -> impl Strategy<Value = Samples> {
@@ -274,16 +332,7 @@ proptest! {
             lived.push((event, samples));
         }
         if pair.state() == ScopeState::Done {
-            pair.handle(Request::Read);
-            let (mut words, mut length) = (Vec::new(), 0);
-            while let Some(report) = pair.poll() {
-                match report {
-                    Report::State(_, words) => length = usize::from(words),
-                    Report::Block(block) => words.extend(block.words),
-                }
-            }
-            prop_assert_eq!(words.len(), length.next_multiple_of(3));
-            words.truncate(length);
+            let words = read(&mut pair);
             let inputs = Inputs::open(&words).unwrap();
             prop_assert_eq!(inputs.tick_rate, 20_000);
             let read: Vec<_> =

@@ -1,9 +1,9 @@
 //! The node between a master and the scope: what it passes on, and what it knows before the scope has answered.
 
 use crate::bench::Bench;
-use narx_core::bus::narmotion::{ParameterStatus, ToDrive};
+use narx_core::bus::narmotion::{FromDrive, ParameterStatus, ToDrive};
 use narx_core::dictionary::number;
-use narx_core::scope::{Report, Request, State};
+use narx_core::scope::{Block, Report, Request, State};
 
 /// To arm and to force are one message: the second one of two does not overtake the first.
 #[test]
@@ -29,4 +29,32 @@ fn the_sampling_time_of_inputs_is_a_tick() {
     assert_eq!(bench.read(number::SCOPE_SAMPLING_TIME), (1000, ParameterStatus::Done));
     bench.write(number::SCOPE_INPUTS, 1);
     assert_eq!(bench.read(number::SCOPE_SAMPLING_TIME), (100, ParameterStatus::Done));
+}
+
+/// A block that finds no room is not sent, nor is what comes behind it: the record has no gap, and the block can be told again.
+#[test]
+fn a_block_without_room_is_told_again() {
+    let mut bench = Bench::new();
+    bench.node.handle_scope(Report::State(State::Done, 60));
+    bench.send(ToDrive::DownloadScope);
+    assert_eq!(bench.node.poll_scope(), Some(Request::Read));
+    let block = |address| Report::Block(Block { address, words: [address; 3], last: address == 57 });
+    let mut next = 0;
+    while bench.node.takes_scope_report() {
+        bench.node.handle_scope(block(next));
+        next += 3;
+    }
+    bench.node.handle_scope(block(next));
+    bench.node.handle_scope(block(next + 3));
+    let mut sent = Vec::new();
+    while let Some(frame) = bench.node.poll_bulk_frame() {
+        let FromDrive::ScopeData { address, data } = FromDrive::decode(&frame).unwrap().1 else {
+            panic!("{frame:?}")
+        };
+        assert_eq!(data, [address; 3]);
+        sent.push(address);
+        bench.node.handle_scope(block(next));
+        next += 3;
+    }
+    assert_eq!(sent, (0..60).step_by(3).collect::<Vec<u16>>());
 }

@@ -81,6 +81,8 @@ fn well_formed_chunks_in_the_wrong_place() {
     assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'E', &[0; 17])])));
     let label = [&HEADER[..9], &[LABEL_MAX as u8 + 1], &[b'x'; LABEL_MAX + 1]].concat();
     assert!(malformed(bad(&[(b'H', &label), (b'S', &[]), (b'E', &end)])));
+    // A byte behind the label.
+    assert!(malformed(bad(&[(b'H', &[&HEADER[..], &[0]].concat()), (b'S', &[]), (b'E', &end)])));
     // A mask that says more is to come, and a fifth edge.
     assert!(malformed(bad(&[(b'H', &HEADER), (b'S', &[]), (b'T', &[0x01]), (b'E', &end)])));
     let edges = [&[0x40, 5][..], &[0; 15]].concat();

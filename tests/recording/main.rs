@@ -3,6 +3,7 @@
 mod corruption;
 mod digest;
 mod format;
+mod outputs;
 mod parity;
 mod replay;
 mod round_trip;

@@ -11,7 +11,7 @@ use narx_core::recording::transcript::{
     replay, replay_until,
 };
 use narx_core::recording::{
-    Kind, LABEL_MAX, MAGIC, ReadError, RecordError, Recording, ReplayError, header, replay_any,
+    CHUNK_BYTES, Kind, LABEL_MAX, MAGIC, ReadError, RecordError, Recording, ReplayError, header, replay_any,
     replay_any_until,
 };
 use proptest::prelude::*;
@@ -241,11 +241,7 @@ proptest! {
             3 => NodeCall::Frame(Frame::full(Id::extended(*value as u32 & 0x1fff_ffff).unwrap(), value.to_be_bytes())),
             _ => NodeCall::PollStorage,
         }).collect();
-        let mut transcriber = Transcriber::<Node, Vecs>::new(Vecs::default(), 1, "", &setup()).unwrap();
-        for call in &calls {
-            transcriber.told(call.clone()).unwrap();
-        }
-        let bytes = transcriber.finish(&Node::power_up(setup()).unwrap()).unwrap().0;
+        let bytes = written(&calls);
         let transcript = Transcript::open(&bytes).unwrap();
         let mut reader = transcript.calls::<Node>();
         for call in &calls {
@@ -258,6 +254,35 @@ proptest! {
 }
 
 type Vecs = narx_sim::recording::RecordingBuffer;
+
+/// The transcript of calls without answers.
+fn written(calls: &[NodeCall]) -> Vec<u8> {
+    let mut transcriber = Transcriber::<Node, Vecs>::new(Vecs::default(), 1, "", &setup()).unwrap();
+    for call in calls {
+        transcriber.told(call.clone()).unwrap();
+    }
+    transcriber.finish(&Node::power_up(setup()).unwrap()).unwrap().0
+}
+
+/// A chunk is full before a call, or between it and the three bytes that say how often it was made again, or anywhere within these.
+#[test]
+fn a_chunk_may_end_anywhere() {
+    for filled in CHUNK_BYTES - 6..=CHUNK_BYTES + 2 {
+        // Calls of two bytes, behind one of three where the number is odd.
+        let odd = filled % 2;
+        let longer = std::iter::repeat_n(NodeCall::Poll(200), odd);
+        let others = (0..filled / 2 - odd).map(|place| NodeCall::Poll(1 + place as u64 % 2));
+        let mut calls: Vec<NodeCall> = longer.chain(others).collect();
+        let last = calls[calls.len() - 1].clone();
+        calls.extend(std::iter::repeat_n(last, 300));
+        calls.push(NodeCall::PollFrame);
+        let bytes = written(&calls);
+        let transcript = Transcript::open(&bytes).unwrap();
+        let mut reader = transcript.calls::<Node>();
+        let read: Vec<NodeCall> = std::iter::from_fn(|| reader.read().unwrap().cloned()).collect();
+        assert!(read == calls, "{filled} bytes before the count");
+    }
+}
 
 /// Of a TX-Driver, too: a sample and the time are one call, which is made again and again.
 #[test]

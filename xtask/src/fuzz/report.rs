@@ -169,7 +169,8 @@ mod tests {
         let mut report = Report::resume(root, &path).unwrap();
         assert_eq!(report.targets, []);
         report.add(&row("bus", 30, 900, &[]));
-        let sweep = |frames| Sweep { node: "a drive".into(), bits: 29, frames, seconds: 2, commit: "c".into() };
+        let sweep =
+            |frames| Sweep { node: "a drive".into(), bits: 29, frames, seconds: 2, commit: "c".into() };
         report.put(sweep(1));
         report.put(sweep(3));
         assert_eq!(report.sweeps.len(), 1);

@@ -60,7 +60,13 @@ mod tests {
     #[test]
     fn lines_of_the_tests_are_figures() {
         let line = "test every_29_bit_identifier_to_the_drive ... swept 29 9663676416 61 a drive";
-        let told = Sweep { node: "a drive".into(), bits: 29, frames: 9_663_676_416, seconds: 61, commit: "c".into() };
+        let told = Sweep {
+            node: "a drive".into(),
+            bits: 29,
+            frames: 9_663_676_416,
+            seconds: 61,
+            commit: "c".into(),
+        };
         assert_eq!(sweep(line, "c"), Some(told));
         for other in ["ok", "test a_frame_is_swept ... ok", "swept 29 many 61 a drive", ""] {
             assert_eq!(sweep(other, "c"), None, "{other}");

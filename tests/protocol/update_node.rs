@@ -1,0 +1,328 @@
+//! Programming as the node does it: what its slot is asked, answer by answer, and what the master is told.
+
+use crate::bench::{Bench, IDENTITY};
+use UpdateCode::{Aborted, Done, Flash, NotNow, Sequence};
+use UpdateState::{Erasing, Idle, Marked, Receiving, Trial, Verifying};
+use narx_core::bus::narmotion::update::{
+    BLOCK, ImageVersion, UpdateAnswer, UpdateCode, UpdateRequest, UpdateState, UpdateStatus,
+};
+use narx_core::bus::narmotion::{FromDrive, ToDrive};
+use narx_core::node::Action;
+use narx_core::node::update::{Condition, PIECE, Report, Request, Slots};
+
+const HARDWARE: u32 = 0x4E58_0002;
+const RUNNING: ImageVersion = ImageVersion { major: 3, minor: 5, patch: 7, build: 99 };
+const SLOTS: Slots = Slots {
+    hardware: HARDWARE,
+    room: 4096,
+    page: 2048,
+    running: RUNNING,
+    condition: Condition::Settled(Done),
+};
+/// Bytes of the image: a hundred blocks, one page.
+const LENGTH: u32 = 600;
+const BLOCKS: u16 = 100;
+/// Blocks that may wait to be written, and how many of them are written at once.
+const WINDOW: u16 = 2 * PIECE_BLOCKS;
+const PIECE_BLOCKS: u16 = (PIECE / BLOCK) as u16;
+/// Ticks from the beginning until the slot is touched.
+const SETTLED: u64 = 50;
+
+/// A node whose slot does what the test says.
+struct Drive {
+    bench: Bench,
+    now: u64,
+}
+
+impl Drive {
+    fn new(condition: Condition) -> Self {
+        let mut bench = Bench::new();
+        bench.node.attach_update(&Slots { condition, ..SLOTS });
+        let mut drive = Self { bench, now: 0 };
+        drive.pass(0);
+        drive
+    }
+
+    /// Waits for blocks.
+    fn receiving() -> Self {
+        let mut drive = Self::new(SLOTS.condition);
+        drive.ask(begin(LENGTH));
+        drive.pass(SETTLED);
+        assert_eq!(drive.serve(), [Request::Clear, Request::Erase { offset: 0 }]);
+        drive
+    }
+
+    /// Has every block, and none that waits to be written.
+    fn complete() -> Self {
+        let mut drive = Self::receiving();
+        for block in 0..BLOCKS {
+            drive.send(block);
+            drive.serve();
+        }
+        drive
+    }
+
+    fn pass(&mut self, ticks: u64) {
+        self.now += ticks;
+        self.bench.node.poll(self.now);
+    }
+
+    /// Does what the slot is asked until there is nothing more; what that was. What is read back is right.
+    fn serve(&mut self) -> Vec<Request> {
+        std::iter::from_fn(|| {
+            let request = self.bench.node.poll_update()?;
+            let report = if let Request::Sum { .. } = request { Report::Sum(CRC) } else { Report::Done };
+            self.bench.node.handle_update(report);
+            Some(request)
+        })
+        .collect()
+    }
+
+    /// Everything that it has said of the update since the last call.
+    fn heard(&mut self) -> Vec<UpdateStatus> {
+        let status = |message| match message {
+            FromDrive::Update(UpdateAnswer::Status(status)) => Some(status),
+            _ => None,
+        };
+        self.bench.messages().into_iter().filter_map(status).collect()
+    }
+
+    fn ask(&mut self, request: UpdateRequest) -> (UpdateState, UpdateCode) {
+        self.heard();
+        self.bench.send(ToDrive::Update(request));
+        match self.heard()[..] {
+            [UpdateStatus { state, code, .. }] => (state, code),
+            ref other => panic!("{request:?}: {other:?}"),
+        }
+    }
+
+    /// Sends a block; what is said to it.
+    fn send(&mut self, block: u16) -> Vec<UpdateStatus> {
+        self.heard();
+        self.bench.send(ToDrive::Update(UpdateRequest::Data { block, data: [block as u8; BLOCK] }));
+        self.heard()
+    }
+
+    fn status(&mut self) -> UpdateStatus {
+        self.heard();
+        self.bench.send(ToDrive::Update(UpdateRequest::Status));
+        self.heard()[0]
+    }
+}
+
+/// What the slot says that it has read back.
+const CRC: u32 = 0x1234_5678;
+const END: UpdateRequest = UpdateRequest::End { crc: CRC };
+
+const fn begin(length: u32) -> UpdateRequest {
+    UpdateRequest::Begin { length, hardware: HARDWARE }
+}
+
+const fn at(code: UpdateCode, window: u16, offset: u32) -> UpdateStatus {
+    UpdateStatus { state: Receiving, code, window, offset }
+}
+
+/// One answer for each gap: as many as blocks would fill the bus.
+#[test]
+fn a_block_that_is_not_the_next_is_told_once() {
+    let mut drive = Drive::receiving();
+    assert_eq!((drive.send(0), drive.send(1)), (vec![], vec![]));
+    assert_eq!(drive.send(3), [at(Sequence, WINDOW - 2, 12)]);
+    assert_eq!((drive.send(4), drive.send(99)), (vec![], vec![]));
+    // The missing one, then what was here before: neither is worth a word.
+    assert_eq!((drive.send(2), drive.send(1), drive.send(0)), (vec![], vec![], vec![]));
+    assert_eq!(drive.send(4), [at(Sequence, WINDOW - 3, 18)], "another gap");
+    assert_eq!(drive.bench.refused(), 0);
+}
+
+#[test]
+fn a_block_without_room_waits_for_the_slot() {
+    let mut drive = Drive::receiving();
+    for block in 0..WINDOW {
+        assert_eq!(drive.send(block), []);
+    }
+    let full = u32::from(WINDOW) * BLOCK as u32;
+    assert_eq!(drive.send(WINDOW), [at(Sequence, 0, full)]);
+    let Some(Request::Write { offset: 0, data }) = drive.bench.node.poll_update() else {
+        panic!("the first piece is due")
+    };
+    let written: Vec<u8> = (0..PIECE).map(|place| (place / BLOCK) as u8).collect();
+    assert_eq!(data, written[..]);
+    assert_eq!(drive.bench.node.poll_update(), None, "one request at a time");
+    drive.bench.node.handle_update(Report::Done);
+    assert_eq!(drive.heard(), [at(Done, PIECE_BLOCKS, full)], "there is room again");
+    assert_eq!(drive.send(WINDOW), []);
+    assert_eq!(drive.status(), at(Done, PIECE_BLOCKS - 1, full + BLOCK as u32));
+}
+
+#[test]
+fn a_block_behind_the_end_is_none() {
+    let mut drive = Drive::complete();
+    assert_eq!(drive.send(BLOCKS), [at(Sequence, WINDOW, LENGTH)]);
+    assert_eq!((drive.send(BLOCKS), drive.send(BLOCKS + 1)), (vec![], vec![]));
+    assert_eq!(drive.serve(), [], "all that there is is written");
+    assert_eq!(drive.ask(END), (Verifying, Done));
+    assert_eq!(drive.serve().last(), Some(&Request::Mark { length: LENGTH }));
+}
+
+/// The last pieces are written before anything is read back; the master is not told of each any more.
+#[test]
+fn an_end_waits_for_what_is_not_written() {
+    let mut drive = Drive::receiving();
+    for block in 0..BLOCKS {
+        drive.send(block);
+        if block < BLOCKS - PIECE_BLOCKS {
+            drive.serve();
+        }
+    }
+    assert_eq!(drive.ask(END), (Verifying, Done));
+    let requests = drive.serve();
+    let [writes @ .., Request::Sum { offset: 0, length: LENGTH }, Request::Mark { length: LENGTH }] =
+        &requests[..]
+    else {
+        panic!("{requests:?}")
+    };
+    let bytes: usize = writes
+        .iter()
+        .map(|request| match request {
+            // Whole pieces, and the last one filled up to 32 bytes.
+            Request::Write { offset, data } => {
+                assert_eq!((offset % PIECE as u32, data.len() % 32), (0, 0));
+                data.len().min((LENGTH - offset) as usize)
+            }
+            other => panic!("{other:?}"),
+        })
+        .sum();
+    assert!(writes.len() >= 2 && bytes > PIECE, "{bytes} bytes in {} pieces", writes.len());
+    let told: Vec<_> = drive.heard().iter().map(|status| (status.state, status.code)).collect();
+    assert_eq!(told, [(Marked, Done)]);
+}
+
+/// Asked again because the answer was lost, or because the master has changed its mind.
+#[test]
+fn a_second_beginning() {
+    let mut erasing = Drive::new(SLOTS.condition);
+    erasing.ask(begin(LENGTH));
+    erasing.pass(SETTLED);
+    assert_eq!(erasing.bench.node.poll_update(), Some(Request::Clear));
+    erasing.bench.node.handle_update(Report::Done);
+    assert_eq!(erasing.ask(begin(LENGTH)), (Erasing, Done));
+    assert_eq!(erasing.bench.node.poll_update(), Some(Request::Erase { offset: 0 }), "it goes on");
+    erasing.bench.node.handle_update(Report::Done);
+    assert_eq!(erasing.ask(begin(LENGTH)), (Receiving, Done), "nothing has come yet");
+
+    let mut begun = Drive::receiving();
+    begun.send(0);
+    for (mut drive, length) in
+        [(Drive::receiving(), LENGTH + 1), (Drive::complete(), LENGTH), (begun, LENGTH)]
+    {
+        assert_eq!(drive.ask(begin(length)), (Erasing, Done));
+        assert_eq!(drive.serve(), [], "not before a start that was on its way is seen");
+        drive.pass(SETTLED);
+        assert_eq!(drive.serve(), [Request::Clear, Request::Erase { offset: 0 }]);
+        assert_eq!(drive.status(), at(Done, WINDOW, 0));
+    }
+    let mut verifying = Drive::complete();
+    verifying.ask(END);
+    assert_eq!(verifying.ask(begin(LENGTH)), (Verifying, NotNow));
+}
+
+#[test]
+fn a_second_end_is_of_the_same_image() {
+    let other = UpdateRequest::End { crc: !CRC };
+    let mut drive = Drive::complete();
+    assert_eq!(drive.ask(END), (Verifying, Done));
+    assert_eq!((drive.ask(END), drive.ask(other)), ((Verifying, Done), (Verifying, NotNow)));
+    drive.serve();
+    assert_eq!((drive.ask(END), drive.ask(other)), ((Marked, Done), (Marked, NotNow)));
+}
+
+/// A mark that is being written cannot be called back; one that is written can.
+#[test]
+fn an_abort_comes_too_late_for_a_mark() {
+    let mut drive = Drive::complete();
+    drive.ask(END);
+    assert_eq!(drive.bench.node.poll_update(), Some(Request::Sum { offset: 0, length: LENGTH }));
+    drive.bench.node.handle_update(Report::Sum(CRC));
+    assert_eq!(drive.bench.node.poll_update(), Some(Request::Mark { length: LENGTH }));
+    assert_eq!(drive.ask(UpdateRequest::Abort), (Verifying, NotNow));
+    drive.bench.node.handle_update(Report::Done);
+    assert_eq!(drive.ask(UpdateRequest::Abort), (Marked, Done));
+    assert_eq!(drive.serve(), [Request::Clear]);
+    assert_eq!(drive.ask(UpdateRequest::Status), (Idle, Aborted));
+}
+
+/// A slot that says something else than it was asked for is not believed.
+#[test]
+fn what_cannot_be_read_back_is_not_marked() {
+    for (report, code) in
+        [(Report::Done, Flash), (Report::Failed(Flash), Flash), (Report::Sum(!CRC), UpdateCode::Checksum)]
+    {
+        let mut drive = Drive::complete();
+        drive.ask(END);
+        assert!(matches!(drive.bench.node.poll_update(), Some(Request::Sum { .. })));
+        drive.bench.node.handle_update(report);
+        assert_eq!((drive.serve(), drive.ask(UpdateRequest::Status)), (vec![], (Idle, code)), "{report:?}");
+    }
+}
+
+/// The minute of a trial ends while the confirmation is written: its outcome is waited for.
+#[test]
+fn a_confirmation_under_way_is_not_cut_off() {
+    const MINUTE: u64 = 600_000;
+    for (report, end, action) in
+        [(Report::Done, (Idle, Done), None), (Report::Failed(Flash), (Trial, Done), Some(Action::Reboot))]
+    {
+        let mut drive = Drive::new(Condition::Trial);
+        assert_eq!(drive.ask(UpdateRequest::Confirm), (Trial, Done));
+        assert_eq!(drive.bench.node.poll_update(), Some(Request::Confirm));
+        let act = |drive: &mut Drive| {
+            drive.pass(MINUTE);
+            drive.heard();
+            drive.bench.node.poll_action()
+        };
+        assert_eq!(act(&mut drive), None, "{report:?}");
+        drive.bench.node.handle_update(report);
+        let told = if action.is_some() { Flash } else { Done };
+        assert_eq!(drive.heard().last().map(|status| status.code), Some(told));
+        assert_eq!((drive.ask(UpdateRequest::Status), act(&mut drive)), (end, action), "{report:?}");
+    }
+}
+
+/// What runs says what it is; one that was not programmed over the bus leaves that to the board.
+#[test]
+fn the_running_image_is_the_devices_identity() {
+    for (running, software, build) in
+        [(RUNNING, 0x0305, 99), (ImageVersion::default(), IDENTITY.software_release, IDENTITY.build_number)]
+    {
+        let mut bench = Bench::new();
+        bench.node.attach_update(&Slots { running, ..SLOTS });
+        bench.send(ToDrive::RequestDeviceInfo);
+        bench.send(ToDrive::RequestBuildInfo);
+        bench.send(ToDrive::Update(UpdateRequest::Version));
+        let [
+            FromDrive::DeviceInfo { software: told, .. },
+            FromDrive::BuildInfo { number, .. },
+            FromDrive::Update(UpdateAnswer::Version(version)),
+        ] = bench.messages()[..]
+        else {
+            panic!("one answer each")
+        };
+        assert_eq!((told, number, version), (software, build, running));
+    }
+}
+
+#[test]
+fn a_board_without_a_bootloader_is_not_programmed() {
+    let mut bench = Bench::new();
+    let before = bench.node.clone();
+    for report in [Report::Done, Report::Sum(0), Report::Failed(Flash)] {
+        bench.node.handle_update(report);
+    }
+    assert_eq!((bench.node.poll_update(), &bench.node), (None, &before));
+    for request in [UpdateRequest::Device, UpdateRequest::Version, begin(LENGTH), END, UpdateRequest::Confirm]
+    {
+        bench.send(ToDrive::Update(request));
+    }
+    assert_eq!((bench.messages(), bench.refused(), bench.node.poll_update()), (vec![], 5, None));
+}
