@@ -2,7 +2,7 @@
 
 use crate::bench::{Closed, MOTOR, RPM};
 use narx_core::motor::{Request, State, Step};
-use narx_sim::plant::{LoadConfig, Plant, PlantConfig};
+use narx_sim::plant::{Injection, LoadConfig, Plant, PlantConfig};
 
 /// What a start into a turning rotor came to.
 struct Flight {
@@ -107,4 +107,32 @@ fn a_start_that_is_reversed_begins_anew() {
         assert_eq!(closed.drive.state(), State::SensorlessClosedLoop);
         assert!((closed.rpm() / -RPM - 1.0).abs() < 0.02, "{} rpm", closed.rpm());
     }
+}
+
+/// A blocked rotor is still being pulled when open loop is over: the other direction is asked for, and the bridge lets go before the time-out has passed.
+#[test]
+fn a_rotor_that_cannot_be_brought_up_is_let_go_of() {
+    let mut closed = Closed::sensorless(&PlantConfig::new(MOTOR, 24.0), &[]);
+    closed.plant.inject(Injection::BlockedRotor);
+    closed.watch();
+    closed.boot();
+    closed.ask(Request::Drive);
+    while closed.drive.state() != State::SensorlessClosedLoop {
+        closed.tick();
+    }
+    while closed.output.step == Step::Coast {
+        closed.tick();
+    }
+    closed.ask(Request::Reverse);
+    let mut ticks = 0;
+    while closed.drive.state() == State::SensorlessClosedLoop {
+        closed.tick();
+        assert_eq!(closed.output.step, Step::Coast, "{ticks}");
+        ticks += 1;
+    }
+    assert!(
+        ticks > 10 && closed.drive.state() == State::Standby,
+        "{ticks} ticks, {:?}",
+        closed.drive.state()
+    );
 }
