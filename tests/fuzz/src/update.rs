@@ -160,6 +160,8 @@ impl Drive {
         if let Some(request) = self.node.poll_update() {
             let report = self.server.execute(&request);
             self.node.handle_update(report);
+            // Confirmed, it is no trial any more.
+            self.trial = self.server.slot().condition().map_or(self.trial, |condition| condition.trial);
         }
         self.listen();
         if self.node.poll_action() == Some(Action::Reboot) || self.server.slot().flash().is_off() {

@@ -25,17 +25,21 @@ fn targets(report: &Report, names: &[String]) -> String {
         return format!("{command}: not measured.\n");
     }
     let mut text = format!(
-        "{command}, code of commit {}, on: {}. New inputs reached what none had reached before, in this run or in the corpora of earlier ones.\n\n",
-        report.commit, report.machine
+        "{command}, on: {}. New inputs reached what none had reached before, in this run or in the corpora of earlier ones.\n\n",
+        report.machine
     );
-    text += "| target | seconds | executions | new inputs | findings |\n|---|---:|---:|---:|---:|\n";
+    text += "| target | seconds | executions | new inputs | findings | code of commit |\n|---|---:|---:|---:|---:|---|\n";
     for row in report.targets.iter().chain([&report.total()]) {
-        let Row { target, seconds, executions, new_inputs, findings, .. } = row;
+        let Row { target, seconds, executions, new_inputs, findings, commit, .. } = row;
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "| {target} | {seconds} | {executions} | {new_inputs} | {} |", findings.len());
+        let _ = writeln!(
+            text,
+            "| {target} | {seconds} | {executions} | {new_inputs} | {} | {commit} |",
+            findings.len()
+        );
     }
     for name in names.iter().filter(|name| !report.targets.iter().any(|row| row.target == **name)) {
-        let _ = writeln!(text, "| {name} | not measured | | | |");
+        let _ = writeln!(text, "| {name} | not measured | | | | |");
     }
     for row in &report.targets {
         for finding in &row.findings {
@@ -75,10 +79,10 @@ mod tests {
 
     #[test]
     fn what_was_found_is_not_hidden() {
-        let row = Row { target: "bus".into(), findings: vec!["a | b".into()], ..Row::default() };
+        let row = Row { target: "bus".into(), findings: vec!["a | b".into()], commit: "c".into(), ..Row::default() };
         let report = Report { targets: vec![row], ..Report::default() };
         let text = targets(&report, &["boot".into(), "bus".into()]);
-        let rows = "| bus | 0 | 0 | 0 | 1 |\n| all | 0 | 0 | 0 | 1 |\n| boot | not measured | | | |\n";
+        let rows = "| bus | 0 | 0 | 0 | 1 | c |\n| all | 0 | 0 | 0 | 1 |  |\n| boot | not measured | | | | |\n";
         assert!(text.contains(rows), "{text}");
         assert!(text.ends_with("\nOpen, bus: a \\| b\n"), "{text}");
     }

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// Give both nodes every identifier with every length as data and remote frame instead: 19 thousand million frames
     #[arg(long, conflicts_with_all = ["targets", "input"])]
     identifiers: bool,
-    /// Where fuzz.json goes; what it holds of the same code is added to
+    /// Where fuzz.json goes; what it holds of other code is replaced, target by target, and what it holds of the same is added to
     #[arg(long, default_value = "target")]
     out: PathBuf,
 }
@@ -63,6 +63,8 @@ fn fuzz(root: &Path, arguments: &Arguments, file: &Path) -> Result<(), String> {
     install::debian(&[COMPILER])?;
     install::nightly(&["rustc"])?;
     install::cargo_program("cargo-fuzz", VERSION)?;
+    // Of what is built now, whatever is committed meanwhile.
+    let commit = report::commit(root)?;
     steps::run(cargo_fuzz(root, "build").args(if let [one] = chosen.as_slice() { Some(one) } else { None }))?;
     if let Some(input) = &arguments.input {
         let input = fs::canonicalize(input).map_err(|error| format!("{}: {error}", input.display()))?;
@@ -76,16 +78,17 @@ fn fuzz(root: &Path, arguments: &Arguments, file: &Path) -> Result<(), String> {
     );
     for name in chosen {
         let (row, finding) = one(root, name, arguments.seconds)?;
+        let row = Row { commit: commit.clone(), ..row };
         println!("{}", line(cells(&row).each_ref().map(String::as_str)));
         // Each as soon as it is there, beside what others have written meanwhile: an hour is not lost with one failure.
-        let mut report = Report::resume(root, file)?;
-        report.add(&row);
+        let mut report = Report::resume(file)?;
+        report.add(row.clone());
         figures::write(file, &report)?;
         broken.extend(finding);
         rows.push(row);
     }
     println!("{}", line(cells(&total(&rows)).each_ref().map(String::as_str)));
-    println!("commit {}, written to {}", Report::resume(root, file)?.commit, file.display());
+    println!("commit {commit}, written to {}", file.display());
     if broken.is_empty() { Ok(()) } else { Err(format!("\n{}", broken.join("\n\n"))) }
 }
 

@@ -13,8 +13,6 @@ const LOOKED_AT: [&str; 6] =
 /// Everything in one file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Report {
-    /// The last commit that changed what the targets look at.
-    pub(crate) commit: String,
     /// Where rates were measured.
     pub(crate) machine: String,
     /// In the order of their names.
@@ -40,6 +38,8 @@ pub(crate) struct Row {
     pub(crate) corpus: u64,
     /// The promises that were broken.
     pub(crate) findings: Vec<String>,
+    /// The last commit then that had changed what the targets look at.
+    pub(crate) commit: String,
 }
 
 /// Every identifier of one length, with every data length code, as data and as remote frame, given to one node.
@@ -58,15 +58,9 @@ pub(crate) struct Sweep {
 }
 
 impl Report {
-    /// What stands in the file so far, for what `root` holds now: of the targets nothing if there is no file, or if it is of other code. A sweep takes half an hour of all processors and says
-    /// itself of which code it is.
-    pub(crate) fn resume(root: &Path, path: &Path) -> Result<Self, String> {
-        let new = Self { commit: commit(root)?, machine: figures::machine(), ..Self::default() };
-        Ok(match Self::read(path)? {
-            Some(old) if old.commit == new.commit => old,
-            Some(Self { sweeps, .. }) => Self { sweeps, ..new },
-            None => new,
-        })
+    /// What stands in the file so far. Each figure says itself of which code it is: all of them take hours.
+    pub(crate) fn resume(path: &Path) -> Result<Self, String> {
+        Ok(Self { machine: figures::machine(), ..Self::read(path)?.unwrap_or_default() })
     }
 
     /// Reads a file; `None` if there is none.
@@ -79,14 +73,14 @@ impl Report {
         }
     }
 
-    /// Adds a piece.
-    pub(crate) fn add(&mut self, piece: &Row) {
+    /// Adds a piece, or puts it in the place of one of other code.
+    pub(crate) fn add(&mut self, piece: Row) {
         let place = self.targets.binary_search_by(|row| row.target.cmp(&piece.target));
-        let place = place.unwrap_or_else(|place| {
-            self.targets.insert(place, Row { target: piece.target.clone(), ..Row::default() });
-            place
-        });
-        self.targets[place].join(piece);
+        match place {
+            Ok(place) if self.targets[place].commit == piece.commit => self.targets[place].join(&piece),
+            Ok(place) => self.targets[place] = piece,
+            Err(place) => self.targets.insert(place, piece),
+        }
     }
 
     /// Puts a sweep in the place of the one before.
@@ -121,7 +115,7 @@ impl Row {
 }
 
 /// The last commit of what the targets are made of, and whether the working copy differs from it.
-fn commit(root: &Path) -> Result<String, String> {
+pub(crate) fn commit(root: &Path) -> Result<String, String> {
     let git = |arguments: &[&str]| {
         let output = Command::new("git").args(arguments).arg("--").args(LOOKED_AT).current_dir(root).output();
         let output = output.map_err(|error| format!("git: {error}"))?;
@@ -146,6 +140,7 @@ mod tests {
             coverage: executions,
             corpus: 7,
             findings,
+            commit: "c".into(),
         }
     }
 
@@ -154,7 +149,7 @@ mod tests {
         let mut report = Report::default();
         let pieces =
             [row("slcan", 60, 500, &[]), row("bus", 30, 900, &["one"]), row("slcan", 10, 40, &["two"])];
-        pieces.iter().for_each(|piece| report.add(piece));
+        pieces.into_iter().for_each(|piece| report.add(piece));
         let slcan = Row { new_inputs: 2, coverage: 500, ..row("slcan", 70, 540, &["two"]) };
         assert_eq!(report.targets, [row("bus", 30, 900, &["one"]), slcan]);
         let all = report.total();
@@ -163,24 +158,26 @@ mod tests {
     }
 
     #[test]
-    fn figures_of_other_code_are_forgotten() {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    fn figures_of_other_code_make_room() {
         let path = std::env::temp_dir().join(format!("narx-fuzz-{}.json", std::process::id()));
-        let mut report = Report::resume(root, &path).unwrap();
+        let mut report = Report::resume(&path).unwrap();
         assert_eq!(report.targets, []);
-        report.add(&row("bus", 30, 900, &[]));
         let sweep =
             |frames| Sweep { node: "a drive".into(), bits: 29, frames, seconds: 2, commit: "c".into() };
         report.put(sweep(1));
         report.put(sweep(3));
-        assert_eq!(report.sweeps.len(), 1);
+        assert_eq!(report.sweeps, [sweep(3)]);
+        let new = |commit: &str| Row { commit: commit.into(), ..row("bus", 40, 100, &[]) };
+        let others = row("slcan", 60, 500, &[]);
+        for piece in [new("c"), others.clone(), new("d"), new("d")] {
+            report.add(piece);
+        }
+        let twice = Row { seconds: 80, executions: 200, new_inputs: 2, ..new("d") };
+        assert_eq!(report.targets, [twice, others]);
         figures::write(&path, &report).unwrap();
-        assert_eq!(Report::resume(root, &path), Ok(report.clone()));
-        figures::write(&path, &Report { commit: "another".into(), ..report }).unwrap();
-        let resumed = Report::resume(root, &path).unwrap();
-        assert_eq!((resumed.targets, resumed.sweeps), (vec![], vec![sweep(3)]));
+        assert_eq!(Report::resume(&path), Ok(report));
         fs::write(&path, "{}").unwrap();
-        assert!(Report::resume(root, &path).unwrap_err().contains("missing field"));
+        assert!(Report::resume(&path).unwrap_err().contains("missing field"));
         fs::remove_file(&path).unwrap();
     }
 }
