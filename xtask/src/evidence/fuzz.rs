@@ -79,10 +79,16 @@ mod tests {
 
     #[test]
     fn what_was_found_is_not_hidden() {
-        let row = Row { target: "bus".into(), findings: vec!["a | b".into()], commit: "c".into(), ..Row::default() };
+        let row = Row {
+            target: "bus".into(),
+            findings: vec!["a | b".into()],
+            commit: "c".into(),
+            ..Row::default()
+        };
         let report = Report { targets: vec![row], ..Report::default() };
         let text = targets(&report, &["boot".into(), "bus".into()]);
-        let rows = "| bus | 0 | 0 | 0 | 1 | c |\n| all | 0 | 0 | 0 | 1 |  |\n| boot | not measured | | | | |\n";
+        let rows =
+            "| bus | 0 | 0 | 0 | 1 | c |\n| all | 0 | 0 | 0 | 1 |  |\n| boot | not measured | | | | |\n";
         assert!(text.contains(rows), "{text}");
         assert!(text.ends_with("\nOpen, bus: a \\| b\n"), "{text}");
     }
