@@ -176,6 +176,8 @@ test("a virtual drive with a bootloader is programmed, and what goes wrong is to
     assert.equal(await program(page), "The signature is not one that the board's bootloader believes. The drive runs what it ran before.");
 
     await go(page, "main");
+    // It has restarted: a start that it hears while it boots is spent.
+    await inState(page, "Standby");
     await start(page, 1500);
     await go(page, "update");
     await page.locator("#update-why").getByText("A drive is programmed in Standby, or in Fault at standstill.").waitFor();
