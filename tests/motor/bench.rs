@@ -1,5 +1,6 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
+use crate::scripted::NO_CALM;
 use narx_core::motor::event::SlowMeasurements;
 use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
@@ -137,8 +138,7 @@ impl Closed {
             _ => {}
         }
         let watched = self.watched.as_mut().map(|drive| {
-            // A calibration is withdrawn that nobody has asked for. It is no event that the drive passes over: it looks at everything in this tick.
-            drive.handle_event(Event::CalibrateHall(false));
+            drive.handle_event(NO_CALM);
             (drive.step(&samples), drive.poll_status())
         });
         let output = self.drive.step(&samples);

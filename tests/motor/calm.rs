@@ -2,8 +2,11 @@
 //! everything in every tick answers the same.
 
 use crate::bench::{Closed, MOTOR, Outcome};
+use crate::rotor::ScriptedRotor;
+use crate::scripted::{Scripted, current_code};
+use crate::support::coefficients;
 use narx_core::dictionary::number;
-use narx_core::motor::{Cause, FaultWord, Request, State};
+use narx_core::motor::{Cause, FaultWord, Request, State, Step};
 use narx_sim::plant::{ComparatorConfig, Injection, LoadConfig, Phase, PlantConfig};
 
 fn watched(supply: f64) -> Closed {
@@ -177,6 +180,37 @@ fn an_open_phase_is_told_in_its_tick() {
             // Its crossings are gone first.
             assert_eq!(closed.drive.state(), State::SensorlessAutoRestart, "{phase:?}");
         }
+    }
+}
+
+/// Current flows in two steps of six alone: with the other four goes the open phase. The rotor speeds up, so the drive learns of the end of a step by its edge, and
+/// of the open phase with it.
+#[test]
+fn an_open_phase_that_an_edge_shows_is_told_in_its_tick() {
+    for gain in [1.0005, 1.001, 1.002] {
+        let c = coefficients(&[(number::HALL_ENABLE, 1), (number::SPEED_RATE, 10_000_000)]);
+        let mut script = Scripted::new(c, ScriptedRotor::new(0.2, 60.0, true), 0);
+        // What it never reaches.
+        script.speed = 300;
+        script.watch();
+        script.boot();
+        script.ask(Request::Drive);
+        let mut applied = Step::Coast;
+        let mut turn = |script: &mut Scripted, has_open_phase: bool| {
+            let carries = !has_open_phase || matches!(applied, Step::BC | Step::CB);
+            let current = current_code(if carries { 0.1 } else { 0.0 });
+            applied = script.tick(|samples| samples.bus_current = current).step;
+        };
+        (0..5_000).for_each(|_| turn(&mut script, false));
+        for _ in 0..1_000 {
+            assert_eq!(script.drive.state(), State::HallClosedLoop, "{:?}", script.status);
+            script.rotor.speed *= gain;
+            turn(&mut script, true);
+            if script.drive.state() == State::Fault {
+                break;
+            }
+        }
+        assert_eq!(script.status.extended_code, Cause::OpenPhase as u16, "{gain}");
     }
 }
 

@@ -20,6 +20,7 @@ mod flying_start;
 mod hall;
 mod hall_calibration;
 mod hall_drive;
+mod lane;
 mod limits;
 mod live;
 mod machine_rest;

@@ -9,6 +9,9 @@ use narx_core::units::ElectricalSpeed;
 /// Ticks of the boot time, 0.5 s.
 pub(crate) const BOOT: u64 = 5_000;
 
+/// A calibration is withdrawn that nobody has asked for. It is no event that a drive passes over: it looks at everything in that tick.
+pub(crate) const NO_CALM: Event = Event::CalibrateHall(false);
+
 /// A drive, its rotor and the samples that the script may spoil before a step.
 pub(crate) struct Scripted {
     pub drive: Drive,
@@ -22,6 +25,8 @@ pub(crate) struct Scripted {
     pub blocked_current: f64,
     /// Ticks stepped.
     pub ticks: u64,
+    /// See [`watch`](Self::watch).
+    watched: Option<Drive>,
 }
 
 /// Converter code of a bus voltage.
@@ -54,6 +59,7 @@ impl Scripted {
             status: Status::default(),
             blocked_current: 0.0,
             ticks: 0,
+            watched: None,
         }
     }
 
@@ -65,20 +71,40 @@ impl Scripted {
     /// One tick: the master speaks every 50 ms, `spoil` has the last word on the samples.
     pub(crate) fn tick(&mut self, spoil: impl FnOnce(&mut Samples)) -> PwmCommand {
         if self.ticks.is_multiple_of(500) {
-            self.drive.handle_event(self.command());
+            self.handle_event(self.command());
         }
         self.rotor.advance(&mut self.samples);
         let mut samples = self.samples.clone();
         spoil(&mut samples);
+        let watched = self.watched.as_mut().map(|drive| {
+            drive.handle_event(NO_CALM);
+            (drive.step(&samples), drive.poll_status())
+        });
         let output = self.drive.step(&samples);
+        let status = self.drive.poll_status();
+        if let Some(whole) = watched {
+            assert_eq!(whole, (output, status), "tick {}", samples.tick);
+        }
         self.samples.tick = self.samples.tick.wrapping_add(1);
         self.ticks += 1;
         let duty = f64::from(output.duty.to_bits()) / 32_768.0;
         self.samples.bus_current = current_code(self.blocked_current * duty * duty);
-        if let Some(status) = self.drive.poll_status() {
+        if let Some(status) = status {
             self.status = status;
         }
         output
+    }
+
+    /// From now on a second drive, which is made to look at everything in every tick, must answer every tick alike.
+    pub(crate) fn watch(&mut self) {
+        self.watched = Some(self.drive.clone());
+    }
+
+    fn handle_event(&mut self, event: Event) {
+        if let Some(drive) = &mut self.watched {
+            drive.handle_event(event.clone());
+        }
+        self.drive.handle_event(event);
     }
 
     /// Boots into Standby.
@@ -92,6 +118,6 @@ impl Scripted {
     /// Asks for something now.
     pub(crate) fn ask(&mut self, request: Request) {
         self.request = request;
-        self.drive.handle_event(self.command());
+        self.handle_event(self.command());
     }
 }

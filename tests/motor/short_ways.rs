@@ -2,9 +2,7 @@
 
 use crate::support::coefficients;
 use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Crossing, OperatingPoint, Sight};
-use narx_core::motor::band::Band;
 use narx_core::motor::commutator::{Commutator, CommutatorCoefficients};
-use narx_core::motor::control::{Control, Lane};
 use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::Gain;
 use narx_core::motor::measurement::ChannelScale;
@@ -235,15 +233,4 @@ fn a_motor_that_does_not_run_has_no_short_ways() {
     // Nothing has been heard of the rotor for longer than it may be silent.
     assert!(!sensorless.runs_on(&SensorlessCoefficients { timeout: 0, ..c }));
     assert_eq!(sensorless, before);
-}
-
-/// Only a loop that has settled has a lane, and it begins around the last duty.
-#[test]
-fn a_loop_that_has_not_settled_has_no_lane() {
-    let c = coefficients(&[]).control;
-    let all = Band::new(i32::MIN, i32::MAX);
-    let within = Lane { voltage: all, current: all, duty: all };
-    let control = Control::default();
-    assert_eq!(control.lane(&c, &within, BUS), Lane::default());
-    assert!(!control.keeps(&within));
 }
