@@ -26,6 +26,17 @@ proptest! {
     }
 }
 
+/// A drive that was recorded for no time at all is a recording, too.
+#[test]
+fn a_recording_may_be_empty() {
+    let header = Header::drive(10_000, "empty");
+    let file = record(&header, &[1, 2, 3], &[]);
+    let recording = Recording::open(&file).unwrap();
+    assert_eq!((recording.header(), recording.state()), (&header, &[1, 2, 3][..]));
+    assert_eq!(recording.ticks().count(), 0);
+    assert_eq!(recording.verify().unwrap().ticks, 0);
+}
+
 #[test]
 fn noisy_codes_stay_under_twelve_bytes_a_tick() {
     let ticks = turning(30_000, &mut Noise(1));

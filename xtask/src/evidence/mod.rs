@@ -7,6 +7,7 @@ mod conformance;
 mod fuzz;
 mod missed;
 mod mutants;
+mod proof;
 mod quality;
 mod starts;
 mod worlds;
@@ -30,7 +31,7 @@ pub(crate) struct Section {
 type Make = fn(&Path) -> Result<Section, String>;
 
 /// The page, in this order.
-const SECTIONS: [Make; 10] = [
+const SECTIONS: [Make; 11] = [
     bench::control,
     quality::section,
     starts::section,
@@ -39,6 +40,7 @@ const SECTIONS: [Make; 10] = [
     fuzz::section,
     mutants::section,
     branches::section,
+    proof::section,
     bench::cost,
     bench::speed,
 ];

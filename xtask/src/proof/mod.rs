@@ -19,7 +19,8 @@ use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
-const GOLDEN: &str = "tests/golden/proof.toml";
+/// What is proven, and what is left.
+pub const GOLDEN: &str = "tests/golden/proof.toml";
 const HEAD: &str = "\
 # What is left where a proof ends, by `cargo xtask proof`; compared by `cargo xtask test firmware`. A name stands for all functions of that name.
 #
