@@ -35,9 +35,13 @@ impl Loops {
         Self { c, control, measurement, current }
     }
 
-    /// Ticks that hold `voltage`.
+    /// Goes on from `voltage` for so many ticks.
     fn hold(&mut self, voltage: i32, ticks: u32) {
         self.control.hand_over(SPEED, voltage);
+        self.run(ticks);
+    }
+
+    fn run(&mut self, ticks: u32) {
         let demand = Demand::Speed { measured: SPEED, fade: 0 };
         let measured = self.measurement.measured(self.current);
         for _ in 0..ticks {
@@ -56,8 +60,7 @@ impl Loops {
     }
 }
 
-/// A turn of the speed loop leaves a lane as it is or shows that it is over: where the voltage has gone beyond what the lane's bus allows, or to nothing, for
-/// which there is no duty.
+/// A turn of the speed loop leaves a lane as it is, or shows that it is over: at no voltage there is no duty.
 #[test]
 fn a_lane_is_kept_as_long_as_its_duties_can_be_found() {
     let settled = || {
@@ -97,9 +100,7 @@ fn a_loop_settles_where_its_limiter_waits() {
     let output = loops.control.output();
     assert_eq!((output.duty.to_bits(), output.limiter), (slew, Limiter::Speed));
     assert_eq!(loops.lane(), Lane::default());
-    let demand = Demand::Speed { measured: SPEED, fade: 0 };
-    let measured = loops.measurement.measured(loops.current);
-    loops.control.step(&loops.c.control, &loops.c.hall_mode, demand, &measured, &loops.measurement);
+    loops.run(1);
     assert_eq!(loops.control.output(), output);
     assert_ne!(loops.lane(), Lane::default());
 }
