@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { after, afterEach, before, test } from "node:test";
 import { plugIn, serveDrive } from "./adapter.mjs";
 import { start as launch } from "./browser.mjs";
-import { go, inState, logged, reaches, saved, start } from "./operating.mjs";
+import { go, inState, logged, reaches, saved, standsBy, start } from "./operating.mjs";
 import { image } from "./signing.mjs";
 
 // Made here: whoever signs stops this process, and with it the adapter. The long one is long enough to be in time with its abort.
@@ -41,7 +41,7 @@ async function connected() {
     const adapter = await plug(page);
     await page.locator("#adapter").click();
     await page.locator(".bar .link").getByText("CAN adapter").waitFor();
-    await inState(page, "Standby");
+    await standsBy(page);
     // A serial port would not be told of by the browser.
     const own = () => complaints.filter((text) => !text.includes(adapter.url));
     return { page, own, adapter };
@@ -61,7 +61,10 @@ test("a drive behind an adapter starts, turns and stops, and the adapter is open
     await go(page, "connection");
     await page.locator("#disconnect").click();
     await page.locator(".bar").getByText("Not connected").waitFor();
-    await page.waitForTimeout(200);
+    // The page's last bytes are still on their way to the adapter.
+    for (const deadline = Date.now() + 5000; !adapter.written.endsWith("C\r") && Date.now() < deadline; ) {
+        await page.waitForTimeout(20);
+    }
     const [beforeStop, last] = [adapter.written.lastIndexOf(request(1)), adapter.written.lastIndexOf(request(0))];
     assert.ok(beforeStop > 0 && last > beforeStop, "Standby is the last request");
     assert.ok(adapter.written.endsWith("C\r"));

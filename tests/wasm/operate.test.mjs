@@ -62,6 +62,24 @@ test("the control mode is the operator's, and a start without one is refused in 
     await inState(page, "Sensorless Closed-loop");
 });
 
+test("a set-point is the mode's, until the operator has the field in hand", async () => {
+    const { page } = await operate(browser, "main");
+    const setpoint = page.locator("#setpoint");
+    // No limits are the open loop's, and of whoever has not heard of others yet.
+    const limited = page.locator('#setpoint:not([max="65535"])');
+    const unlimited = page.locator('#setpoint[max="65535"]');
+    await limited.waitFor();
+    const hall = await setpoint.inputValue();
+    await page.locator("#control-mode").selectOption("none");
+    await unlimited.waitFor();
+    const none = await setpoint.inputValue();
+    assert.notEqual(none, hall);
+    await setpoint.focus();
+    await page.locator("#control-mode").selectOption("hall");
+    await limited.waitFor();
+    assert.equal(await setpoint.inputValue(), none);
+});
+
 test("what is broken is named, and works again once it is mended and acknowledged", async () => {
     const { page } = await operate(browser, "main");
     await start(page, 1500);
