@@ -2292,7 +2292,7 @@ narx_status_t narx_tx_driver_handle_sample(struct narx_tx_driver_t *driver,
                                            uint16_t counter);
 
 // Takes the state of the CAN controller, whenever it was looked at. Off the bus no frame is handed out, and positions and answers
-// that wait are dropped; drop what waits in the controller, too.
+// that wait are dropped; drop what waits in the controller, too. An error that was among that is told again.
 narx_status_t narx_tx_driver_handle_bus_state(struct narx_tx_driver_t *driver,
                                               const struct narx_bus_state_t *state);
 

@@ -113,3 +113,46 @@ fn a_node_that_was_given_another_bitrate_leaves_the_others() {
     assert!(wired.bus.statistics().errors > 0);
     assert_eq!(wired.device(0).driver().bitrate(), Bitrate::K250);
 }
+
+/// Whoever is driven off the bus by a neighbour at another bitrate tells of it, whatever was on the wire when: its message is often the very frame that is
+/// destroyed until the controller goes. It is tried again, but not by the neighbour, whom nobody would hear.
+#[test]
+fn a_victim_tells_of_it_at_every_phase() {
+    let cases = [(1, 1), (1, 10), (3, 3), (3, 10)]
+        .into_iter()
+        .flat_map(|case| (0..20).map(move |phase| (case, phase)));
+    for ((update, pause), phase) in cases {
+        let case = format!("update {update} ms, phase {phase}, a SYNC every {pause} ms");
+        let mut wired = Wired::new(Bitrate::K500);
+        wired.add(&driver(5, &[(Entry::UpdateTime, update)]));
+        wired.run(10);
+        wired.command(NmtCommand::Start);
+        wired.run(20);
+        for _ in 0..phase {
+            wired.tick();
+        }
+        wired.add(&driver(7, &[index(Bitrate::K250)]));
+        let victim = wired.device(0).place();
+        let (mut suffered, mut told) = (false, Vec::new());
+        for millisecond in 0..2000 {
+            if millisecond % pause == 0 {
+                wired.send(ToNode::Sync);
+            }
+            for received in wired.run(1) {
+                let message = read(&received.frame, LAYOUT);
+                assert!(!matches!(message, Some((7, _))), "{case}: {message:?}");
+                if let Some((5, FromNode::Error { code })) = message {
+                    told.push((received.time_ns / 1_000_000, code));
+                }
+            }
+            suffered |= wired.bus.error_state(victim) != Some(ErrorState::Active);
+        }
+        assert_eq!(suffered, !told.is_empty(), "{case}");
+        assert!(told.iter().all(|(_, code)| *code == 0x8120), "{case}: {told:?}");
+        assert!(told.windows(2).all(|pair| pair[1].0 - pair[0].0 >= 990), "{case}: {told:?}");
+        // And then there is peace.
+        let before = wired.bus.statistics().errors;
+        wired.run(100);
+        assert_eq!(wired.bus.statistics().errors, before, "{case}");
+    }
+}

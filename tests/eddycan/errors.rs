@@ -68,6 +68,47 @@ fn the_node_is_silent_off_the_bus_and_begins_with_the_present() {
 }
 
 #[test]
+fn a_message_that_was_lost_with_the_bus_is_told_again_once_others_are_heard() {
+    let mut bench = Bench::new(Channels::Single, &[]);
+    bench.driver.handle_bus_state(bus(ErrorState::Passive));
+    assert_eq!(bench.poll(), [passive()]);
+    // What the controller holds is dropped.
+    bench.driver.handle_bus_state(bus(ErrorState::BusOff));
+    assert_eq!(bench.wait(5000), []);
+    bench.driver.handle_bus_state(bus(ErrorState::Active));
+    assert_eq!(bench.wait(10_000_000), [], "nobody is heard");
+    bench.give(&frame(0x80, &[]));
+    assert_eq!(bench.frames(), [passive()]);
+    // It was told for good, and long before the next time off the bus.
+    assert_eq!(bench.wait(2_000_000), []);
+    bench.driver.handle_bus_state(bus(ErrorState::BusOff));
+    bench.driver.handle_bus_state(bus(ErrorState::Active));
+    bench.give(&frame(0x80, &[]));
+    assert_eq!(bench.wait(2_000_000), []);
+}
+
+#[test]
+fn what_is_told_again_keeps_its_second() {
+    let mut bench = Bench::new(Channels::Single, &[]);
+    bench.driver.handle_bus_state(bus(ErrorState::Passive));
+    assert_eq!(bench.poll(), [passive()]);
+    let told = bench.now;
+    bench.driver.handle_bus_state(bus(ErrorState::BusOff));
+    bench.wait(3000);
+    bench.driver.handle_bus_state(bus(ErrorState::Active));
+    bench.give(&frame(0x80, &[]));
+    // A controller that becomes passive anew meanwhile adds nothing.
+    bench.driver.handle_bus_state(bus(ErrorState::Passive));
+    assert_eq!(bench.frames(), []);
+    assert_eq!(bench.driver.next_poll(), told + 1_000_000);
+    bench.driver.poll(told + 999_999);
+    assert_eq!(bench.driver.poll_frame(), None);
+    bench.driver.poll(told + 1_000_000);
+    assert_eq!(bench.driver.poll_frame(), Some(passive()));
+    assert_eq!(bench.driver.poll_frame(), None);
+}
+
+#[test]
 fn the_boot_up_waits_for_the_bus() {
     let variant = crate::bench::variant(Channels::Single);
     let mut driver = narx_core::eddycan::TxDriver::new(variant, crate::bench::configured(&[]));

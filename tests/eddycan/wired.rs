@@ -52,16 +52,17 @@ impl Wired {
 
     /// Lets so many milliseconds pass; what the host hears.
     pub(crate) fn run(&mut self, milliseconds: u64) -> Vec<Received> {
-        let mut heard = Vec::new();
-        for _ in 0..milliseconds * 1_000_000 / TICK {
-            self.now += TICK;
-            self.shaft.turns += self.rate * TICK as f64 * 1e-9;
-            self.shaft.speed = self.rate * std::f64::consts::TAU;
-            self.drivers.run(&mut self.bus, self.now, self.shaft);
-            self.bus.advance(self.now);
-            heard.extend(std::iter::from_fn(|| self.bus.receive(self.host)));
-        }
-        heard
+        (0..milliseconds * 1_000_000 / TICK).flat_map(|_| self.tick()).collect()
+    }
+
+    /// Lets one tick of the bench pass; what the host hears.
+    pub(crate) fn tick(&mut self) -> Vec<Received> {
+        self.now += TICK;
+        self.shaft.turns += self.rate * TICK as f64 * 1e-9;
+        self.shaft.speed = self.rate * std::f64::consts::TAU;
+        self.drivers.run(&mut self.bus, self.now, self.shaft);
+        self.bus.advance(self.now);
+        std::iter::from_fn(|| self.bus.receive(self.host)).collect()
     }
 }
 

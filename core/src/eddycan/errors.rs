@@ -1,4 +1,4 @@
-//! Error messages: each code at most once a second, whatever happens.
+//! Error messages: each code at most once a second, whatever happens, and again if it was lost with the bus.
 
 use crate::bus::eddycan::ErrorCode;
 
@@ -13,26 +13,67 @@ pub(super) struct Errors {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Reports {
-    waiting: bool,
+    report: Report,
     /// Not told again before this time.
     quiet_until: u64,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Report {
+    /// There is nothing to tell.
+    #[default]
+    None,
+    /// To be told from this time on.
+    Due(u64),
+    /// The controller went off the bus when the message was with it.
+    Lost,
 }
 
 impl Errors {
     /// An error has occurred; it is forgotten if the same one was told less than a second ago.
     pub(super) fn note(&mut self, code: ErrorCode, now: u64) {
         for (own, reports) in ErrorCode::ALL.into_iter().zip(&mut self.codes) {
-            if own == code && now >= reports.quiet_until {
-                *reports = Reports { waiting: true, quiet_until: now.saturating_add(QUIET_US) };
+            if own == code && now >= reports.quiet_until && !matches!(reports.report, Report::Due(_)) {
+                reports.report = Report::Due(now);
             }
         }
     }
 
     /// The next one to tell.
-    pub(super) fn pop(&mut self) -> Option<ErrorCode> {
-        let mut waiting = ErrorCode::ALL.into_iter().zip(&mut self.codes);
-        let (code, reports) = waiting.find(|(_, reports)| reports.waiting)?;
-        reports.waiting = false;
+    pub(super) fn pop(&mut self, now: u64) -> Option<ErrorCode> {
+        let mut all = ErrorCode::ALL.into_iter().zip(&mut self.codes);
+        let (code, reports) =
+            all.find(|(_, reports)| matches!(reports.report, Report::Due(from) if from <= now))?;
+        *reports = Reports { report: Report::None, quiet_until: now.saturating_add(QUIET_US) };
         Some(code)
+    }
+
+    /// The controller has gone off the bus, and what it held is dropped. A node goes there by frames of its own, so what it was handed within the last
+    /// second may be among them.
+    pub(super) fn lose(&mut self, now: u64) {
+        for reports in &mut self.codes {
+            if reports.report == Report::None && now < reports.quiet_until {
+                reports.report = Report::Lost;
+            }
+        }
+    }
+
+    /// A frame has arrived, so others would hear what was lost. Without one it is not tried again: a node at a wrong bitrate would go on destroying
+    /// the frames of others.
+    pub(super) fn hear(&mut self) {
+        for reports in &mut self.codes {
+            if reports.report == Report::Lost {
+                reports.report = Report::Due(reports.quiet_until);
+            }
+        }
+    }
+
+    /// When the next one becomes due after `now`.
+    pub(super) fn due_after(&self, now: u64) -> Option<u64> {
+        let due = self.codes.iter().filter_map(|reports| match reports.report {
+            Report::Due(from) if from > now => Some(from),
+            _ => None,
+        });
+        due.min()
     }
 }

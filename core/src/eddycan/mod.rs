@@ -139,12 +139,13 @@ impl TxDriver {
     }
 
     /// Takes a frame that arrived at `now`, microseconds. A frame that is not for this node, or that is none of its protocol, changes
-    /// nothing.
+    /// nothing, but that an error which was lost with the bus is told again.
     pub fn handle_frame(&mut self, frame: &Frame, now: u64) {
         if self.restart != Restart::No {
             return;
         }
         self.now = now;
+        self.outbox.errors.hear();
         match ToNode::decode(frame) {
             Ok(ToNode::Nmt { command, target }) => self.handle_nmt(command, target),
             Ok(ToNode::Sync) => self.trigger(PdoKind::Sync),
@@ -165,7 +166,7 @@ impl TxDriver {
     }
 
     /// Takes the state of the CAN controller, whenever the shell looks. Off the bus no frame is handed out, and positions and answers that wait
-    /// are dropped; the shell does the same with what waits in the controller.
+    /// are dropped; the shell does the same with what waits in the controller. An error that was among that is told again.
     pub fn handle_bus_state(&mut self, state: BusState) {
         let before = core::mem::replace(&mut self.bus, state);
         if before.error == ErrorState::Active && state.error == ErrorState::Passive {
@@ -173,6 +174,9 @@ impl TxDriver {
         }
         if before.is_off() != state.is_off() {
             self.outbox.discard_present();
+        }
+        if state.is_off() && !before.is_off() {
+            self.outbox.errors.lose(self.now);
         }
     }
 
@@ -209,7 +213,8 @@ impl TxDriver {
             Some(_) if self.state == NmtState::Operational => self.timer.due().unwrap_or(self.now),
             _ => u64::MAX,
         };
-        self.heartbeat.due().unwrap_or(self.now).min(timer)
+        let error = self.outbox.errors.due_after(self.now).unwrap_or(u64::MAX);
+        self.heartbeat.due().unwrap_or(self.now).min(timer).min(error)
     }
 
     /// The next frame to send; none while the controller is off the bus, or when a restart has been asked for.
@@ -217,7 +222,7 @@ impl TxDriver {
         if self.bus.is_off() || self.restart != Restart::No {
             return None;
         }
-        let message = self.outbox.pop(self.state)?;
+        let message = self.outbox.pop(self.state, self.now)?;
         Some(message.encode(self.node, self.layout()))
     }
 

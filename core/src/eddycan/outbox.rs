@@ -59,7 +59,7 @@ impl Outbox {
         self.answers.clear();
     }
 
-    /// Drops what would be old on a bus that comes back. The boot-up and errors are not: they happened, and nobody has heard of them.
+    /// Drops what would be old on a bus that comes back. The boot-up and errors that wait are not: they happened, and nobody has heard of them.
     pub(super) fn discard_present(&mut self) {
         self.discard_pdos();
         self.discard_answers();
@@ -68,11 +68,11 @@ impl Outbox {
 
     /// The next message: boot-up, errors and heartbeat are rare and come first. PDOs and answers take turns, because either could
     /// come so fast that the others never have theirs.
-    pub(super) fn pop(&mut self, state: NmtState) -> Option<FromNode> {
+    pub(super) fn pop(&mut self, state: NmtState, now: u64) -> Option<FromNode> {
         if !core::mem::replace(&mut self.booted, true) {
             return Some(FromNode::Heartbeat(NmtState::BootUp));
         }
-        if let Some(code) = self.errors.pop() {
+        if let Some(code) = self.errors.pop(now) {
             return Some(FromNode::Error { code: code as u16 });
         }
         if core::mem::take(&mut self.heartbeat) {

@@ -126,7 +126,7 @@ pub unsafe extern "C" fn narx_tx_driver_handle_sample(
 }
 
 /// Takes the state of the CAN controller, whenever it was looked at. Off the bus no frame is handed out, and positions and answers
-/// that wait are dropped; drop what waits in the controller, too.
+/// that wait are dropped; drop what waits in the controller, too. An error that was among that is told again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_handle_bus_state(
     driver: *mut narx_tx_driver_t,

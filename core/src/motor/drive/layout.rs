@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub const LAYOUT_VERSION: u16 = 6;
 
 /// What the drive does with its inputs: rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 6;
+pub const BEHAVIOUR_VERSION: u16 = 7;
 
 impl Serialize for Drive {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
