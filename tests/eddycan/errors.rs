@@ -104,6 +104,7 @@ fn what_is_told_again_keeps_its_second() {
     bench.driver.poll(told + 999_999);
     assert_eq!(bench.driver.poll_frame(), None);
     bench.driver.poll(told + 1_000_000);
+    assert!(bench.driver.next_poll() > told + 1_000_000, "a shell that cannot send yet does not spin");
     assert_eq!(bench.driver.poll_frame(), Some(passive()));
     assert_eq!(bench.driver.poll_frame(), None);
 }

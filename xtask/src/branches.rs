@@ -86,6 +86,8 @@ fn llvm_cov(root: &Path, arguments: &[&str]) -> Command {
     cargo.args(["+nightly", "llvm-cov"]).args(arguments).current_dir(root);
     // Debug information would fill the disk and says nothing here.
     cargo.env("CARGO_PROFILE_TEST_DEBUG", "0").env("CARGO_PROFILE_DEV_DEBUG", "0");
+    // What nobody calls is told of in one unit of a crate, and of several the linker takes those alone that somebody calls.
+    cargo.env("CARGO_PROFILE_TEST_CODEGEN_UNITS", "1").env("CARGO_PROFILE_DEV_CODEGEN_UNITS", "1");
     cargo
 }
 
