@@ -121,3 +121,39 @@ fn what_does_not_fit_is_named_with_what_does() {
     // Its fields are public: one that nobody builds.
     assert_eq!(BuildError { parameter: 122, ..expected }.to_string(), "unknown parameter");
 }
+
+#[test]
+fn a_board_is_plausible_up_to_its_limits() {
+    let with = |change: fn(&mut Board)| {
+        let mut board = Board::BENCH;
+        change(&mut board);
+        board.is_plausible()
+    };
+    let within: [(&str, fn(&mut Board)); 8] = [
+        ("the bench's own", |_| {}),
+        ("1 kHz", |board| board.tick_rate = 1_000),
+        ("100 kHz", |board| board.tick_rate = 100_000),
+        ("the finest bus voltage", |board| board.front_end.bus_voltage.micro_per_code = 1),
+        ("the finest current", |board| board.front_end.bus_current.micro_per_code = 1),
+        ("the coarsest phase voltage", |board| board.front_end.phase_voltage.micro_per_code = 62_500),
+        ("a zero at the converter's end", |board| board.front_end.bus_current.zero = 4095),
+        ("no dead time", |board| board.dead_time_ns = 0),
+    ];
+    let beyond: [(&str, fn(&mut Board)); 9] = [
+        ("999 Hz", |board| board.tick_rate = 999),
+        ("100 001 Hz", |board| board.tick_rate = 100_001),
+        ("a bus voltage without a scale", |board| board.front_end.bus_voltage.micro_per_code = 0),
+        ("a phase voltage that falls", |board| board.front_end.phase_voltage.micro_per_code = -1),
+        ("a current without a scale", |board| board.front_end.bus_current.micro_per_code = 0),
+        ("too coarse a bus voltage", |board| board.front_end.bus_voltage.micro_per_code = 62_501),
+        ("too coarse a current", |board| board.front_end.bus_current.micro_per_code = i32::MAX),
+        ("a zero of 13 bits, phase voltage", |board| board.front_end.phase_voltage.zero = 4096),
+        ("a zero of 13 bits, current", |board| board.front_end.bus_current.zero = 4096),
+    ];
+    for (name, change) in within {
+        assert!(with(change), "{name}");
+    }
+    for (name, change) in beyond {
+        assert!(!with(change), "{name}");
+    }
+}
