@@ -124,12 +124,13 @@ fn what_does_not_fit_is_named_with_what_does() {
 
 #[test]
 fn a_board_is_plausible_up_to_its_limits() {
-    let with = |change: fn(&mut Board)| {
+    type Change = fn(&mut Board);
+    let with = |change: Change| {
         let mut board = Board::BENCH;
         change(&mut board);
         board.is_plausible()
     };
-    let within: [(&str, fn(&mut Board)); 8] = [
+    let within: [(&str, Change); 8] = [
         ("the bench's own", |_| {}),
         ("1 kHz", |board| board.tick_rate = 1_000),
         ("100 kHz", |board| board.tick_rate = 100_000),
@@ -139,7 +140,7 @@ fn a_board_is_plausible_up_to_its_limits() {
         ("a zero at the converter's end", |board| board.front_end.bus_current.zero = 4095),
         ("no dead time", |board| board.dead_time_ns = 0),
     ];
-    let beyond: [(&str, fn(&mut Board)); 9] = [
+    let beyond: [(&str, Change); 9] = [
         ("999 Hz", |board| board.tick_rate = 999),
         ("100 001 Hz", |board| board.tick_rate = 100_001),
         ("a bus voltage without a scale", |board| board.front_end.bus_voltage.micro_per_code = 0),
