@@ -114,7 +114,7 @@ enum Job {
     },
     /// Look for inputs that break a promise, with libFuzzer; or give both nodes every identifier
     Fuzz(fuzz::Arguments),
-    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, the
+    /// Make everything anew that is generated and committed: vectors, coverage, tables of PROTOCOL.md, snapshots, inputs of the fuzzers, the
     /// CAN database, EDS, the C header, type declarations, golden figures
     Generate,
     /// Make ffi/include/narx.h anew: the C header
@@ -205,6 +205,12 @@ fn generate(root: &Path) -> ExitCode {
             let mut tests = Command::new("cargo");
             tests.args(["test", "-p", "narx-tests", "--test", "motor", "presets_with"]);
             run(tests.current_dir(root).env("INSTA_UPDATE", "always"))
+        }),
+        // Recordings and transcripts among the fuzzers' first inputs name the version of the behaviour.
+        Step::new("corpus", move || {
+            let mut tests = Command::new("cargo");
+            tests.args(["test", "-p", "narx-fuzz", "--test", "seeds"]);
+            run(tests.current_dir(root).env("UPDATE", "1"))
         }),
         Step::new("coverage", move || coverage::regenerate(root, false)),
         Step::new("evidence", move || evidence::regenerate(root, false)),
