@@ -25,7 +25,7 @@ use xtask::parity;
 use xtask::proof;
 use xtask::quality;
 use xtask::sign;
-use xtask::steps::{Step, finish, run, run_all};
+use xtask::steps::{Outcome, Step, finish, run, run_all};
 use xtask::test::{self, Target};
 use xtask::vectors;
 use xtask::web;
@@ -191,27 +191,29 @@ fn main() -> ExitCode {
     }
 }
 
+/// Runs tests of a package that write what they would compare.
+fn update(root: &Path, tests: &[&str]) -> Outcome {
+    let mut cargo = Command::new("cargo");
+    run(cargo
+        .args(["test", "-p"])
+        .args(tests)
+        .current_dir(root)
+        .env("UPDATE", "1")
+        .env("INSTA_UPDATE", "always"))
+}
+
 /// What the tests would complain of, written anew. What changed shows in `git diff`, and belongs into a review.
 fn generate(root: &Path) -> ExitCode {
     run_all(vec![
         Step::new("vectors", move || vectors::regenerate(root, false)),
-        // The tests that compare documents and snapshots write them when told so.
+        // The tests that compare documents, snapshots and the fuzzers' first inputs write them when told so.
         Step::new("documents", move || {
-            let mut tests = Command::new("cargo");
-            tests.args(["test", "-p", "narx-tests", "--test", "protocol", "--test", "eddycan"]);
-            run(tests.current_dir(root).env("UPDATE", "1").env("INSTA_UPDATE", "always"))
+            update(root, &["narx-tests", "--test", "protocol", "--test", "eddycan"])
         }),
         Step::new("tables of running", move || {
-            let mut tests = Command::new("cargo");
-            tests.args(["test", "-p", "narx-tests", "--test", "motor", "presets_with"]);
-            run(tests.current_dir(root).env("INSTA_UPDATE", "always"))
+            update(root, &["narx-tests", "--test", "motor", "presets_with"])
         }),
-        // Recordings and transcripts among the fuzzers' first inputs name the version of the behaviour.
-        Step::new("corpus", move || {
-            let mut tests = Command::new("cargo");
-            tests.args(["test", "-p", "narx-fuzz", "--test", "seeds"]);
-            run(tests.current_dir(root).env("UPDATE", "1"))
-        }),
+        Step::new("corpus", move || update(root, &["narx-fuzz", "--test", "seeds"])),
         Step::new("coverage", move || coverage::regenerate(root, false)),
         Step::new("evidence", move || evidence::regenerate(root, false)),
         Step::new("CAN database", move || dbc::regenerate(root, false)),

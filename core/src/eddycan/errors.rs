@@ -23,8 +23,8 @@ enum Report {
     /// There is nothing to tell.
     #[default]
     None,
-    /// To be told from this time on.
-    Due(u64),
+    /// To be told when the second after the last one is over.
+    Due,
     /// The controller went off the bus when the message was with it.
     Lost,
 }
@@ -33,8 +33,8 @@ impl Errors {
     /// An error has occurred; it is forgotten if the same one was told less than a second ago.
     pub(super) fn note(&mut self, code: ErrorCode, now: u64) {
         for (own, reports) in ErrorCode::ALL.into_iter().zip(&mut self.codes) {
-            if own == code && now >= reports.quiet_until && !matches!(reports.report, Report::Due(_)) {
-                reports.report = Report::Due(now);
+            if own == code && now >= reports.quiet_until {
+                reports.report = Report::Due;
             }
         }
     }
@@ -43,7 +43,7 @@ impl Errors {
     pub(super) fn pop(&mut self, now: u64) -> Option<ErrorCode> {
         let mut all = ErrorCode::ALL.into_iter().zip(&mut self.codes);
         let (code, reports) =
-            all.find(|(_, reports)| matches!(reports.report, Report::Due(from) if from <= now))?;
+            all.find(|(_, reports)| reports.report == Report::Due && reports.quiet_until <= now)?;
         *reports = Reports { report: Report::None, quiet_until: now.saturating_add(QUIET_US) };
         Some(code)
     }
@@ -63,17 +63,14 @@ impl Errors {
     pub(super) fn hear(&mut self) {
         for reports in &mut self.codes {
             if reports.report == Report::Lost {
-                reports.report = Report::Due(reports.quiet_until);
+                reports.report = Report::Due;
             }
         }
     }
 
     /// When the next one becomes due after `now`.
     pub(super) fn due_after(&self, now: u64) -> Option<u64> {
-        let due = self.codes.iter().filter_map(|reports| match reports.report {
-            Report::Due(from) if from > now => Some(from),
-            _ => None,
-        });
-        due.min()
+        let waiting = self.codes.iter().filter(|reports| reports.report == Report::Due);
+        waiting.map(|reports| reports.quiet_until).filter(|from| *from > now).min()
     }
 }
