@@ -61,6 +61,8 @@ fn measure(root: &Path, path: &Path) -> Outcome {
     install::nightly(&["rustc", "llvm-tools"])?;
     install::cargo_program(PROGRAM, VERSION)?;
     let export = install::target_directory(root).join("branches.json");
+    // Programs of earlier code would be read with today's, and have lines that are no more.
+    steps::run(&mut llvm_cov(root, &["clean", "--workspace"]))?;
     // Whoever names packages for the report gets those alone, and the core is none of those whose tests run.
     let mut tests = llvm_cov(root, &["--no-report", "--branch"]);
     tests.args(PACKAGES.iter().flat_map(|package| ["-p", package])).arg("--tests");
