@@ -2,7 +2,7 @@
 
 use crate::trace::{Signal, Trace};
 use alloc::string::{String, ToString};
-use narx_core::motor::signal::{DRIVE_SIGNALS, Signal as DriveSignal, SpeedScale};
+use narx_core::motor::signal::{DRIVE_SIGNALS, Signal as DriveSignal, ShaftScale};
 use narx_core::motor::{Drive, Samples, Status};
 use narx_core::recording::{Outputs, Player, Recording, ReplayError};
 
@@ -92,7 +92,7 @@ fn row(
     let seen = |signal: DriveSignal| {
         let row = DRIVE_SIGNALS.iter().find(|row| row.signal == signal);
         let base = row.and_then(|row| row.base.rescaled(0)).unwrap_or_default();
-        f64::from(drive.signal(signal, SpeedScale::default(), samples)) * base as f64 / 4096.0
+        f64::from(drive.signal(signal, ShaftScale::default(), samples)) * base as f64 / 4096.0
     };
     // Reports come once a millisecond; none has come before the first one.
     let speed = |of: fn(&Status) -> i32| status.map_or(f64::NAN, |status| f64::from(of(status)) / 65_536.0);

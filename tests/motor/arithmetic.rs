@@ -7,7 +7,7 @@ use narx_core::motor::gain::{Gain, SIGNIFICANT_BITS};
 use narx_core::motor::measurement::{ChannelScale, Measurement, MeasurementScales};
 use narx_core::motor::pi::{Pi, PiGains};
 use narx_core::motor::ramp::Ramp;
-use narx_core::motor::signal::SpeedScale;
+use narx_core::motor::signal::ShaftScale;
 use proptest::prelude::*;
 
 fn gain(numerator: i128, denominator: i128) -> Gain {
@@ -280,7 +280,7 @@ fn a_channel_and_its_offset_are_bounded() {
 /// A motor of no pole pairs, which no parameter can ask for, is scaled as one of one.
 #[test]
 fn a_speed_has_at_least_one_pole_pair() {
-    let [none, one, four] = [0, 1, 4].map(|pairs| SpeedScale::new(pairs).apply(100 << 16));
+    let [none, one, four] = [0, 1, 4].map(|pairs| ShaftScale::new(pairs).speed(100 << 16));
     assert_eq!((none, one / 4), (one, four));
 }
 

@@ -8,7 +8,7 @@ const SPEED: u32 = 1 << 22;
 
 /// Turns a field there and back, and a rotor with it whose lines `change` alters: the outcome.
 fn calibrate(change: impl Fn(u8, f64) -> u8) -> HallCalibration {
-    let c = HallCalibrationCoefficients { speed: SPEED, voltage: 1 << 16 };
+    let c = HallCalibrationCoefficients { speed: SPEED, level: 1 << 16 };
     let mut calibrator = HallCalibrator::default();
     let line = |tick: u32| {
         // A revolution and a quarter forward, and the same back.

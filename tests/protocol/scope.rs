@@ -6,7 +6,7 @@ use crate::scope_bench::{
 use narx_core::bus::narmotion::{Addresses, ToDrive};
 use narx_core::dictionary::number;
 use narx_core::master::Request;
-use narx_core::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
+use narx_core::motor::signal::{DRIVE_SIGNALS, Signal, ShaftScale};
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State, Status};
 use narx_core::scope::{Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Setup, State as ScopeState};
 use narx_core::scope::{Threshold, Trigger};
@@ -444,7 +444,7 @@ fn setups() -> impl Strategy<Value = Setup> {
             prescaler,
             before,
             trigger,
-            speed: SpeedScale::new(4),
+            speed: ShaftScale::new(4),
             ..Setup::default()
         },
     )

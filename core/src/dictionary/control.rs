@@ -46,10 +46,13 @@ pub(super) const CONTROL: [Row; 44] = [
         .in_unit("%", -2)
         .range(0, 10000)
         .factory(0)
-        .about("First duty in state 5, and in state 4 when not 0; 0 takes over the duty applied before."),
+        .about(
+            "First duty in state 5, and in state 4 when not 0; 0 takes over the duty applied before. Per cent of the bus \
+             voltage, or of the nominal supply voltage where parameter 266 tells one.",
+        ),
     Row::new(number::ZC_PERIOD_MAX, "Max period between two ZC events", Control, U16)
         .in_unit("ticks", 0)
-        .range(10, 65535)
+        .range(10, 32767)
         .factory(500)
         .about("Time without an accepted zero crossing after which the sensorless speed counts as 0."),
     Row::new(number::ZC_DISCARD, "N periods to discard after a sector change", Control, U16)
@@ -61,17 +64,26 @@ pub(super) const CONTROL: [Row; 44] = [
         .in_unit("%", -2)
         .range(0, 10000)
         .factory(400)
-        .about("Voltage applied in open loop, in per cent of the nominal supply voltage (parameter 266)."),
+        .about(
+            "Duty applied in open loop: per cent of the bus voltage, or of the nominal supply voltage where parameter 266 tells \
+             one.",
+        ),
     Row::new(number::OPEN_LOOP_SPEED, "Open-loop speed setpoint", Control, I32)
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(500)
-        .about("Mechanical speed that open loop ramps to."),
+        .about(
+            "Mechanical speed that open loop ramps to within parameter 109, and at which it hands over to sensorless closed \
+             loop.",
+        ),
     Row::new(number::LOCK_DUTY, "Rotor lock duty cycle", Control, U16)
         .in_unit("%", -2)
         .range(0, 10000)
         .factory(400)
-        .about("Voltage applied in rotor lock, in per cent of the nominal supply voltage (parameter 266)."),
+        .about(
+            "Duty applied in rotor lock: per cent of the bus voltage, or of the nominal supply voltage where parameter 266 \
+             tells one.",
+        ),
     Row::new(number::SPEED_KI_SL, "Speed Ki coefficient SL", Control, I32)
         .in_unit("V/rad", -6)
         .range(0, i32::MAX as i64)
@@ -118,7 +130,7 @@ pub(super) const CONTROL: [Row; 44] = [
         .in_unit("%", -2)
         .range(0, 10000)
         .factory(9500)
-        .about("Largest duty in the sensorless states."),
+        .about("Largest duty in every state but hall closed loop: without sensors, in open loop and in rotor lock."),
     Row::new(number::SPEED_RATE, "Speed setpoint rate", Control, I32)
         .in_unit("rpm/s", 0)
         .range(1, 10_000_000)
@@ -133,22 +145,22 @@ pub(super) const CONTROL: [Row; 44] = [
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(4000)
-        .about("Largest speed set-point in sensorless closed loop."),
+        .about("Largest speed set-point in sensorless closed loop. While it is 4000, 4000 rpm x 4 / parameter 78."),
     Row::new(number::SPEED_MIN_SL, "Speed setpoint min saturation SL", CommandSaturation, I32)
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(500)
-        .about("Smallest speed set-point in sensorless closed loop."),
+        .about("Smallest speed set-point in sensorless closed loop. While it is 500, 500 rpm x 4 / parameter 78."),
     Row::new(number::SPEED_MAX_HES, "Speed setpoint max saturation HES", CommandSaturation, I32)
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(4000)
-        .about("Largest speed set-point in hall closed loop."),
+        .about("Largest speed set-point in hall closed loop. While it is 4000, 4000 rpm x 4 / parameter 78."),
     Row::new(number::SPEED_MIN_HES, "Speed setpoint min saturation HES", CommandSaturation, I32)
         .in_unit("rpm", 0)
         .range(0, 65535)
         .factory(500)
-        .about("Smallest speed set-point in hall closed loop."),
+        .about("Smallest speed set-point in hall closed loop. While it is 500, 500 rpm x 4 / parameter 78."),
     Row::new(number::HV_CURRENT_SOFT_START, "Max HV current limitation soft start", CommandSaturation, U16)
         .in_unit("A", -3)
         .range(0, 7000)
@@ -194,7 +206,7 @@ pub(super) const CONTROL: [Row; 44] = [
         .about("Least time in Fault before a Standby request acknowledges (T61)."),
     Row::new(number::HALL_PERIOD_TIMEOUT, "Electrical period measurement time-out", Limitation, U16)
         .in_unit("s", -3)
-        .range(1, 10000)
+        .range(1, 6000)
         .factory(100)
         .about("Time without a hall edge after which the hall speed counts as 0."),
     Row::new(number::CAN_TIMEOUT, "Can TimeOut period", Limitation, U16)
@@ -207,7 +219,7 @@ pub(super) const CONTROL: [Row; 44] = [
         ),
     Row::new(number::CRITICAL_FAULT_MASK, "Critical fault mask", Limitation, U32)
         .range(0, u32::MAX as i64)
-        .factory(0xFC00_00FE)
+        .factory(0xFC00_007E)
         .about(
             "Bit set: that bit of the fault word (Table 9) is critical. Bit 0 never is; bits 2 to 5, 27 and 29 \
              to 31 always are while driving.",

@@ -124,7 +124,7 @@ pub(super) const GENERAL: [Row; 78] = [
         .factory(1_000_000)
         .about("Gain of the scaling from volts to the transmitted pressure."),
     Row::new(number::SCOPE_CHANNELS, "Virtual Scop Channels Selection", Instrumentation, U32)
-        .range(1, (1 << 22) - 1)
+        .range(1, (1 << 23) - 1)
         .factory(7)
         .about("Signals that the scope records: one bit each. It reads 4 in a tick."),
     Row::new(number::SCOPE_SAMPLES, "Virtual Scop Samples Number", Instrumentation, U16)

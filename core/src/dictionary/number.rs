@@ -279,3 +279,5 @@ pub const SCOPE_WORDS: u16 = 301;
 pub const RESET_CAUSE: u16 = 302;
 /// Failed self-tests.
 pub const FAILED_SELF_TESTS: u16 = 303;
+/// Diagnostics.
+pub const DIAGNOSTICS: u16 = 304;

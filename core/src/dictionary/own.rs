@@ -8,7 +8,7 @@ use super::parameter::Kind::{I32, U16, U32};
 use super::row::Row;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Row; 48] = [
+pub(super) const OWN: [Row; 49] = [
     Row::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -66,11 +66,11 @@ pub(super) const OWN: [Row; 48] = [
         .about("Time in state 5 with torque applied at speed 0 (no hall edge for parameter 113) that becomes fault bit 6."),
     Row::new(number::NOMINAL_SUPPLY, "Nominal supply voltage", Machine, U16)
         .in_unit("V", -3)
-        .range(12000, 60000)
-        .factory(48000)
+        .range(0, 60000)
+        .factory(0)
         .about(
-            "Voltage that the rotor-lock and open-loop duties are per cent of; the drive divides by the live bus \
-             voltage.",
+            "Voltage that parameters 84, 87 and 89 are per cent of, so that their effect does not change with the supply; 0: they are \
+             duties of the live bus voltage.",
         ),
     Row::new(number::BACK_EMF_CONSTANT, "Back-EMF constant", Machine, I32)
         .in_unit("V/rpm", -6)
@@ -208,7 +208,7 @@ pub(super) const OWN: [Row; 48] = [
              FAULT_WORD.",
         ),
     Row::new(number::SCOPE_TRIGGER_SIGNAL, "Scope trigger signal", Instrumentation, U16)
-        .range(0, 21)
+        .range(0, 22)
         .factory(3)
         .about("Signal that parameter 290 compares: its bit in parameter 22."),
     Row::new(number::SCOPE_TRIGGER_LEVEL, "Scope trigger level", Instrumentation, I32)
@@ -277,5 +277,14 @@ pub(super) const OWN: [Row; 48] = [
         .read_only()
         .about(
             "Since power-up, any of which is fault bit 27: bit 0 RAM, bit 1 program, bit 2 clocks, bit 3 stack, bit 4 control ticks.",
+        ),
+    Row::new(number::DIAGNOSTICS, "Diagnostics", Diagnostics, U16)
+        .range(0, 7)
+        .factory(0)
+        .read_only()
+        .about(
+            "What is worth knowing and is no fault: bit 0 the bus is below 18 V, bit 1 the rotor may have turned unseen since power-up \
+             or since parameter 17 set the mechanical position, bit 2 sensorless control is enabled and a stable wrong lock would not \
+             be found, because parameter 267 or 268 is 0.",
         ),
 ];

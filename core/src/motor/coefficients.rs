@@ -18,6 +18,7 @@ use super::protection::{ProtectionCoefficients, Thresholds};
 use super::rails::RailCoefficients;
 use super::samples::Lines;
 use super::sensorless::SensorlessCoefficients;
+use super::state::State;
 use crate::dictionary::{Decimal, Dictionary, Parameters, number};
 use crate::units::{ElectricalAngle, quotient, ratio, saturate64};
 use core::fmt;
@@ -87,10 +88,11 @@ impl fmt::Display for BuildError {
 impl core::error::Error for BuildError {}
 
 impl Coefficients {
-    /// What the mode has of its own.
+    /// What a state's loops have of their own: hall closed loop has its own, every other state that of motors without sensors (parameters
+    /// 98 and 107, Table 11).
     #[inline]
-    pub const fn mode(&self, sensorless: bool) -> &ModeCoefficients {
-        if sensorless { &self.sensorless_mode } else { &self.hall_mode }
+    pub const fn mode(&self, state: State) -> &ModeCoefficients {
+        if matches!(state, State::HallClosedLoop) { &self.hall_mode } else { &self.sensorless_mode }
     }
 
     /// Builds a parameter set for a board.
@@ -98,28 +100,28 @@ impl Coefficients {
     /// # Errors
     /// The first parameter that does not fit the others.
     pub fn build(parameters: &Parameters, board: &Board) -> Result<Self, BuildError> {
-        let mut b = Builder { parameters, board, misfit: None };
+        let mut b = Builder { parameters, board, misfit: None, binds: true };
         b.check();
         if let Some(misfit) = b.misfit {
             return Err(misfit);
         }
-        let lock_voltage = b.nominal_share(number::LOCK_DUTY);
+        let lock_level = b.level(number::LOCK_DUTY);
         let coefficients = Self {
             measurement: b.measurement(),
             hall: b.hall(),
-            hall_calibration: HallCalibrationCoefficients::new(b.turns(), lock_voltage),
-            open_loop: b.open_loop(lock_voltage),
-            sensorless: b.sensorless(lock_voltage),
+            hall_calibration: HallCalibrationCoefficients::new(b.turns(), lock_level),
+            open_loop: b.only_if(b.is_set(number::OPEN_LOOP_ENABLE) || b.is_set(number::SENSORLESS_ENABLE), |b| b.open_loop(lock_level)),
+            sensorless: b.only_if(b.is_set(number::SENSORLESS_ENABLE), |b| b.sensorless(lock_level)),
             protection: b.protection(),
             open_phase: OpenPhaseCoefficients { at_rest: b.ticks(100).min(u16::MAX as u32) as u16 },
-            machine: b.machine(lock_voltage),
+            machine: b.machine(lock_level),
             control: b.control(),
             commutator: CommutatorCoefficients {
                 earliest: board.earliest,
                 advance: b.angle32(number::TIMING_ADVANCE),
             },
-            hall_mode: b.hall_mode(),
-            sensorless_mode: b.sensorless_mode(),
+            hall_mode: b.only_if(b.is_set(number::HALL_ENABLE), Builder::hall_mode),
+            sensorless_mode: b.only_if(b.is_set(number::SENSORLESS_ENABLE), Builder::sensorless_mode),
             speed_of_turns: b.ratio(number::MOTOR_POLE_PAIRS, b.rate(), 65_536),
             sample_settle: quotient(b.rate() * 65_536 * 3, 1_000_000).min(u16::MAX as i64) as u16,
         };
@@ -132,6 +134,8 @@ impl Coefficients {
 
 /// Speeds above this many electrical revolutions a second leave less than two ticks for a sector.
 const TICKS_A_REVOLUTION_MIN: i64 = 12;
+/// Time in which the level rises that finds the rotor of a motor without sensors, ms.
+const KICK: i64 = 200;
 /// 2 pi x 10^9.
 const TWO_PI_E9: i64 = 6_283_185_307;
 /// The bus may rise to this much below its over-voltage threshold before rectification turns to diodes.
@@ -142,6 +146,8 @@ struct Builder<'a> {
     board: &'a Board,
     /// The first parameter that does not fit. What is built with it is dropped.
     misfit: Option<BuildError>,
+    /// What is being built is of use to a mode that is enabled: what does not fit counts.
+    binds: bool,
 }
 
 /// What is asked for often stays out of line: 64 bits written out at every use would take half as much flash again.
@@ -171,8 +177,18 @@ impl Builder<'_> {
 
     #[inline(never)]
     fn note(&mut self, parameter: u16, min: i64, max: i64) {
-        let raw = self.raw(parameter);
-        self.misfit.get_or_insert(BuildError { parameter, raw, min, max });
+        if self.binds {
+            let raw = self.raw(parameter);
+            self.misfit.get_or_insert(BuildError { parameter, raw, min, max });
+        }
+    }
+
+    /// Rules, or coefficients, that bind only where a mode is enabled that needs them.
+    fn only_if<T>(&mut self, enabled: bool, build: impl FnOnce(&mut Self) -> T) -> T {
+        self.binds = enabled;
+        let built = build(self);
+        self.binds = true;
+        built
     }
 
     /// The raw value of `number` has to lie within `min..=max`.
@@ -234,13 +250,17 @@ impl Builder<'_> {
     /// Raw I16F16 electrical rev/s of a parameter in mechanical rpm.
     #[inline(never)]
     fn speed(&self, number: u16) -> i32 {
-        saturate64(quotient((self.wide(number) << 16) * self.pole_pairs(), 60))
+        saturate64(quotient((i64::from(self.speed_limit(number)) << 16) * self.pole_pairs(), 60))
     }
 
-    /// Raw I16F16 volts of a duty parameter, of the nominal supply.
+    /// The level of a duty parameter, raw I16F16: volts of the nominal supply, or a share of the bus voltage where there is none.
     #[inline(never)]
-    fn nominal_share(&self, number: u16) -> i32 {
-        saturate64(quotient(self.quantity(number::NOMINAL_SUPPLY) as i64 * self.wide(number), 10_000))
+    fn level(&self, number: u16) -> i32 {
+        let whole = match self.quantity(number::NOMINAL_SUPPLY) {
+            0 => 1 << 16,
+            supply => supply,
+        };
+        saturate64(quotient(i64::from(whole) * self.wide(number), 10_000))
     }
 
     /// u32 turn of an angle in 0.01 degree.
@@ -259,27 +279,56 @@ impl Builder<'_> {
         self.gain(number::BACK_EMF_CONSTANT, 60, 6, self.pole_pairs() as u32)
     }
 
-    /// Rules between parameters.
+    /// Rules between parameters (PROTOCOL.md, section 5.4).
     fn check(&mut self) {
         let fastest = saturate64(quotient(self.rate() * 60, TICKS_A_REVOLUTION_MIN * self.pole_pairs()));
-        for (low, high) in
-            [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
-        {
-            self.within(high, 1, fastest);
-            self.within(low, 0, self.raw(high));
-        }
-        self.within(number::OPEN_LOOP_SPEED, 0, fastest);
+        let [open_loop, sensorless, hall] =
+            [number::OPEN_LOOP_ENABLE, number::SENSORLESS_ENABLE, number::HALL_ENABLE].map(|mode| self.is_set(mode));
         self.within(number::HV_CURRENT_SOFT_START, 0, self.raw(number::HV_CURRENT_MAX));
         self.within(number::UNDER_VOLTAGE, 0, self.raw(number::OVER_VOLTAGE) - 1_500);
         self.within(number::TEMPERATURE_WARNING, i32::MIN, self.raw(number::OVER_TEMPERATURE) - 1);
-        // A rotor at the smallest set-point must pass a sector within the time-out, twice over.
-        let slowest = self.raw(number::SPEED_MIN_HES).max(1) * self.raw(number::MOTOR_POLE_PAIRS).max(1);
-        self.within(number::HALL_PERIOD_TIMEOUT, 2 * 60_000 / (6 * slowest).max(1), 6_000);
-        if self.is_set(number::SENSORLESS_ENABLE) {
-            self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION));
+        self.only_if(hall, |b| b.check_hall(fastest));
+        self.only_if(sensorless, |b| b.check_sensorless(fastest));
+        self.only_if(open_loop, |b| b.within(number::OPEN_LOOP_SPEED, 0, fastest));
+        self.only_if(open_loop || sensorless, |b| {
+            b.within(number::LOCK_DUTY, 0, b.raw(number::DUTY_MAX_SL));
+            b.within(number::OPEN_LOOP_DUTY, 0, b.raw(number::DUTY_MAX_SL));
+        });
+    }
+
+    fn check_hall(&mut self, fastest: i32) {
+        let (low, high) = (number::SPEED_MIN_HES, number::SPEED_MAX_HES);
+        self.within_speeds(high, 1, fastest);
+        self.within_speeds(low, 0, self.speed_limit(high));
+        // A rotor at the smallest set-point must pass a sector within the time-out, twice over; and 16 bits hold the time-out.
+        let slowest = i64::from(self.speed_limit(low).max(1)) * self.pole_pairs();
+        let shortest = 2 * 60_000 / (6 * slowest).max(1);
+        let longest = quotient(i64::from(u16::MAX) * 1000, self.rate());
+        self.within(number::HALL_PERIOD_TIMEOUT, saturate64(shortest), saturate64(longest));
+    }
+
+    fn check_sensorless(&mut self, fastest: i32) {
+        let (low, high) = (number::SPEED_MIN_SL, number::SPEED_MAX_SL);
+        self.within_speeds(high, 1, fastest);
+        self.within_speeds(low, 0, self.speed_limit(high));
+        self.within(number::OPEN_LOOP_RAMP, 0, self.raw(number::OPEN_LOOP_DURATION));
+        // At the speed that open loop hands over at a sector must be over within the time-out, twice over.
+        let time_out = self.pole_pairs() * self.wide(number::ZC_PERIOD_MAX);
+        let slowest = saturate64(quotient(2 * 10 * self.rate(), time_out.max(1)));
+        self.within(number::OPEN_LOOP_SPEED, slowest, self.speed_limit(high));
+    }
+
+    /// Set-points in force, mechanical rpm: parameters 101 to 104.
+    fn speed_limit(&self, number: u16) -> i32 {
+        self.parameters.speed_limit(number)
+    }
+
+    /// The same as [`within`](Self::within) of the set-point limit that is in force.
+    fn within_speeds(&mut self, number: u16, min: i32, max: i32) {
+        let value = self.speed_limit(number);
+        if value < min || value > max {
+            self.note(number, min.into(), max.into());
         }
-        self.within(number::LOCK_DUTY, 0, self.raw(number::DUTY_MAX));
-        self.within(number::OPEN_LOOP_DUTY, 0, self.raw(number::DUTY_MAX));
     }
 
     fn measurement(&self) -> MeasurementScales {
@@ -309,19 +358,19 @@ impl Builder<'_> {
         }
     }
 
-    fn open_loop(&mut self, voltage_start: i32) -> OpenLoopCoefficients {
+    fn open_loop(&mut self, lock_level: i32) -> OpenLoopCoefficients {
         let speed = self.speed(number::OPEN_LOOP_SPEED);
-        let voltage = self.nominal_share(number::OPEN_LOOP_DUTY);
+        let level = self.level(number::OPEN_LOOP_DUTY);
         // The lock level holds from standstill only where open loop has a higher one.
-        let voltage_start = voltage_start.min(voltage);
-        let rise = voltage as i64 - voltage_start as i64;
+        let level_start = lock_level.min(level);
+        let rise = level as i64 - level_start as i64;
         // At least 1 rev/s in the ramp's time: a set-point of 0 written live stops the field.
         let climb = speed.max(1 << 16);
         OpenLoopCoefficients {
             speed,
             rate: rise_a_tick(climb, self.duration(number::OPEN_LOOP_RAMP)),
-            voltage_start,
-            voltage,
+            level_start,
+            level,
             slope: self.ratio(number::OPEN_LOOP_DUTY, rise, (speed as i64).max(1)),
             turns: self.turns(),
         }
@@ -353,10 +402,10 @@ impl Builder<'_> {
         }
     }
 
-    fn sensorless(&mut self, lock_voltage: i32) -> SensorlessCoefficients {
+    fn sensorless(&mut self, lock_level: i32) -> SensorlessCoefficients {
         let back_emf = self.back_emf();
         let (emf, ohm) = (number::BACK_EMF_CONSTANT, number::WINDING_RESISTANCE);
-        let kick_voltage = self.nominal_share(number::OPEN_LOOP_DUTY);
+        let kick_level = self.level(number::OPEN_LOOP_DUTY);
         let lock = self.duration(number::LOCK_DURATION);
         let rest = self.ticks(5);
         let align = lock.saturating_sub(rest + self.ticks(2)).max(self.ticks(20));
@@ -371,17 +420,17 @@ impl Builder<'_> {
             timeout: (self.wide(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i64 / 2) as u32,
             rest,
             align,
-            align_rate: rise_a_tick(lock_voltage, align / 4),
-            align_voltage: lock_voltage,
-            kick_rate: rise_a_tick(kick_voltage, self.duration(number::OPEN_LOOP_RAMP)),
-            kick_voltage,
+            align_rate: rise_a_tick(lock_level, align / 4),
+            align_level: lock_level,
+            kick_rate: rise_a_tick(kick_level, self.ticks(KICK)),
+            kick_level,
             kick_patience: self.ticks(50),
             kick_limit: self.duration(number::OPEN_LOOP_DURATION).max(self.ticks(1000)),
             brake_max: self.turns().apply32(saturate64(brake)),
         }
     }
 
-    fn machine(&self, lock_voltage: i32) -> MachineCoefficients {
+    fn machine(&self, lock_level: i32) -> MachineCoefficients {
         let lock = self.duration(number::LOCK_DURATION);
         MachineCoefficients {
             open_loop_enable: self.is_set(number::OPEN_LOOP_ENABLE),
@@ -389,8 +438,8 @@ impl Builder<'_> {
             hall_enable: self.is_set(number::HALL_ENABLE),
             boot: self.ticks(500),
             lock,
-            lock_voltage,
-            lock_rate: rise_a_tick(lock_voltage, lock / 4),
+            lock_level,
+            lock_rate: rise_a_tick(lock_level, lock / 4),
             open_loop: self.duration(number::OPEN_LOOP_DURATION),
             auto_restart: self.ticks(2_000),
             fault_wait: self.duration(number::FAULT_WAIT),
@@ -438,6 +487,7 @@ impl Builder<'_> {
                 phase_current: self.quantity(number::PHASE_CURRENT_MAX),
                 derating_start: self.quantity(warm),
                 derating: self.ratio(hot, 65_536, degrees),
+                bridge: quotient(i64::from(self.board.bridge_milliohm) << 16, 1000) as i32,
             },
             // No more than 10^7 rpm/s of 50 pole pairs: 2^29 and 32 bits.
             speed_rate: quotient((self.wide(number::SPEED_RATE) * self.pole_pairs()) << 32, 60_000),
@@ -445,7 +495,8 @@ impl Builder<'_> {
             duty_min: duty_of_ns(self.wide(number::ON_TIME_MIN)),
             dead_time: duty_of_ns(self.board.dead_time_ns as i64),
             bus_guard: self.quantity(number::OVER_VOLTAGE) - BUS_GUARD,
-            initial_voltage: self.nominal_share(number::INITIAL_DUTY),
+            initial_level: self.level(number::INITIAL_DUTY),
+            levels_of_bus: self.raw(number::NOMINAL_SUPPLY) == 0,
             back_emf: self.back_emf_gain(),
         }
     }

@@ -157,6 +157,16 @@ impl Step {
         }
     }
 
+    /// The angle that a three-phase lock pulls the rotor to, u32 turn.
+    #[inline]
+    pub const fn lock_angle(self) -> Option<u32> {
+        // In the order of the steps: 180, 240, 300, 0, 60, 120 degrees.
+        match (self as u8).checked_sub(Self::LockA as u8) {
+            Some(place) => Some(((place as u32 + 3) % 6).wrapping_mul(u32::MAX / 6 + 1)),
+            None => None,
+        }
+    }
+
     /// The sector that this step belongs to in forward direction.
     pub const fn sector(self) -> Option<u8> {
         match self {

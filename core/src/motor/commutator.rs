@@ -174,6 +174,12 @@ impl Commutator {
         left.checked_div(speed.unsigned_abs()).map_or(u32::MAX, |ticks| ticks + 1)
     }
 
+    /// The sector that it last commutated to; `None` while it has not.
+    #[inline]
+    pub const fn sector(&self) -> Option<u8> {
+        self.sector
+    }
+
     /// The step that goes on.
     pub const fn present(&self) -> Step {
         self.step

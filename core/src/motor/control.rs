@@ -84,12 +84,12 @@ const RETREAT: u16 = 8;
 
 impl Control {
     /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already:
-    /// that one is caught with diodes, where no voltage is too small.
-    pub fn start(&mut self, c: &ControlCoefficients, speed: i32) {
+    /// that one is caught with diodes, where no voltage is too small. Every controller continues from the `initial` voltage (parameter 84).
+    pub fn start(&mut self, c: &ControlCoefficients, speed: i32, initial: i32) {
         *self = Self { limit: self.limit, ..Self::default() };
         self.limit.start(&c.limits);
         self.setpoint.set(speed);
-        self.take_over(c.initial_voltage);
+        self.take_over(initial);
         self.catching = if speed == 0 { 0 } else { CATCH };
         if self.catching == 0 {
             self.output.rectification = Rectification::Synchronous;
@@ -148,13 +148,13 @@ impl Control {
     }
 
     /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical
-    /// rev/s; `target` is the set-point after saturation.
+    /// rev/s; `target` is the set-point after saturation, and the rise towards it a millisecond, 16 extra bits.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn turn(
         &mut self,
         c: &ControlCoefficients,
         mode: &ModeCoefficients,
-        target: i32,
+        target: (i32, i64),
         speed: i32,
         (bus_voltage, bus_current): (i32, i32),
     ) {
@@ -165,10 +165,10 @@ impl Control {
             self.catching -= 1;
         }
         if self.coasting.is_some() {
-            self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
+            self.speed_error = self.advance_setpoint(target, speed).saturating_sub(speed);
         } else if !mode.sparse || self.takes_turn(speed) {
             let ceiling = share(bus_voltage, mode.duty_max);
-            self.speed_error = self.advance_setpoint(c, target, speed).saturating_sub(speed);
+            self.speed_error = self.advance_setpoint(target, speed).saturating_sub(speed);
             let before = self.speed_voltage;
             self.speed_voltage = self.speed.step(&mode.speed, self.speed_error, 0, ceiling);
             self.settled = self.settled && self.may_follow(c, self.speed_voltage - before, bus_current);
@@ -269,13 +269,13 @@ impl Control {
 
     /// The ramp waits while something else than the speed loop bounds a motor that lags behind: it must not run away
     /// from a speed that cannot follow.
-    fn advance_setpoint(&mut self, c: &ControlCoefficients, target: i32, speed: i32) -> i32 {
+    fn advance_setpoint(&mut self, (target, rate): (i32, i64), speed: i32) -> i32 {
         let setpoint = self.setpoint.value();
         let lagging = target > setpoint && speed < setpoint;
         if lagging && !matches!(self.output.limiter, Limiter::Speed | Limiter::Off) {
             return setpoint;
         }
-        self.setpoint.step(target, c.speed_rate)
+        self.setpoint.step(target, rate)
     }
 
     /// The wanted voltage, but no more than the current limiter allows. It looks at phase amperes, bus current over duty,

@@ -8,7 +8,7 @@ mod signals;
 mod transitions;
 
 use super::coefficients::Coefficients;
-use super::commutation::Step;
+use super::commutation::{Direction, Step};
 use super::commutator::Commutator;
 use super::control::{Control, Demand};
 use super::event::{Event, HallCalibration, Health, SlowMeasurements};
@@ -110,15 +110,14 @@ impl Drive {
         self
     }
 
-    /// What follows from state and coefficients, and is asked for in every tick. The back-EMF of a coasting motor is listened to before a
-    /// start, too; a hall drive has no use for it.
+    /// What follows from state and coefficients, and is asked for in every tick. The back-EMF of a coasting motor is listened to with the bridge
+    /// off, too, where no hall sensors tell whether it stands.
     fn settle(&mut self) {
         self.wake_halls();
-        let c = &self.coefficients.machine;
         self.listens = if self.machine.state().is_driving() {
             self.machine.is_sensorless()
         } else {
-            c.sensorless_enable && !c.hall_enable
+            !self.coefficients.machine.hall_enable
         };
         self.on_time = self.sampling_limits();
         self.settle_calm();
@@ -214,7 +213,8 @@ impl Drive {
         self.sensorless.beware();
         self.leave_lane();
         let measured = &self.measurement.measured(current);
-        let (c, mode) = (&self.coefficients.control, self.coefficients.mode(self.listens));
+        let c = &self.coefficients;
+        let (c, mode) = (&c.control, c.mode(self.machine.state()));
         let output = self.control.step(c, mode, pattern.demand, measured, &self.measurement);
         self.applied = self.command(pattern, output.duty, output.rectification);
     }
@@ -246,6 +246,7 @@ impl Drive {
         let critical = self.protect(samples, measured, hall);
         self.advance_state(critical, samples);
         let pattern = self.pattern(samples);
+        self.count_commutation();
         self.open_phase.change(pattern.last());
         self.calm_down(samples, pattern.demand);
         if self.reports.stirred {
@@ -333,14 +334,35 @@ impl Drive {
     #[inline(never)]
     fn run_speed_loop(&mut self, speed: i32, current: Amps) {
         let c = &self.coefficients;
-        let mode = c.mode(self.listens);
-        let brought_up = self.machine.state() != State::OpenLoop || self.sensorless.is_caught();
-        let wanted = if brought_up { self.machine.command().speed.to_bits() } else { c.open_loop.speed };
-        let wanted = wanted.min(mode.speed_max).max(mode.speed_min);
+        let mode = c.mode(self.machine.state());
+        let rises = self.machine.state() == State::OpenLoop && !self.sensorless.is_caught();
+        let (wanted, rate) = if rises {
+            let ticks = i64::from(c.control.ticks_per_ms);
+            (c.open_loop.setpoint(self.machine.age()), c.open_loop.rate.saturating_mul(ticks))
+        } else {
+            (self.machine.command().speed.to_bits().min(mode.speed_max).max(mode.speed_min), c.control.speed_rate)
+        };
         let target = if self.machine.reversing() { 0 } else { wanted };
         let bus = (self.measurement.bus_voltage(), current.to_bits());
-        self.control.turn(&c.control, mode, target, speed, bus);
+        self.control.turn(&c.control, mode, (target, rate), speed, bus);
         self.keep_lane();
+    }
+
+    /// Volts of a level that is a share of the bus voltage or, with a nominal supply (parameter 266), volts already; raw I16F16.
+    #[inline]
+    fn volts(&self, level: i32) -> i32 {
+        if self.coefficients.control.levels_of_bus {
+            ((i64::from(self.measurement.bus_voltage()) * i64::from(level)) >> 16) as i32
+        } else {
+            level
+        }
+    }
+
+    /// This tick's commutation tells where the rotor is.
+    #[inline]
+    fn count_commutation(&mut self) {
+        let backward = self.machine.direction() == Direction::Reverse;
+        self.rotor.count_commutation(self.commutator.sector(), backward);
     }
 
     #[inline(never)]

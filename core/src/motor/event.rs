@@ -55,16 +55,20 @@ pub struct Status {
     pub supply_low: bool,
     /// Commanded direction.
     pub direction: Direction,
-    /// Set-point after saturation and ramp, signed.
+    /// Set-point after saturation and ramp, signed, in closed loops and in open loop.
     pub setpoint: ElectricalSpeed,
     /// Estimated speed from the hall sensors, signed.
     pub speed_hall: ElectricalSpeed,
-    /// Estimated speed from back-EMF, signed.
+    /// Estimated speed from back-EMF, signed; in open loop the speed of its field.
     pub speed_sensorless: ElectricalSpeed,
     /// Electrical angle that the commutation uses.
     pub angle: ElectricalAngle,
-    /// Sectors turned since power-up, signed: 6 an electrical revolution.
+    /// Sectors turned since power-up, signed: 6 an electrical revolution. By the hall sensors, or by the commutation where they show nothing.
     pub sectors: i32,
+    /// The rotor is known to stand.
+    pub standstill: bool,
+    /// Nothing shows the rotor now: it may turn while `sectors` stands.
+    pub unseen: bool,
     /// Bus voltage.
     pub bus_voltage: Volts,
     /// Mean DC-link current.

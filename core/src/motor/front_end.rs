@@ -51,6 +51,8 @@ pub struct Board {
     pub earliest: u16,
     /// Both switches of a leg stay off this long between one and the other, ns.
     pub dead_time_ns: u16,
+    /// Resistance of the two switches that conduct in a step, milliohm: what the drive knows of its losses.
+    pub bridge_milliohm: u16,
     /// The hall lines have time-stamping input captures.
     pub hall_capture: bool,
     /// Back-EMF comparators have time-stamping input captures; their edges take the place of the sampled back-EMF.
@@ -73,11 +75,13 @@ impl Board {
         scaled && self.tick_rate >= 1_000 && self.tick_rate <= 100_000
     }
 
-    /// The simulated board: 10 kHz (Table 2, switching frequency), a tick that takes at most 12.5 us, 500 ns dead time.
+    /// The simulated board: 10 kHz (Table 2, switching frequency), a tick that takes at most 12.5 us, 500 ns dead time, two switches
+    /// of 20 milliohm.
     pub const BENCH: Self = Self {
         tick_rate: 10_000,
         earliest: 8_192,
         dead_time_ns: 500,
+        bridge_milliohm: 40,
         hall_capture: true,
         comparator_capture: false,
         front_end: FrontEnd::NARX,

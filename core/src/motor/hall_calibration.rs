@@ -31,14 +31,14 @@ pub enum HallCalibration {
 pub struct HallCalibrationCoefficients {
     /// How fast the field turns, 2^-32 turn a tick: half a revolution a second.
     pub speed: u32,
-    /// Level, raw I16F16 volts: the rotor lock level.
-    pub voltage: i32,
+    /// The rotor lock level (parameter 89).
+    pub level: i32,
 }
 
 impl HallCalibrationCoefficients {
     /// Half an electrical revolution a second at `turns` (2^-32 turn a tick per raw rev/s).
-    pub fn new(turns: Gain, voltage: i32) -> Self {
-        Self { speed: turns.apply32(1 << 15).unsigned_abs(), voltage }
+    pub fn new(turns: Gain, level: i32) -> Self {
+        Self { speed: turns.apply32(1 << 15).unsigned_abs(), level }
     }
 }
 

@@ -49,9 +49,12 @@ pub struct LimitCoefficients {
     pub derating_start: i32,
     /// Per degree above it: 1 / (shutdown - warning).
     pub derating: Gain,
+    /// Resistance of the two switches that conduct, raw I16F16 ohm.
+    pub bridge: i32,
 }
 
-/// Output power rating (Table 1): 150 W up to and including 48 V, 300 W above; W.
+/// Output power rating (Table 1): 150 W up to and including 48 V, 300 W above; W. What leaves the bridge is what enters it less the loss in its
+/// switches, I^2 R; losses that the drive cannot know make the motor's share smaller still.
 const POWER: [u32; 2] = [150, 300];
 /// A supply of 48 V that reads a little high is still 48 V: 0.5 V of measurement tolerance.
 const POWER_STEP: i32 = (48 << 16) + (1 << 15);
@@ -104,7 +107,7 @@ impl CurrentLimit {
         let before = (self.bound, self.phase);
         let target = if turns { c.maximum } else { c.soft_start.min(c.maximum) };
         let table = self.ramp.step(target, c.rate);
-        let power = self.rate_power(c, voltage, current);
+        let power = self.rate_power(c, (voltage, current), phase_current);
         (self.bound, self.limiter) =
             if power < table { (power, Limiter::Power) } else { (table, Limiter::Current) };
         self.phase = self.rate_heat(c, phase_current);
@@ -120,10 +123,13 @@ impl CurrentLimit {
 
     /// The power rating is one of heat, not of an instant, and the current swings with every commutation. So an
     /// integrator of 20 ms moves the bound until the filtered power is the rating.
-    fn rate_power(&mut self, c: &LimitCoefficients, voltage: i32, current: i32) -> i32 {
+    fn rate_power(&mut self, c: &LimitCoefficients, (voltage, current): (i32, i32), phase_current: i32) -> i32 {
         let voltage = voltage.max(1 << 16);
+        let amperes = i64::from(phase_current >> 8);
+        // W with 16 fraction bits; at most 255 W, where the switches are the least worry.
+        let lost = (((amperes * amperes) * i64::from(c.bridge)) >> 16).min(0xFF_FFFF) as u32;
         // Watts over volts in 32 bits: the divisor keeps 11 and more from 18 V on.
-        let rating = (POWER[usize::from(voltage > POWER_STEP)] << 23) / (voltage as u32 >> 9);
+        let rating = ((POWER[usize::from(voltage > POWER_STEP)] << 22) + (lost << 6)) / (voltage as u32 >> 10);
         let room = rating as i32 - current;
         let most = (c.maximum as i64) << 16;
         if room >= 0 && self.power == most {

@@ -60,9 +60,9 @@ pub struct MachineCoefficients {
     pub boot: u32,
     /// Rotor lock (T23).
     pub lock: u32,
-    /// Rotor lock level, raw I16F16 volts.
-    pub lock_voltage: i32,
-    /// Its rise, volts a tick with 16 extra bits: a quarter of the lock.
+    /// Rotor lock level (parameter 89).
+    pub lock_level: i32,
+    /// Its rise a tick with 16 extra bits: a quarter of the lock.
     pub lock_rate: i64,
     /// Open loop before sensorless (T34).
     pub open_loop: u32,

@@ -11,11 +11,12 @@ pub struct OpenLoopCoefficients {
     pub speed: i32,
     /// Rise per tick, raw I16F16 with 16 extra bits (parameters 88 and 109).
     pub rate: i64,
-    /// Voltage while the field stands still (rotor lock level, but no more than the open-loop level), raw I16F16.
-    pub voltage_start: i32,
-    /// Voltage at the end of the ramp (open-loop level), raw I16F16.
-    pub voltage: i32,
-    /// `(voltage - voltage_start) / speed`, volts per rev/s as mantissa x 2^-shift.
+    /// Level while the field stands still (rotor lock level, but no more than the open-loop level). Levels as in
+    /// [`ControlCoefficients::initial_level`](super::control::ControlCoefficients::initial_level).
+    pub level_start: i32,
+    /// Level at the end of the ramp (parameter 87).
+    pub level: i32,
+    /// `(level - level_start) / speed` as mantissa x 2^-shift.
     pub slope: super::gain::Gain,
     /// Turns of 2^-32 a tick per raw rev/s.
     pub turns: super::gain::Gain,
@@ -37,8 +38,16 @@ pub struct Field {
     pub speed: i32,
     /// Electrical rev/s, raw I16F16, signed.
     pub frequency: i32,
-    /// Level, raw I16F16 volts.
-    pub voltage: i32,
+    /// Level.
+    pub level: i32,
+}
+
+impl OpenLoopCoefficients {
+    /// The speed that the ramp has reached so many `ticks` after standstill, raw I16F16 electrical rev/s.
+    pub fn setpoint(&self, ticks: u32) -> i32 {
+        let risen = self.rate.saturating_mul(ticks.into()) >> 16;
+        risen.min(self.speed.into()) as i32
+    }
 }
 
 impl OpenLoop {
@@ -52,13 +61,23 @@ impl OpenLoop {
         let frequency = self.ramp.step(if run { c.speed } else { 0 }, c.rate);
         let speed = c.turns.apply32(frequency) * direction.sign();
         self.angle = self.angle.wrapping_add(speed as u32);
-        let voltage = c.voltage_start.saturating_add(c.slope.apply32(frequency));
+        let level = c.level_start.saturating_add(c.slope.apply32(frequency));
         Field {
             angle: self.angle,
             speed,
             frequency: frequency * direction.sign(),
-            voltage: voltage.min(c.voltage).max(0),
+            level: level.min(c.level).max(0),
         }
+    }
+
+    /// Rotor angle that the field is commutated for, u32 turn.
+    pub const fn angle(&self) -> u32 {
+        self.angle
+    }
+
+    /// Magnitude, electrical rev/s, raw I16F16.
+    pub const fn frequency(&self) -> i32 {
+        self.ramp.value()
     }
 
     /// The field stands still.

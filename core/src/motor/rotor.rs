@@ -1,4 +1,4 @@
-//! Where the rotor is: from the hall sensors, or, in open loop, where the field says it is.
+//! Where the rotor is: from the hall sensors, or, in open loop, where the field says it is; and how far it has turned.
 
 use super::coefficients::Coefficients;
 use super::commutation::Direction;
@@ -13,11 +13,34 @@ use serde::{Deserialize, Serialize};
 pub struct Rotor {
     hall: Hall,
     open_loop: OpenLoop,
-    /// Sectors turned since power-up by the hall sensors, signed, wrapping.
-    sectors: i32,
+    turned: Turned,
     /// Speed by the hall sensors as of this tick, and the 2^-32 turn a tick that it was converted from.
     hall_speed: ElectricalSpeed,
     hall_turns: i32,
+}
+
+/// Sectors turned since power-up. It follows the sector that the rotor is in, so whoever tells it may change: the hall sensors, or the
+/// commutation of a rotor that they do not show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Turned {
+    /// Signed, wrapping.
+    sectors: i32,
+    /// The sector that was reached; `None` until one is known, where the count begins.
+    sector: Option<u8>,
+}
+
+impl Turned {
+    /// The rotor is in `sector` (0..=5): by the shorter way, and half a revolution in the direction of motion.
+    #[inline]
+    const fn reach(&mut self, sector: u8, backward: bool) {
+        if let Some(before) = self.sector {
+            let ahead = if sector >= before { sector - before } else { sector + 6 - before };
+            let forward = ahead < 3 || (ahead == 3 && !backward);
+            let turned = if forward { ahead as i32 } else { ahead as i32 - 6 };
+            self.sectors = self.sectors.wrapping_add(turned);
+        }
+        self.sector = Some(sector);
+    }
 }
 
 /// A rotor position as the commutator wants it.
@@ -34,9 +57,30 @@ impl Rotor {
     #[inline]
     pub fn step(&mut self, c: &Coefficients, samples: &Samples) -> HallEvents {
         let events = self.hall.step(&c.hall, samples);
-        self.sectors = self.sectors.wrapping_add(events.sectors as i32);
+        self.count_halls(events.sectors < 0);
         self.heed_speed(c);
         events
+    }
+
+    /// The hall sensors may show another sector.
+    #[inline]
+    fn count_halls(&mut self, backward: bool) {
+        let shown = if self.hall.is_mute() { None } else { self.hall.sector() };
+        if let Some(sector) = shown
+            && shown != self.turned.sector
+        {
+            self.turned.reach(sector, backward);
+        }
+    }
+
+    /// The bridge was commutated for a rotor in `sector` (0..=5): where the hall sensors show nothing, that is where it is.
+    #[inline]
+    pub const fn count_commutation(&mut self, sector: Option<u8>, backward: bool) {
+        if let Some(sector) = sector
+            && self.hall.is_mute()
+        {
+            self.turned.reach(sector, backward);
+        }
     }
 
     /// One tick with an ordinary edge in the direction of `torque`, `ticks` after the last that was told: true. Else nothing is done.
@@ -45,7 +89,7 @@ impl Rotor {
         if !self.hall.turns(&c.hall, samples, torque, ticks) {
             return false;
         }
-        self.sectors = self.sectors.wrapping_add(torque.sign());
+        self.count_halls(matches!(torque, Direction::Reverse));
         self.heed_speed(c);
         true
     }
@@ -129,8 +173,18 @@ impl Rotor {
         self.hall.diagnostics()
     }
 
-    /// Sectors turned since power-up.
+    /// Sectors turned since power-up, signed: by the hall sensors, or by the commutation where they show nothing.
     pub const fn sectors(&self) -> i32 {
-        self.sectors
+        self.turned.sectors
+    }
+
+    /// Angle of the open-loop field, u32 turn.
+    pub const fn field_angle(&self) -> u32 {
+        self.open_loop.angle()
+    }
+
+    /// Frequency of the open-loop field, a magnitude, raw I16F16 electrical rev/s.
+    pub const fn field_frequency(&self) -> i32 {
+        self.open_loop.frequency()
     }
 }

@@ -22,7 +22,8 @@ use super::state::State;
 use super::zero_crossing::{Why, ZeroCrossing};
 use serde::{Deserialize, Serialize};
 
-/// Coefficients of the sensorless station. Times are in ticks.
+/// Coefficients of the sensorless station. Times are in ticks, levels as
+/// [`ControlCoefficients::initial_level`](super::control::ControlCoefficients::initial_level) has them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SensorlessCoefficients {
     /// The floating phase.
@@ -37,14 +38,14 @@ pub struct SensorlessCoefficients {
     pub rest: u32,
     /// Two locks together.
     pub align: u32,
-    /// Rise of the lock level, V a tick with 16 extra bits.
+    /// Rise of the lock level a tick, 16 extra bits.
     pub align_rate: i64,
-    /// Level of the locks, raw I16F16 V.
-    pub align_voltage: i32,
-    /// Rise of the kick (parameters 87 and 109), V a tick with 16 extra bits.
+    /// Level of the locks (parameter 89).
+    pub align_level: i32,
+    /// Rise of the kick a tick, 16 extra bits.
     pub kick_rate: i64,
-    /// Level at which the kick ends (parameter 87), raw I16F16 V.
-    pub kick_voltage: i32,
+    /// Level at which the kick ends (parameter 87).
+    pub kick_level: i32,
     /// Without any crossing at the full level the field steps on after this.
     pub kick_patience: u32,
     /// A kick that has not led to closed loop within this is given up.
@@ -76,7 +77,7 @@ pub enum Plan {
     Coast,
     /// Windings shorted by the low-side switches.
     Short,
-    /// A fixed pattern at this level, raw I16F16 V.
+    /// A fixed pattern at this level.
     Hold(Step, i32),
     /// Commutate by the estimator at this level.
     Level(i32),
@@ -330,13 +331,13 @@ impl Sensorless {
     /// Two locks, 60 degrees apart, the second from the side that the rotor is to turn to: one that rests on the dead point of the
     /// first is off that of the second. Three-phase, which damps the swing.
     fn align(&mut self, c: &SensorlessCoefficients, torque: Direction) -> Plan {
-        let voltage = self.level.step(c.align_voltage, c.align_rate);
+        let level = self.level.step(c.align_level, c.align_rate);
         let step = match torque {
             _ if self.age > c.align / 2 => Step::LockCA,
             Direction::Forward => Step::LockC,
             Direction::Reverse => Step::LockA,
         };
-        Plan::Hold(step, voltage)
+        Plan::Hold(step, level)
     }
 
     fn kick_off(&mut self, c: &SensorlessCoefficients, torque: Direction) -> Plan {
@@ -351,7 +352,7 @@ impl Sensorless {
             self.idle = 0;
             return Plan::Coast;
         }
-        let level = self.level.step(c.kick_voltage, c.kick_rate);
+        let level = self.level.step(c.kick_level, c.kick_rate);
         if self.rotor.is_prepared() {
             self.go(Phase::Run);
             self.begun = Some(false);
@@ -361,7 +362,7 @@ impl Sensorless {
             self.end(Rail::Stall);
             return Plan::Coast;
         }
-        if level >= c.kick_voltage && self.idle > c.kick_patience {
+        if level >= c.kick_level && self.idle > c.kick_patience {
             self.rotor.force_step();
             self.idle = 0;
         }
@@ -433,6 +434,16 @@ impl Sensorless {
     /// The rotor is being brought up.
     pub const fn is_kicking(&self) -> bool {
         matches!(self.phase, Phase::Kick)
+    }
+
+    /// The bridge holds the rotor or turns it: it does not coast.
+    pub const fn is_led(&self) -> bool {
+        matches!(self.phase, Phase::Align | Phase::Kick | Phase::Run)
+    }
+
+    /// The bridge is off, and no terminal has shown a turning rotor for long enough: it stands.
+    pub fn hears_rest(&self, c: &SensorlessCoefficients) -> bool {
+        self.listening.quiet() >= c.rest || self.listening.still() >= STILL * c.rest
     }
 
     /// The estimator runs the motor.

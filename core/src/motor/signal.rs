@@ -51,6 +51,8 @@ pub enum Signal {
     Fault = 20,
     /// Digital inputs: 1 driver fault, 2 emergency, 4 DSI1, 8 DSI2.
     Inputs = 21,
+    /// Mechanical angle since power-up within a revolution, to one sector.
+    Position = 22,
 }
 
 /// A signal as it is published.
@@ -67,7 +69,7 @@ pub struct SignalRow {
 }
 
 /// Every signal in the order of its bit. Speeds are mechanical, and negative in reverse.
-pub const DRIVE_SIGNALS: [SignalRow; 22] = [
+pub const DRIVE_SIGNALS: [SignalRow; 23] = [
     row(Signal::SetPoint, "Speed set-point", "rpm", SPEED_BASE),
     row(Signal::SpeedSensorless, "Mechanical estimated speed SL", "rpm", SPEED_BASE),
     row(Signal::SpeedHall, "Mechanical estimated speed HES", "rpm", SPEED_BASE),
@@ -90,6 +92,7 @@ pub const DRIVE_SIGNALS: [SignalRow; 22] = [
     row(Signal::PeriodCurrent, "HV Current of one period", "A", 2),
     row(Signal::Fault, "Fault bit", "-", 4),
     row(Signal::Inputs, "Digital inputs", "-", 2),
+    row(Signal::Position, "Mechanical position", "deg", 360),
 ];
 
 /// Speeds, rpm.
@@ -118,21 +121,44 @@ impl Signal {
     }
 }
 
-/// Electrical speed (raw I16F16 rev/s) to samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SpeedScale(i32);
+/// Electrical quantities of the shaft to samples of mechanical ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ShaftScale {
+    /// Samples a raw rev/s, 32 fraction bits.
+    speed: i32,
+    /// Sectors a mechanical revolution.
+    sectors: u16,
+}
 
-impl SpeedScale {
+impl Default for ShaftScale {
+    /// One pole pair.
+    fn default() -> Self {
+        Self::new(1)
+    }
+}
+
+impl ShaftScale {
     /// For so many pole pairs; 0 counts as 1.
     pub const fn new(pole_pairs: u16) -> Self {
         let pole_pairs = if pole_pairs == 0 { 1 } else { pole_pairs as i64 };
         // Samples of 1 rpm, times 60 rpm of 1 rev/s, with 32 fraction bits less the raw value's 16.
-        Self((((60 * 4096) << 16) / (SPEED_BASE * pole_pairs)) as i32)
+        let speed = (((60 * 4096) << 16) / (SPEED_BASE * pole_pairs)) as i32;
+        Self { speed, sectors: (6 * pole_pairs) as u16 }
     }
 
-    /// The sample of `speed`, not yet saturated.
+    /// The sample of an electrical `speed` (raw I16F16 rev/s), not yet saturated.
     #[inline]
-    pub const fn apply(self, speed: i32) -> i32 {
-        ((speed as i64 * self.0 as i64) >> 32) as i32
+    pub const fn speed(self, speed: i32) -> i32 {
+        ((speed as i64 * self.speed as i64) >> 32) as i32
+    }
+
+    /// The sample of so many `sectors` since power-up: the place within a mechanical revolution, 0 to 4095.
+    #[inline]
+    pub const fn position(self, sectors: i32) -> i32 {
+        let revolution = if self.sectors == 0 { 6 } else { self.sectors as i32 };
+        // Not `rem_euclid`, which can panic.
+        let place = sectors % revolution;
+        let place = if place < 0 { place + revolution } else { place };
+        (place << 12) / revolution
     }
 }

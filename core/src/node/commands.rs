@@ -60,8 +60,12 @@ impl Commands {
                 let fixed = parameters.raw(number::OPEN_LOOP_SPEED);
                 (fixed, fixed)
             }
-            Mode::Sensorless => (parameters.raw(number::SPEED_MIN_SL), parameters.raw(number::SPEED_MAX_SL)),
-            Mode::Hall => (parameters.raw(number::SPEED_MIN_HES), parameters.raw(number::SPEED_MAX_HES)),
+            Mode::Sensorless => {
+                (parameters.speed_limit(number::SPEED_MIN_SL), parameters.speed_limit(number::SPEED_MAX_SL))
+            }
+            Mode::Hall => {
+                (parameters.speed_limit(number::SPEED_MIN_HES), parameters.speed_limit(number::SPEED_MAX_HES))
+            }
         };
         // Not `clamp`, which panics when min > max: such a set does not build, but can be written.
         i32::from(speed).max(min).min(max).clamp(0, u16::MAX.into()) as u16

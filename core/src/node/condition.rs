@@ -43,7 +43,31 @@ bitflags! {
     }
 }
 
+bitflags! {
+    /// What is worth knowing and is no fault (parameter 304).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Diagnostics: u16 {
+        /// The bus is below 18 V (Table 2).
+        const SUPPLY_LOW = 1 << 0;
+        /// The rotor may have turned unseen since power-up, or since parameter 17 set the mechanical position.
+        const POSITION_UNKNOWN = 1 << 1;
+        /// Sensorless control is enabled, and a stable wrong lock would not be found: parameter 267 or 268 is 0.
+        const WRONG_LOCK_UNSEEN = 1 << 2;
+    }
+}
+
 impl Node {
+    /// What is worth knowing and is no fault.
+    pub(super) fn diagnostics(&self) -> Diagnostics {
+        let is_zero = |number| self.parameters.raw(number) == 0;
+        let blind = is_zero(number::BACK_EMF_CONSTANT) || is_zero(number::WINDING_RESISTANCE);
+        let mut found = Diagnostics::empty();
+        found.set(Diagnostics::SUPPLY_LOW, self.status.supply_low);
+        found.set(Diagnostics::POSITION_UNKNOWN, self.position_lost);
+        found.set(Diagnostics::WRONG_LOCK_UNSEEN, blind && !is_zero(number::SENSORLESS_ENABLE));
+        found
+    }
+
     /// Takes the cause of the start, at power-up.
     pub fn handle_reset_cause(&mut self, cause: ResetCause) {
         self.put(number::RESET_CAUSE, cause as i32);

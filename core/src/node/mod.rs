@@ -92,6 +92,8 @@ pub struct Node {
     sectors: i64,
     /// Mechanical position at sector 0, 0.01 degrees (parameters 16 and 17).
     position_offset: i32,
+    /// The rotor may have turned unseen since the position was set (parameter 17), or since power-up.
+    position_lost: bool,
     /// The last reading; `None` before the first.
     inputs: Option<SlowInputs>,
     motion: Motion,
@@ -154,6 +156,7 @@ impl Node {
             status: Status { command_expired: true, ..Status::default() },
             sectors: 0,
             position_offset: 0,
+            position_lost: false,
             inputs: None,
             motion: Motion::default(),
             digital: DigitalOutputs::default(),
@@ -212,6 +215,7 @@ impl Node {
         let before = core::mem::replace(&mut self.status, status);
         let turned = status.sectors.wrapping_sub(before.sectors);
         self.sectors = self.sectors.wrapping_add(turned.into());
+        self.position_lost |= status.unseen;
         if !status.state.is_driving() {
             self.commands.select_mode(&self.parameters);
         }

@@ -77,6 +77,7 @@ impl Node {
             number::TILT => self.motion.tilt().into(),
             number::VIBRATION => self.motion.vibration().into(),
             number::FRAMES_LOST => self.outbox.lost() as i32,
+            number::DIAGNOSTICS => self.diagnostics().bits().into(),
             number::REJECTED_PARAMETER => self.rejected.unwrap_or(u16::MAX).into(),
             _ => self.parameters.value(number)?,
         })
@@ -219,6 +220,7 @@ impl Node {
             number::SET_POSITION => {
                 let wanted = self.parameters.raw(number::POSITION_CALIBRATION);
                 self.position_offset = wanted.wrapping_sub(self.raw_position());
+                self.position_lost = self.status.unseen;
             }
             number::RESET_CALIBRATION => self.reset_calibration(),
             number::AUTO_CALIBRATE => {

@@ -5,7 +5,7 @@ use super::requests::Refused;
 use crate::bus::Frame;
 use crate::bus::narmotion::FromDrive;
 use crate::dictionary::{Parameters, number};
-use crate::motor::signal::{Signal, SpeedScale};
+use crate::motor::signal::{Signal, ShaftScale};
 use crate::scope::{Block, Report, Request, SCOPE, Setup, State, Threshold, Trigger, period};
 use crate::units::quotient;
 use heapless::{Deque, Vec};
@@ -146,7 +146,7 @@ fn setup(parameters: &Parameters, tick_rate: u32) -> Option<Setup> {
         prescaler: word(number::SCOPE_PRESCALER),
         before: word(number::SCOPE_TRIGGER_PHASE),
         trigger: trigger(parameters)?,
-        speed: SpeedScale::new(word(number::MOTOR_POLE_PAIRS)),
+        speed: ShaftScale::new(word(number::MOTOR_POLE_PAIRS)),
     })
 }
 

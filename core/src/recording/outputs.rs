@@ -120,6 +120,8 @@ fn status_fields(status: &Status, see: See<'_>) {
         speed_sensorless,
         angle,
         sectors,
+        standstill,
+        unseen,
         bus_voltage,
         bus_current,
         power,
@@ -148,6 +150,8 @@ fn status_fields(status: &Status, see: See<'_>) {
     see("speed_sensorless", speed_sensorless.to_bits().into());
     see("angle", angle.0.into());
     see("sectors", (*sectors).into());
+    see("standstill", (*standstill).into());
+    see("unseen", (*unseen).into());
     see("bus_voltage", bus_voltage.to_bits().into());
     see("bus_current", bus_current.to_bits().into());
     see("power", power.to_bits().into());

@@ -3,7 +3,7 @@
 use super::RECORDER;
 use super::memory::Memory;
 use super::setup::{SIGNALS_A_TICK, Setup, Threshold, Trigger};
-use crate::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
+use crate::motor::signal::{DRIVE_SIGNALS, Signal, ShaftScale};
 use heapless::Vec;
 
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub(super) struct Plan {
     pub(super) pause: u16,
     pub(super) rest: u8,
     pub(super) watch: Watch,
-    pub(super) speed: SpeedScale,
+    pub(super) speed: ShaftScale,
 }
 
 impl Plan {
@@ -37,7 +37,7 @@ impl Plan {
             pause: 0,
             rest: 0,
             watch: Watch::Nothing,
-            speed: SpeedScale::new(1),
+            speed: ShaftScale::new(1),
         }
     }
 

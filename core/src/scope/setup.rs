@@ -1,6 +1,6 @@
 //! What the scope is asked to record, and when.
 
-use crate::motor::signal::{DRIVE_SIGNALS, Signal, SpeedScale};
+use crate::motor::signal::{DRIVE_SIGNALS, Signal, ShaftScale};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,7 @@ pub struct Setup {
     /// What the scope waits for.
     pub trigger: Trigger,
     /// Of the speeds.
-    pub speed: SpeedScale,
+    pub speed: ShaftScale,
 }
 
 /// What begins the recording. A second trigger request does so, too, whatever is chosen here.

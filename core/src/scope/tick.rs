@@ -14,7 +14,7 @@ use super::memory::{Course, Half, Memory, PATIENCE, Phase, Progress};
 use super::plan::Watch;
 use super::setup::SIGNALS_A_TICK;
 use super::{Answer, Order, SCOPE, State};
-use crate::motor::signal::{Signal, SpeedScale};
+use crate::motor::signal::{Signal, ShaftScale};
 use crate::motor::{Drive, Event, Samples};
 use core::borrow::BorrowMut;
 
@@ -294,7 +294,7 @@ impl Progress {
 
 /// Fewer signals than a tick has time for.
 #[inline(never)]
-fn sample_few(drive: &Drive, signals: &[Signal], speed: SpeedScale, samples: &Samples, words: &mut [u16]) {
+fn sample_few(drive: &Drive, signals: &[Signal], speed: ShaftScale, samples: &Samples, words: &mut [u16]) {
     for (word, signal) in words.iter_mut().zip(signals) {
         *word = drive.sample(*signal, speed, samples) as u16;
     }

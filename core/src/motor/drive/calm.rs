@@ -216,7 +216,7 @@ impl Drive {
         let lane = Lane {
             voltage: c.protection.bus_voltage(BUS_MIN + 1, c.control.bus_guard),
             current: c.protection.bus_current(),
-            duty: c.control.duties(c.mode(self.listens).duty_max),
+            duty: c.control.duties(c.mode(self.machine.state()).duty_max),
         };
         self.calm.bounds = Bounds { lane, lines: c.protection.lines() };
         self.leave_lane();
@@ -257,12 +257,21 @@ impl Drive {
         self.calm.halls = Sleep::default();
     }
 
+    /// Open loop turns its field, whatever the rotor does.
+    #[inline]
+    pub(super) const fn turns_field(&self) -> bool {
+        matches!(self.machine.state(), State::OpenLoop) && !self.machine.calibrating() && !self.machine.is_sensorless()
+    }
+
     /// Where the rotor is by the running mode: angle and speed, u32 turn and 2^-32 turn a tick.
     #[inline]
     pub(super) fn place(&self) -> (u32, i32) {
         if self.listens {
             let rotor = self.sensorless.rotor();
             (rotor.angle(), rotor.speed())
+        } else if self.turns_field() {
+            // Its ticks look at everything: nobody asks for the speed.
+            (self.rotor.field_angle(), 0)
         } else {
             let position = self.rotor.hall_position();
             (position.angle, position.speed)

@@ -63,7 +63,7 @@ impl Drive {
         self.heed_speed();
         let c = &self.coefficients;
         match self.sensorless.take_begun() {
-            Some(true) => self.control.start(&c.control, speed),
+            Some(true) => self.control.start(&c.control, speed, self.volts(c.control.initial_level)),
             // A light rotor may have leapt beyond what is ever asked of it: the set-point does not.
             Some(false) => {
                 let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
@@ -76,8 +76,8 @@ impl Drive {
             Plan::Short => {
                 return Pattern { short: true, ..Pattern::hold(Demand::Voltage { voltage: 0 }, Step::LockA) };
             }
-            Plan::Hold(step, voltage) => return Pattern::hold(Demand::Voltage { voltage }, step),
-            Plan::Level(voltage) => Demand::Voltage { voltage },
+            Plan::Hold(step, level) => return Pattern::hold(self.level(level), step),
+            Plan::Level(level) => self.level(level),
             Plan::Speed(fade) => Demand::Speed { measured: speed, fade },
         };
         let rotor = self.sensorless.rotor();
@@ -92,16 +92,20 @@ impl Drive {
     /// of the second.
     fn calibration_lock(&mut self) -> Pattern {
         let c = &self.coefficients.machine;
-        let voltage = self.lock.step(c.lock_voltage, c.lock_rate);
+        let level = self.lock.step(c.lock_level, c.lock_rate);
         let second = self.machine.age() >= c.lock / 2;
-        Pattern::hold(Demand::Voltage { voltage }, if second { HallCalibrator::LOCK } else { Step::LockB })
+        Pattern::hold(self.level(level), if second { HallCalibrator::LOCK } else { Step::LockB })
     }
 
     fn hall_calibration(&mut self, samples: &Samples) -> Pattern {
         let c = &self.coefficients.hall_calibration;
         let (step, calibration) = self.calibrator.step(c, samples.hall);
         self.calibration = calibration;
-        Pattern::hold(Demand::Voltage { voltage: c.voltage }, step)
+        Pattern::hold(self.level(c.level), step)
+    }
+
+    fn level(&self, level: i32) -> Demand {
+        Demand::Voltage { voltage: self.volts(level) }
     }
 
     fn open_loop(&mut self) -> Pattern {
@@ -110,7 +114,7 @@ impl Drive {
         let field = self.rotor.step_open_loop(&self.coefficients, direction, run);
         let (step, commutations) =
             self.commutator.step(&self.coefficients.commutator, field.angle, field.speed, direction);
-        Pattern { demand: Demand::Voltage { voltage: field.voltage }, step, commutations, short: false }
+        Pattern { demand: self.level(field.level), step, commutations, short: false }
     }
 
     /// A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,

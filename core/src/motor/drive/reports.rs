@@ -64,28 +64,53 @@ impl Drive {
         self.reports = Reports { state, faults, stirred, due: true, tick, terminals };
     }
 
-    /// Set-point after saturation and ramp while a speed loop runs, signed, raw I16F16 electrical rev/s.
+    /// Set-point after saturation and ramp while a speed loop or the open-loop field runs, signed, raw I16F16 electrical rev/s.
     pub(super) fn setpoint(&self) -> i32 {
         let closed = match self.machine.state() {
             State::HallClosedLoop => true,
             State::SensorlessClosedLoop | State::SensorlessAutoRestart => self.sensorless.is_running(),
             _ => false,
         };
-        let setpoint = if closed { self.control.setpoint() } else { 0 };
+        let setpoint = match closed {
+            true => self.control.setpoint(),
+            false if self.turns_field() => self.rotor.field_frequency(),
+            false => 0,
+        };
         match self.machine.direction() {
             Direction::Forward => setpoint,
             Direction::Reverse => setpoint.saturating_neg(),
         }
     }
 
-    /// Speed by back-EMF, signed, raw I16F16 electrical rev/s; 0 if nobody listens.
+    /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by back-EMF, or that of the open-loop field; 0 if neither is there.
     pub(super) const fn speed_sensorless(&self) -> i32 {
-        if self.listens { self.sensorless_speed() } else { 0 }
+        if self.listens {
+            self.sensorless_speed()
+        } else if self.turns_field() {
+            self.machine.direction().signed(self.rotor.field_frequency())
+        } else {
+            0
+        }
     }
 
-    /// Electrical angle that the commutation uses, u32 turn.
-    pub(super) const fn angle(&self) -> u32 {
-        if self.listens { self.sensorless.rotor().angle() } else { self.rotor.hall_position().angle }
+    /// The rotor is known to stand: no sensor sees it turn, and one would.
+    fn stands_still(&self) -> bool {
+        let (mute, stopped) = (self.rotor.hall_mute(), self.rotor.hall_stopped(&self.coefficients));
+        if self.listens {
+            self.sensorless.hears_rest(&self.coefficients.sensorless) && (mute || stopped)
+        } else {
+            stopped && !mute
+        }
+    }
+
+    /// The rotor may turn while [`Status::sectors`] stands: no hall sensor shows it, and no commutation leads or follows it.
+    fn loses_sight(&self) -> bool {
+        let led = match self.machine.state() {
+            // The position is counted from here.
+            State::Initialization => true,
+            state => state.is_driving() && (!self.machine.is_sensorless() || self.sensorless.is_led()),
+        };
+        self.rotor.hall_mute() && !led && !self.stands_still()
     }
 
     fn status(&self) -> Status {
@@ -111,6 +136,8 @@ impl Drive {
             speed_sensorless: ElectricalSpeed::from_bits(self.speed_sensorless()),
             angle: ElectricalAngle((self.angle() >> 16) as u16),
             sectors: self.rotor.sectors(),
+            standstill: self.stands_still(),
+            unseen: self.loses_sight(),
             bus_voltage: Volts::from_bits(voltage),
             bus_current: Amps::from_bits(current),
             power: Watts::from_bits(crate::units::saturate64(power)),

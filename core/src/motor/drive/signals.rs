@@ -3,8 +3,9 @@
 use super::Drive;
 use crate::motor::fault::FaultWord;
 use crate::motor::samples::Samples;
-use crate::motor::signal::{Signal, SpeedScale};
+use crate::motor::signal::{Signal, ShaftScale};
 use crate::motor::zero_crossing::Why;
+use crate::units::Duty;
 
 impl Drive {
     /// FAULT_WORD: what is present or latched.
@@ -19,8 +20,8 @@ impl Drive {
     }
 
     /// Sample of a signal as of the last step, Q3.12 of its base in [`DRIVE_SIGNALS`](crate::motor::signal::DRIVE_SIGNALS): what a scope would record.
-    pub fn signal(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i16 {
-        self.sample(signal, speed, samples) as i16
+    pub fn signal(&self, signal: Signal, shaft: ShaftScale, samples: &Samples) -> i16 {
+        self.sample(signal, shaft, samples) as i16
     }
 
     /// The last step was not one that looks at everything.
@@ -34,26 +35,26 @@ impl Drive {
     pub(crate) fn sample4(
         &self,
         signals: &[Signal; 4],
-        speed: SpeedScale,
+        shaft: ShaftScale,
         samples: &Samples,
         words: &mut [u16; 4],
     ) {
         let ([a, b, c, d], [to_a, to_b, to_c, to_d]) = (signals, words);
-        *to_a = self.sample(*a, speed, samples) as u16;
-        *to_b = self.sample(*b, speed, samples) as u16;
-        *to_c = self.sample(*c, speed, samples) as u16;
-        *to_d = self.sample(*d, speed, samples) as u16;
+        *to_a = self.sample(*a, shaft, samples) as u16;
+        *to_b = self.sample(*b, shaft, samples) as u16;
+        *to_c = self.sample(*c, shaft, samples) as u16;
+        *to_d = self.sample(*d, shaft, samples) as u16;
     }
 
     /// Sample of one signal. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn. What cannot leave the range is not bounded.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     #[cfg_attr(target_arch = "wasm32", inline(never))]
-    pub(crate) fn sample(&self, signal: Signal, speed: SpeedScale, samples: &Samples) -> i32 {
+    pub(crate) fn sample(&self, signal: Signal, shaft: ShaftScale, samples: &Samples) -> i32 {
         let terminal = |code| bounded(self.coefficients.measurement.phase_voltage.convert(code) >> 8);
         match signal {
-            Signal::SetPoint => bounded(speed.apply(self.setpoint())),
-            Signal::SpeedSensorless => bounded(speed.apply(self.speed_sensorless())),
-            Signal::SpeedHall => bounded(speed.apply(self.rotor.hall_speed().to_bits())),
+            Signal::SetPoint => bounded(shaft.speed(self.setpoint())),
+            Signal::SpeedSensorless => bounded(shaft.speed(self.speed_sensorless())),
+            Signal::SpeedHall => bounded(shaft.speed(self.rotor.hall_speed().to_bits())),
             Signal::BusVoltage => bounded(self.measurement.bus_voltage() >> 8),
             Signal::BusCurrent => bounded(self.measurement.bus_current() >> 5),
             Signal::Power => {
@@ -64,7 +65,7 @@ impl Drive {
             Signal::TerminalB => terminal(samples.phase_voltage[1]),
             Signal::TerminalC => terminal(samples.phase_voltage[2]),
             Signal::Duty => i32::from(self.applied.duty.to_bits() >> 3),
-            Signal::Angle => (self.angle_now() >> 20) as i32,
+            Signal::Angle => (self.angle() >> 20) as i32,
             Signal::State => (self.machine.state() as i32) << 12,
             Signal::Limiter => (self.limiter() as i32) << 11,
             Signal::Step => (self.applied.step as i32) << 11,
@@ -81,12 +82,18 @@ impl Drive {
                 word => (word.trailing_zeros() as i32) << 10,
             },
             Signal::Inputs => bounded(i32::from(samples.lines.bits()) << 11),
+            Signal::Position => shaft.position(self.rotor.sectors()),
         }
     }
 
     /// Electrical angle that the commutation uses, u32 turn: an estimator that sleeps would have turned it on.
     #[inline]
-    fn angle_now(&self) -> u32 {
+    pub(super) fn angle(&self) -> u32 {
+        if let Some(lock) = self.applied.step.lock_angle()
+            && self.applied.duty != Duty::ZERO
+        {
+            return lock;
+        }
         let (angle, speed) = self.place();
         angle.wrapping_add((speed as u32).wrapping_mul(self.calm.slept()))
     }

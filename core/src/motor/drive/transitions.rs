@@ -54,6 +54,7 @@ impl Drive {
         }
         let c = &self.coefficients;
         let direction = self.machine.direction();
+        let initial = self.volts(c.control.initial_level);
         match change.row.to {
             // What was seen while supplies came up and has gone is nobody's fault; what has not is latched again.
             State::Standby if !change.row.from.is_driving() => self.protection.acknowledge(),
@@ -62,7 +63,7 @@ impl Drive {
             }
             State::RotorLock => {
                 self.lock = Ramp::default();
-                self.control.start(&c.control, 0);
+                self.control.start(&c.control, 0, initial);
                 if self.machine.calibrating() {
                     self.calibration = HallCalibration::Running;
                 } else {
@@ -72,25 +73,25 @@ impl Drive {
             State::OpenLoop if self.machine.is_sensorless() => {}
             State::SensorlessClosedLoop if self.sensorless.is_running() => {
                 let brought_up = change.row.from == State::OpenLoop && !self.sensorless.is_caught();
-                if brought_up && c.control.initial_voltage > 0 {
-                    self.control.hand_over(self.control.setpoint(), c.control.initial_voltage);
+                if brought_up && initial > 0 {
+                    self.control.hand_over(self.control.setpoint(), initial);
                 }
             }
             State::SensorlessAutoRestart => {
                 self.sensorless.start(false);
-                self.control.start(&c.control, 0);
+                self.control.start(&c.control, 0, initial);
             }
             State::OpenLoop => {
                 if self.machine.calibrating() {
                     self.calibrator.start(samples.hall);
                 } else {
                     self.rotor.start_open_loop(0, direction);
-                    self.control.start(&c.control, 0);
+                    self.control.start(&c.control, 0, initial);
                 }
             }
             State::HallClosedLoop => {
                 let speed = self.rotor.hall_speed().to_bits().saturating_mul(direction.sign());
-                self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0));
+                self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0), initial);
             }
             _ => {}
         }

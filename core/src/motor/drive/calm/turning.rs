@@ -26,6 +26,7 @@ impl Drive {
             }
         };
         self.applied.commutations = commutations;
+        self.count_commutation();
         let present = self.commutator.present();
         self.calm.step = present;
         self.sensorless.beware();
@@ -145,6 +146,7 @@ impl Drive {
         }
         let (step, commutations) = self.commutator.step(c, angle, speed, torque);
         self.applied.commutations = commutations;
+        self.count_commutation();
         self.sensorless.beware();
         (step, self.commutator.calm(angle, speed))
     }
