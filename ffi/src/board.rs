@@ -25,6 +25,8 @@ pub struct narx_board_t {
     pub earliest: u16,
     /// Both switches of a leg stay off this long between one and the other, ns.
     pub dead_time_ns: u16,
+    /// Resistance of the two switches that conduct in a step, milliohm: what the drive knows of its losses (output power, Table 1).
+    pub bridge_milliohm: u16,
     /// Not 0: the hall lines have time-stamping input captures.
     pub hall_capture: u8,
     /// Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
@@ -63,6 +65,7 @@ impl From<&narx_board_t> for Board {
             tick_rate: board.tick_rate,
             earliest: board.earliest,
             dead_time_ns: board.dead_time_ns,
+            bridge_milliohm: board.bridge_milliohm,
             hall_capture: board.hall_capture != 0,
             comparator_capture: board.comparator_capture != 0,
             front_end: FrontEnd {
@@ -76,13 +79,22 @@ impl From<&narx_board_t> for Board {
 
 impl From<Board> for narx_board_t {
     fn from(
-        Board { tick_rate, earliest, dead_time_ns, hall_capture, comparator_capture, front_end }: Board,
+        Board {
+            tick_rate,
+            earliest,
+            dead_time_ns,
+            bridge_milliohm,
+            hall_capture,
+            comparator_capture,
+            front_end,
+        }: Board,
     ) -> Self {
         let FrontEnd { bus_voltage, phase_voltage, bus_current } = front_end;
         Self {
             tick_rate,
             earliest,
             dead_time_ns,
+            bridge_milliohm,
             hall_capture: hall_capture.into(),
             comparator_capture: comparator_capture.into(),
             bus_voltage: bus_voltage.into(),

@@ -2,7 +2,7 @@
 
 use crate::trace::{Signal, Trace};
 use alloc::string::{String, ToString};
-use narx_core::motor::signal::{DRIVE_SIGNALS, Signal as DriveSignal, ShaftScale};
+use narx_core::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal as DriveSignal};
 use narx_core::motor::{Drive, Samples, Status};
 use narx_core::recording::{Outputs, Player, Recording, ReplayError};
 

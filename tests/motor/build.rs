@@ -40,12 +40,12 @@ const POLE_PAIRS: f64 = 5.0;
 const RPM: f64 = POLE_PAIRS / 60.0;
 
 const ROWS: [Row; 31] = [
-    row(number::INITIAL_DUTY, 5.0, |c| fixed(c.control.initial_voltage), 2.0),
-    row(number::OPEN_LOOP_DUTY, 10.0, |c| fixed(c.open_loop.voltage), 4.0),
+    row(number::INITIAL_DUTY, 5.0, |c| fixed(c.control.initial_level), 2.0),
+    row(number::OPEN_LOOP_DUTY, 10.0, |c| fixed(c.open_loop.level), 4.0),
     row(number::OPEN_LOOP_SPEED, 600.0, |c| fixed(c.open_loop.speed), 50.0),
     // 50 rev/s in 2500 ticks.
     row(number::OPEN_LOOP_RAMP, 0.25, |c| extended(c.open_loop.rate), 50.0 / 2500.0),
-    row(number::LOCK_DUTY, 8.0, |c| fixed(c.machine.lock_voltage), 3.2),
+    row(number::LOCK_DUTY, 8.0, |c| fixed(c.machine.lock_level), 3.2),
     row(number::LOCK_DURATION, 0.2, |c| f64::from(c.machine.lock), 2000.0),
     row(number::OPEN_LOOP_DURATION, 0.7, |c| f64::from(c.machine.open_loop), 7000.0),
     row(number::FAULT_WAIT, 300.0, |c| f64::from(c.machine.fault_wait), 3000.0),

@@ -103,7 +103,8 @@ fn news_ends_a_calm() {
         for set_point in [2_500.0, 1_000.0, 2_000.0] {
             closed.set_point = set_point;
             closed.ask(Request::Drive);
-            assert_eq!(closed.run(3_000), Outcome::Running);
+            // Friction alone takes 0.38 s from 2500 to 1000 rpm: the drive does not brake into the bus.
+            assert_eq!(closed.run(4_500), Outcome::Running);
             assert!((closed.rpm() - set_point).abs() < 0.1 * set_point, "{} rpm", closed.rpm());
         }
         closed.plant.inject(Injection::Ambient(193.0));
@@ -178,7 +179,7 @@ fn an_open_phase_is_told_in_its_tick() {
             assert!(matches!(outcome, Outcome::Fault { code: found, .. } if found == code), "{outcome:?}");
         } else {
             // Its crossings are gone first.
-            assert_eq!(closed.drive.state(), State::SensorlessAutoRestart, "{phase:?}");
+            assert_eq!(closed.drive.state(), State::SensorlessAutoRestart, "{phase:?} {outcome:x?}");
         }
     }
 }

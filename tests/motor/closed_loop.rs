@@ -121,7 +121,9 @@ fn every_fault_from_its_physical_cause() {
         ("break input", Injection::Break, code(Cause::EmergencyLine), 2),
         ("DSI1", Injection::Dsi1, code(Cause::ShutdownLine), 12),
     ];
-    let mut running = Closed::new(&wired(0, 0), &[(number::SHUTDOWN_INPUT, 1)]);
+    // Over-pressure is critical only where the mask says so.
+    let changes = [(number::SHUTDOWN_INPUT, 1), (number::CRITICAL_FAULT_MASK, 0xFC00_00FE_u32.cast_signed())];
+    let mut running = Closed::new(&wired(0, 0), &changes);
     running.boot();
     running.ask(Request::Drive);
     assert_eq!(running.run(20_000), Outcome::Running);

@@ -31,7 +31,7 @@ impl Loops {
             Samples { bus_voltage: bus_code(24.0), bus_current: current_code(0.0), ..Samples::default() };
         let current = measurement.step(&c.measurement, &samples);
         let mut control = Control::default();
-        control.start(&c.control, 0);
+        control.start(&c.control, 0, 0);
         Self { c, control, measurement, current }
     }
 
@@ -56,7 +56,7 @@ impl Loops {
     /// One turn of the speed loop at another speed.
     fn turn(&mut self, speed: i32) {
         let bus = (self.measurement.bus_voltage(), self.current.to_bits());
-        self.control.turn(&self.c.control, &self.c.hall_mode, SPEED, speed, bus);
+        self.control.turn(&self.c.control, &self.c.hall_mode, (SPEED, self.c.control.speed_rate), speed, bus);
     }
 }
 

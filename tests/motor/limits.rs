@@ -15,6 +15,7 @@ fn coefficients() -> LimitCoefficients {
         phase_current: 12 * AMPERE,
         derating_start: 185 << 16,
         derating: Gain::from_ratio(65_536, 5 << 16).unwrap(),
+        bridge: 0,
     }
 }
 
@@ -61,6 +62,21 @@ fn power_rating_by_bus_voltage() {
         assert_near(found, amperes);
         assert_eq!(by, name, "{volts} mV");
     }
+}
+
+/// Table 1 rates output power: the loss of 8 A in 0.5 ohm of switches, 32 W, may enter the bridge besides.
+#[test]
+fn power_rating_is_what_leaves_the_bridge() {
+    let c = LimitCoefficients { bridge: AMPERE / 2, ..coefficients() };
+    let mut limit = CurrentLimit::default();
+    limit.start(&c);
+    for _ in 0..500 {
+        let drawn = limit.bound(u16::MAX >> 1).0;
+        limit.update(&c, bus(48_000, drawn), 8 * AMPERE, Celsius::from_milli(25_000), true);
+    }
+    let (found, by) = bound(&limit, 1.0);
+    assert_near(found, (150.0 + 32.0) / 48.0);
+    assert_eq!(by, Limiter::Power);
 }
 
 /// The power rating is one of heat: a pulse of a few milliseconds passes, a lasting excess is taken back within 0.1 s.

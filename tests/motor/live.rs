@@ -101,6 +101,7 @@ fn a_doubt_that_passes_is_no_surge() {
 fn open_loop_takes_its_own_level_and_stops_at_0() {
     let build = |rpm| {
         coefficients(&[
+            (number::NOMINAL_SUPPLY, 48_000),
             (number::LOCK_DUTY, 800),
             (number::OPEN_LOOP_DUTY, 400),
             (number::OPEN_LOOP_SPEED, rpm),
@@ -112,10 +113,7 @@ fn open_loop_takes_its_own_level_and_stops_at_0() {
     field.start(0);
     for _ in 0..10_000 {
         // 4 % of 48 V.
-        assert_eq!(
-            field.step(&turning, Direction::Forward, true).voltage,
-            Volts::from_milli(1_920).to_bits()
-        );
+        assert_eq!(field.step(&turning, Direction::Forward, true).level, Volts::from_milli(1_920).to_bits());
     }
     assert!(!field.stopped());
     let ticks = (0..200_000).take_while(|_| field.step(&stopping, Direction::Forward, true).frequency != 0);

@@ -114,14 +114,14 @@ fn stated_limits_and_defaults() {
         (number::OPEN_LOOP_DURATION, 500),
         (number::SLAVE_CAN_ADDRESS, 170),
         (number::MASTER_CAN_ADDRESS, 85),
-        (number::NOMINAL_SUPPLY, 48_000),
+        (number::NOMINAL_SUPPLY, 0),
         (number::PHASE_CURRENT_MAX, 12_000),
         (number::HALL_STALL_TIME, 500),
     ];
     for (number, raw) in expect {
         assert_eq!(factory.value(number), Some(raw), "parameter {number}");
     }
-    assert_eq!(factory.raw_u32(number::CRITICAL_FAULT_MASK), 0xFC00_00FE);
+    assert_eq!(factory.raw_u32(number::CRITICAL_FAULT_MASK), 0xFC00_007E);
 }
 
 #[test]

@@ -159,20 +159,23 @@ fn hall_sensors_without_supply_leave_their_lines_high() {
 #[test]
 fn a_wire_beyond_its_limit_stops_the_motor() {
     use Cause::{HallInvalid, OverPressure, OverTemperature, ShutdownLine};
+    // Over-pressure stops the motor only where the mask says so.
+    let critical = 0xFC00_00FE_u32.cast_signed();
+    let pressure = [(number::OVER_PRESSURE, 2000), (number::CRITICAL_FAULT_MASK, critical)];
     let table = [
-        (Some((number::SHUTDOWN_INPUT, 1)), Input::Dsio1, 1.29, 1.3, ShutdownLine),
-        (Some((number::SHUTDOWN_INPUT, 2)), Input::Dsio2, 1.29, 1.3, ShutdownLine),
+        (&[(number::SHUTDOWN_INPUT, 1)][..], Input::Dsio1, 1.29, 1.3, ShutdownLine),
+        (&[(number::SHUTDOWN_INPUT, 2)], Input::Dsio2, 1.29, 1.3, ShutdownLine),
         // 35 mV and 36 mV x 56 are 1.96 V and 2.02 V.
-        (Some((number::OVER_PRESSURE, 2000)), Input::Pressure, 35.0, 36.0, OverPressure),
-        (None, Input::InternalTemperature, 189.0, 191.0, OverTemperature),
-        (None, Input::HallSupply, 4.0, 3.0, HallInvalid),
+        (&pressure, Input::Pressure, 35.0, 36.0, OverPressure),
+        (&[], Input::InternalTemperature, 189.0, 191.0, OverTemperature),
+        (&[], Input::HallSupply, 4.0, 3.0, HallInvalid),
     ];
-    for (parameter, input, inside, outside, cause) in table {
+    for (parameters, input, inside, outside, cause) in table {
         let mut wired = Wired::turning();
-        if let Some((number, raw)) = parameter {
+        if !parameters.is_empty() {
             wired.asks = Some(MotorMode::Standby);
             wired.run(1.0);
-            wired.write(number, raw);
+            parameters.iter().for_each(|(number, raw)| wired.write(*number, *raw));
             wired.asks = Some(MotorMode::Drive);
             wired.run(0.5);
         }

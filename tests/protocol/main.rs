@@ -7,6 +7,7 @@ mod described;
 mod description;
 mod device;
 mod device_halves;
+mod diagnostics;
 mod dictionary;
 mod document;
 mod download_bench;

@@ -152,10 +152,10 @@ fn what_is_asked_for_is_due_at_once() {
     assert_eq!(master.next_poll(9), 9);
 }
 
-/// A few KiB are what a small board can spare.
+/// A few KiB are what a small board can spare; each parameter takes 16 bytes of it.
 #[test]
 fn a_master_is_small() {
-    assert!(size_of::<Master>() <= 4096, "{} bytes", size_of::<Master>());
+    assert!(size_of::<Master>() <= 4224, "{} bytes", size_of::<Master>());
     assert!(size_of::<DescriptionReader>() <= 512, "{} bytes", size_of::<DescriptionReader>());
 }
 

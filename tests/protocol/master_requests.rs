@@ -134,6 +134,11 @@ fn services_are_rising_edges() {
         [Service::SetPosition, Service::ResetCalibration, Service::AutoCalibrate, Service::CalibrateHall]
     {
         let mut pair = Pair::quiet();
+        assert_eq!(
+            pair.ask(Request::Write { number: number::NOMINAL_SUPPLY, raw: 48_000 }).result,
+            Ok(48_000)
+        );
+        pair.take_sent(is_request);
         let bus_voltage = Volts::from_milli(48_100);
         pair.bench.node.handle_status(Status { state: State::Standby, bus_voltage, ..Status::default() });
         let number = service as u16;

@@ -169,6 +169,8 @@ fn what_the_tick_gets_is_what_the_set_builds() {
 fn a_set_that_does_not_build_is_reported_and_recovers() {
     let mut bench = Bench::new();
     assert_eq!(bench.write(number::SPEED_MIN_HES, 4001).1, Done, "each write is checked alone");
+    assert!(matches!(bench.events()[..], [Event::Coefficients(_)]), "nobody needs it");
+    bench.write(number::HALL_ENABLE, 1);
     assert_eq!(bench.events(), [Event::CoefficientsRejected]);
     assert_eq!(bench.read(number::REJECTED_PARAMETER), (number::SPEED_MIN_HES.into(), Done));
     bench.write(number::SPEED_MAX_HES, 4500);
@@ -230,6 +232,11 @@ fn auto_calibration_zeroes_the_current_and_matches_the_supply() {
         bus_voltage: Volts::from_milli(48_250),
         ..Status::default()
     });
+    // Without a nominal supply there is nothing to calibrate by.
+    bench.write(number::AUTO_CALIBRATE, 0);
+    assert_eq!(bench.write(number::AUTO_CALIBRATE, 1), (0, OutOfRange));
+    bench.write(number::NOMINAL_SUPPLY, 48_000);
+    bench.events();
     bench.write(number::AUTO_CALIBRATE, 0);
     assert_eq!(bench.write(number::AUTO_CALIBRATE, 1), (1, Done));
     assert_eq!(bench.read(number::HV_CURRENT_OFFSET), (35, Done));

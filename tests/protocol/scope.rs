@@ -6,7 +6,7 @@ use crate::scope_bench::{
 use narx_core::bus::narmotion::{Addresses, ToDrive};
 use narx_core::dictionary::number;
 use narx_core::master::Request;
-use narx_core::motor::signal::{DRIVE_SIGNALS, Signal, ShaftScale};
+use narx_core::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal};
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State, Status};
 use narx_core::scope::{Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Setup, State as ScopeState};
 use narx_core::scope::{Threshold, Trigger};
@@ -77,7 +77,7 @@ fn every_signal_is_what_the_drive_reports() {
     session.bench_mut().plant_mut().set_load(LoadConfig { constant: 0.05, ..LoadConfig::default() });
     session.start(-1500);
     session.run(4.0);
-    set_up(&mut session, &all, 180, 1, 0);
+    set_up(&mut session, &all, 178, 1, 0);
     press(&mut session);
     press(&mut session);
     let (mut reports, mut limits, mut steps) = (Vec::new(), [0.0_f64; 2], [false; 7]);
@@ -88,7 +88,7 @@ fn every_signal_is_what_the_drive_reports() {
         limits = [limits[0] + f64::from(command.duty.to_bits()) / 32_768.0, limits[1] + 1.0];
         steps[command.step as usize] = true;
     }
-    let record = download(&mut session, all.len(), 180);
+    let record = download(&mut session, all.len(), 178);
     let mean = |signal: Signal| {
         let sum: f64 = record.iter().map(|sample| value(signal, sample[signal as usize])).sum();
         sum / record.len() as f64
@@ -109,7 +109,7 @@ fn every_signal_is_what_the_drive_reports() {
         (Signal::PeriodCurrent, current, 0.05),
         (Signal::Power, voltage * current, 1.0),
         (Signal::Duty, duty * 100.0, 0.2),
-        (Signal::Angle, 180.0, 15.0),
+        (Signal::Angle, 178.0, 15.0),
         (Signal::State, 5.0, 0.0),
         (Signal::Limiter, 2.0, 0.0),
         (Signal::Step, 3.5, 0.3),

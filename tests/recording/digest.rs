@@ -64,6 +64,8 @@ fn command_and_status_by_hand() {
         speed_sensorless: ElectricalSpeed::from_bits(3),
         angle: ElectricalAngle(0x4455),
         sectors: -2,
+        standstill: true,
+        unseen: false,
         bus_voltage: Volts::from_bits(4),
         bus_current: Amps::from_bits(5),
         power: Watts::from_bits(6),

@@ -30,7 +30,7 @@ pub(super) const OWN: [Row; 49] = [
         .command()
         .about(
             "Writing 0 then 1 with the bridge off: the bus current reads 0 and the bus voltage reads parameter \
-             266.",
+             266, which must not be 0.",
         ),
     Row::new(number::SCOPE_STATE, "Scope state", Diagnostics, U16)
         .range(0, 3)

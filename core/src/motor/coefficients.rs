@@ -110,7 +110,10 @@ impl Coefficients {
             measurement: b.measurement(),
             hall: b.hall(),
             hall_calibration: HallCalibrationCoefficients::new(b.turns(), lock_level),
-            open_loop: b.only_if(b.is_set(number::OPEN_LOOP_ENABLE) || b.is_set(number::SENSORLESS_ENABLE), |b| b.open_loop(lock_level)),
+            open_loop: b
+                .only_if(b.is_set(number::OPEN_LOOP_ENABLE) || b.is_set(number::SENSORLESS_ENABLE), |b| {
+                    b.open_loop(lock_level)
+                }),
             sensorless: b.only_if(b.is_set(number::SENSORLESS_ENABLE), |b| b.sensorless(lock_level)),
             protection: b.protection(),
             open_phase: OpenPhaseCoefficients { at_rest: b.ticks(100).min(u16::MAX as u32) as u16 },
@@ -283,7 +286,8 @@ impl Builder<'_> {
     fn check(&mut self) {
         let fastest = saturate64(quotient(self.rate() * 60, TICKS_A_REVOLUTION_MIN * self.pole_pairs()));
         let [open_loop, sensorless, hall] =
-            [number::OPEN_LOOP_ENABLE, number::SENSORLESS_ENABLE, number::HALL_ENABLE].map(|mode| self.is_set(mode));
+            [number::OPEN_LOOP_ENABLE, number::SENSORLESS_ENABLE, number::HALL_ENABLE]
+                .map(|mode| self.is_set(mode));
         self.within(number::HV_CURRENT_SOFT_START, 0, self.raw(number::HV_CURRENT_MAX));
         self.within(number::UNDER_VOLTAGE, 0, self.raw(number::OVER_VOLTAGE) - 1_500);
         self.within(number::TEMPERATURE_WARNING, i32::MIN, self.raw(number::OVER_TEMPERATURE) - 1);

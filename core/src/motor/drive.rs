@@ -114,11 +114,15 @@ impl Drive {
     /// off, too, where no hall sensors tell whether it stands.
     fn settle(&mut self) {
         self.wake_halls();
-        self.listens = if self.machine.state().is_driving() {
+        let listens = if self.machine.state().is_driving() {
             self.machine.is_sensorless()
         } else {
             !self.coefficients.machine.hall_enable
         };
+        if listens && !self.listens {
+            self.sensorless.begin_listening();
+        }
+        self.listens = listens;
         self.on_time = self.sampling_limits();
         self.settle_calm();
     }
@@ -335,12 +339,15 @@ impl Drive {
     fn run_speed_loop(&mut self, speed: i32, current: Amps) {
         let c = &self.coefficients;
         let mode = c.mode(self.machine.state());
+        // A rotor that is found late, or has leapt ahead, comes to the ramp of open loop at twice its rate.
         let rises = self.machine.state() == State::OpenLoop && !self.sensorless.is_caught();
         let (wanted, rate) = if rises {
-            let ticks = i64::from(c.control.ticks_per_ms);
-            (c.open_loop.setpoint(self.machine.age()), c.open_loop.rate.saturating_mul(ticks))
+            let age = self.machine.age().saturating_add(self.calm.slept());
+            let rate = c.open_loop.rate.saturating_mul(2 * i64::from(c.control.ticks_per_ms));
+            (c.open_loop.setpoint(age), rate)
         } else {
-            (self.machine.command().speed.to_bits().min(mode.speed_max).max(mode.speed_min), c.control.speed_rate)
+            let commanded = self.machine.command().speed.to_bits();
+            (commanded.min(mode.speed_max).max(mode.speed_min), c.control.speed_rate)
         };
         let target = if self.machine.reversing() { 0 } else { wanted };
         let bus = (self.measurement.bus_voltage(), current.to_bits());

@@ -123,13 +123,19 @@ impl CurrentLimit {
 
     /// The power rating is one of heat, not of an instant, and the current swings with every commutation. So an
     /// integrator of 20 ms moves the bound until the filtered power is the rating.
-    fn rate_power(&mut self, c: &LimitCoefficients, (voltage, current): (i32, i32), phase_current: i32) -> i32 {
+    fn rate_power(
+        &mut self,
+        c: &LimitCoefficients,
+        (voltage, current): (i32, i32),
+        phase_current: i32,
+    ) -> i32 {
         let voltage = voltage.max(1 << 16);
         let amperes = i64::from(phase_current >> 8);
         // W with 16 fraction bits; at most 255 W, where the switches are the least worry.
         let lost = (((amperes * amperes) * i64::from(c.bridge)) >> 16).min(0xFF_FFFF) as u32;
         // Watts over volts in 32 bits: the divisor keeps 11 and more from 18 V on.
-        let rating = ((POWER[usize::from(voltage > POWER_STEP)] << 22) + (lost << 6)) / (voltage as u32 >> 10);
+        let rating =
+            ((POWER[usize::from(voltage > POWER_STEP)] << 22) + (lost << 6)) / (voltage as u32 >> 10);
         let room = rating as i32 - current;
         let most = (c.maximum as i64) << 16;
         if room >= 0 && self.power == most {

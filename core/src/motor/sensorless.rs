@@ -155,6 +155,11 @@ impl Sensorless {
         }
     }
 
+    /// Nobody has listened: what was heard before is of another time.
+    pub fn begin_listening(&mut self) {
+        self.listening.reset();
+    }
+
     /// The ordinary tick of a running motor: true if its terminals show nothing that [`observe`](Self::observe) and [`step`](Self::step) would act
     /// on; then they need not be called.
     #[inline]

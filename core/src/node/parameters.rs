@@ -224,9 +224,11 @@ impl Node {
             }
             number::RESET_CALIBRATION => self.reset_calibration(),
             number::AUTO_CALIBRATE => {
-                return match self.auto_calibrate() {
-                    Ok(()) => ParameterStatus::Done,
-                    Err(_) => ParameterStatus::OutOfRange,
+                return match self.parameters.raw(number::NOMINAL_SUPPLY) {
+                    0 => ParameterStatus::OutOfRange,
+                    nominal => self
+                        .auto_calibrate(nominal)
+                        .map_or(ParameterStatus::OutOfRange, |()| ParameterStatus::Done),
                 };
             }
             number::HALL_CALIBRATE => self.pending.calibrate = Some(true),
@@ -248,12 +250,11 @@ impl Node {
         self.calibrate_inputs();
     }
 
-    /// With the bridge off the bus current is 0, and the bus voltage is the nominal supply (parameter 266). Measured values
+    /// With the bridge off the bus current is 0, and the bus voltage is the `nominal` supply (parameter 266). Measured values
     /// contain the present offsets.
-    fn auto_calibrate(&mut self) -> Result<(), ParameterError> {
+    fn auto_calibrate(&mut self, nominal: i32) -> Result<(), ParameterError> {
         let current = self.parameters.raw(number::HV_CURRENT_OFFSET);
         let voltage = self.parameters.raw(number::HV_VOLTAGE_OFFSET);
-        let nominal = self.parameters.raw(number::NOMINAL_SUPPLY);
         let current_error = self.status.bus_current.scaled(1000);
         let voltage_error = self.status.bus_voltage.scaled(1000).saturating_sub(nominal);
         self.parameters.set(number::HV_CURRENT_OFFSET, current.saturating_sub(current_error))?;

@@ -5,7 +5,7 @@ use super::requests::Refused;
 use crate::bus::Frame;
 use crate::bus::narmotion::FromDrive;
 use crate::dictionary::{Parameters, number};
-use crate::motor::signal::{Signal, ShaftScale};
+use crate::motor::signal::{ShaftScale, Signal};
 use crate::scope::{Block, Report, Request, SCOPE, Setup, State, Threshold, Trigger, period};
 use crate::units::quotient;
 use heapless::{Deque, Vec};

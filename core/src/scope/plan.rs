@@ -3,7 +3,7 @@
 use super::RECORDER;
 use super::memory::Memory;
 use super::setup::{SIGNALS_A_TICK, Setup, Threshold, Trigger};
-use crate::motor::signal::{DRIVE_SIGNALS, Signal, ShaftScale};
+use crate::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal};
 use heapless::Vec;
 
 #[derive(Clone, Debug)]

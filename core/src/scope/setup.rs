@@ -1,6 +1,6 @@
 //! What the scope is asked to record, and when.
 
-use crate::motor::signal::{DRIVE_SIGNALS, Signal, ShaftScale};
+use crate::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 

@@ -14,7 +14,7 @@ use super::memory::{Course, Half, Memory, PATIENCE, Phase, Progress};
 use super::plan::Watch;
 use super::setup::SIGNALS_A_TICK;
 use super::{Answer, Order, SCOPE, State};
-use crate::motor::signal::{Signal, ShaftScale};
+use crate::motor::signal::{ShaftScale, Signal};
 use crate::motor::{Drive, Event, Samples};
 use core::borrow::BorrowMut;
 

@@ -30,10 +30,14 @@ pub const BOARD: Board = Board {
     tick_rate: timing::TICK_RATE,
     earliest: EARLIEST,
     dead_time_ns: timing::DEAD_TIME_NS,
+    bridge_milliohm: BRIDGE_MILLIOHM,
     hall_capture: true,
     comparator_capture: false,
     front_end: analog::FRONT_END,
 };
+
+/// Two STL180N6F7 of at most 2.4 milliohm each (their data sheet).
+const BRIDGE_MILLIOHM: u16 = 5;
 
 /// 25 us: 2.6 us of conversions from the boundary on, and a control tick in this image's size-first code.
 pub const EARLIEST: u16 = 16_384;

@@ -33,7 +33,7 @@ mod image {
     use cortex_m_semihosting::hprintln;
     use narx_core::device::{Background, ControlTick, Queues};
     use narx_core::master::Master;
-    use narx_core::motor::signal::{Signal, ShaftScale};
+    use narx_core::motor::signal::{ShaftScale, Signal};
     use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Samples, State, Status};
     use narx_core::node::Node;
     use narx_core::recording::{Recording, ReplayError, Replayable, replay_with};

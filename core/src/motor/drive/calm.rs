@@ -260,7 +260,9 @@ impl Drive {
     /// Open loop turns its field, whatever the rotor does.
     #[inline]
     pub(super) const fn turns_field(&self) -> bool {
-        matches!(self.machine.state(), State::OpenLoop) && !self.machine.calibrating() && !self.machine.is_sensorless()
+        matches!(self.machine.state(), State::OpenLoop)
+            && !self.machine.calibrating()
+            && !self.machine.is_sensorless()
     }
 
     /// Where the rotor is by the running mode: angle and speed, u32 turn and 2^-32 turn a tick.

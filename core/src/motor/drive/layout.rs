@@ -5,10 +5,10 @@ use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
-pub const LAYOUT_VERSION: u16 = 6;
+pub const LAYOUT_VERSION: u16 = 7;
 
 /// What the drive does with its inputs: rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 7;
+pub const BEHAVIOUR_VERSION: u16 = 8;
 
 impl Serialize for Drive {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -3,7 +3,7 @@
 use super::Drive;
 use crate::motor::fault::FaultWord;
 use crate::motor::samples::Samples;
-use crate::motor::signal::{Signal, ShaftScale};
+use crate::motor::signal::{ShaftScale, Signal};
 use crate::motor::zero_crossing::Why;
 use crate::units::Duty;
 
