@@ -121,6 +121,8 @@ fn every_signal_is_what_the_drive_reports() {
         (Signal::PhaseCurrent, current / duty, 0.2),
         (Signal::Fault, -1.0, 0.0),
         (Signal::Inputs, 0.0, 0.0),
+        // A revolution and a half.
+        (Signal::Position, 180.0, 60.0),
     ];
     assert!(current > 0.3 && steps[1..].iter().all(|seen| *seen), "{current} A through all six steps");
     let wrong: Vec<String> = table

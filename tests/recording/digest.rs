@@ -81,7 +81,7 @@ fn command_and_status_by_hand() {
     };
     bytes.extend([b'S', 8, 7, 6, 5, 4, 3, 2, 1, 5]);
     bytes.extend([0x10, 0, 0, 0, 0, 0, 0, 0x80, 0x22, 0x11, 1, 2, 1, 1]);
-    bytes.extend([0xff, 0xff, 0xff, 0xff, 2, 0, 0, 0, 3, 0, 0, 0, 0x55, 0x44, 0xfe, 0xff, 0xff, 0xff]);
+    bytes.extend([0xff, 0xff, 0xff, 0xff, 2, 0, 0, 0, 3, 0, 0, 0, 0x55, 0x44, 0xfe, 0xff, 0xff, 0xff, 1, 0]);
     for value in 4..=9u8 {
         bytes.extend([value, 0, 0, 0]);
     }
