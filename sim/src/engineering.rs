@@ -67,11 +67,10 @@ impl fmt::Display for ValueError {
             Self::Unknown { number } => write!(f, "there is no parameter {number}"),
             Self::OutOfRange { parameter, value } => {
                 let limit = |digits| Decimal { digits, exponent: parameter.exponent };
-                let unit = if parameter.unit() == "-" { "" } else { parameter.unit() };
-                let space = if unit.is_empty() { "" } else { " " };
+                let unit = parameter.unit_suffix();
                 write!(
                     f,
-                    "parameter {} \"{}\": {}{space}{unit} is outside {} to {}{space}{unit}",
+                    "parameter {} \"{}\": {}{unit} is outside {} to {}{unit}",
                     parameter.number,
                     parameter.name(),
                     Shown::Plain(*value),

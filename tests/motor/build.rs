@@ -118,6 +118,12 @@ fn what_does_not_fit_is_named_with_what_does() {
         refused.to_string(),
         "parameter 120 \"Under-voltage HV threshold\": 19.5 does not fit the other parameters, which allow 0 to 18.5 V"
     );
+    // A parameter without a unit ends in its value.
+    let speeds = BuildError { parameter: number::MOTOR_POLE_PAIRS, raw: 51, min: 1, max: 50 };
+    assert_eq!(
+        speeds.to_string(),
+        "parameter 78 \"Motor pair poles\": 51 does not fit the other parameters, which allow 1 to 50"
+    );
     // Its fields are public: one that nobody builds.
     assert_eq!(BuildError { parameter: 122, ..expected }.to_string(), "unknown parameter");
 }

@@ -252,7 +252,7 @@ fn power_up_while_turning() {
     }
 }
 
-/// Sensors that fall silent while a drive does not look: every tick of it is counted as if it had looked.
+/// Sensors that fall silent while a drive does not look are counted as if it had looked: once.
 #[test]
 fn sleeping_through_an_invalid_code_counts_it() {
     let c = coefficients(false).hall;
@@ -270,7 +270,25 @@ fn sleeping_through_an_invalid_code_counts_it() {
         }
         assert_eq!(sleeps.diagnostics(), looks.diagnostics(), "{ticks} ticks");
     }
-    // There is no more room.
-    mute.sleep(70_000);
+    assert_eq!(mute.diagnostics().invalid, 1);
+    // Again for every time that they come and go, until there is no more room.
+    for _ in 0..70_000 {
+        for code in [1, 1, 7] {
+            mute.step(&c, &level(code));
+        }
+    }
     assert_eq!(mute.diagnostics().invalid, u16::MAX);
+}
+
+/// Lines without sensors have no code that could be lost.
+#[test]
+fn a_drive_without_sensors_counts_no_invalid_codes() {
+    let c = coefficients(false).hall;
+    for code in [0, 7] {
+        let mut none = Hall::default();
+        for _ in 0..100_000 {
+            assert!(none.step(&c, &level(code)).invalid);
+        }
+        assert_eq!(none.diagnostics().invalid, 0);
+    }
 }

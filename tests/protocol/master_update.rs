@@ -197,7 +197,7 @@ fn what_ends_an_update() {
         (At::Waiting, is(Idle, Signature), Refused(Signature)),
         (At::Checking, runs(OLD), OtherVersion(OLD)),
         // The flash would not take the confirmation.
-        (At::Confirm, is(Trial, Flash), Refused(UpdateCode::Trial)),
+        (At::Confirm, is(Trial, Flash), Refused(Flash)),
     ] {
         let mut script = Script::at(at);
         script.hear(answer);

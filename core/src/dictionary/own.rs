@@ -131,7 +131,7 @@ pub(super) const OWN: [Row; 49] = [
         .range(0, 65535)
         .factory(0)
         .read_only()
-        .about("Codes 000 and 111 since power-up, saturating."),
+        .about("Times that the hall sensors lost their code (000 or 111 instead) since power-up, saturating. 0 without sensors."),
     Row::new(number::HALL_JUMPS, "Hall jumps", Diagnostics, U16)
         .range(0, 65535)
         .factory(0)

@@ -141,6 +141,11 @@ impl Parameter {
         ""
     }
 
+    /// What stands behind a value of this parameter in a sentence: a space and its unit, or nothing.
+    pub const fn unit_suffix(&self) -> UnitSuffix {
+        UnitSuffix(self.unit())
+    }
+
     /// Unit of the engineering value; "-" without one, and without the feature `names`.
     pub const fn unit(&self) -> &'static str {
         #[cfg(feature = "names")]
@@ -201,6 +206,19 @@ impl fmt::Display for Parameter {
         match self.name() {
             "" => write!(f, "parameter {number}"),
             name => write!(f, "parameter {number} \"{name}\""),
+        }
+    }
+}
+
+/// [`Parameter::unit_suffix`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnitSuffix(&'static str);
+
+impl fmt::Display for UnitSuffix {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            "-" => Ok(()),
+            unit => write!(f, " {unit}"),
         }
     }
 }

@@ -128,11 +128,10 @@ impl fmt::Display for ParameterError {
             Self::Unknown { number } => write!(f, "there is no parameter {number}"),
             Self::OutOfRange { parameter, raw } => {
                 let decimal = |digits| super::Decimal { digits, exponent: parameter.exponent };
-                let unit = if parameter.unit() == "-" { "" } else { parameter.unit() };
-                let space = if unit.is_empty() { "" } else { " " };
+                let unit = parameter.unit_suffix();
                 let (value, min, max) =
                     (parameter.engineering(*raw), decimal(parameter.min()), decimal(parameter.max()));
-                write!(f, "{parameter}: {value}{space}{unit} is outside {min} to {max}{space}{unit}")
+                write!(f, "{parameter}: {value}{unit} is outside {min} to {max}{unit}")
             }
             Self::Layout => f.write_str("a parameter set of another dictionary"),
         }

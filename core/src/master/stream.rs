@@ -187,8 +187,7 @@ impl Stream {
     /// even a slow caller gets one after the other.
     fn take_of_record(&mut self, piece: &Piece, words: NonZeroU32, room: usize) -> bool {
         let (place, offset) = (piece.begin / words, piece.begin % words);
-        // A record is whole frames of its own: words across a border of theirs are no part of it.
-        if !offset.is_multiple_of(3) || !self.missing.wants(piece.begin, piece.end) {
+        if !self.missing.wants(piece.begin, piece.end) {
             return false;
         }
         if !self.assembly.is_at(place) {
@@ -309,11 +308,14 @@ impl Stream {
                 Some((address.into(), data))
             }
             (Download::Log { .. }, FromDrive::LogData { counter, data }) => {
+                let words = self.record?;
                 // The counter wraps: the nearest place to what comes next.
                 let Pass { begin, next, .. } = self.pass;
                 let ahead = counter.wrapping_sub((next - begin) as u16) as i16;
                 let place = next.checked_add_signed(ahead.into())?;
-                (place >= begin).then_some((place, data))
+                // A record is whole frames of its own: words across a border of theirs belong to none.
+                let is_frame = (place % words).is_multiple_of(3);
+                (place >= begin && is_frame).then_some((place, data))
             }
             _ => None,
         }

@@ -410,6 +410,7 @@ impl UnderWay {
             (Stage::Device | Stage::Version | Stage::Checking, _) => {}
             (Stage::Confirm, UpdateState::Idle) => return Ok(true),
             (Stage::Confirm, UpdateState::Trial) if code == UpdateCode::Done => {}
+            (Stage::Confirm, UpdateState::Trial) => return Err(UpdateError::Refused(code)),
             // Another update's, from before the question.
             (Stage::Begin, UpdateState::Idle) if code == UpdateCode::Done => {}
             (_, UpdateState::Idle) if code == UpdateCode::Done => return Err(UpdateError::Forgotten),

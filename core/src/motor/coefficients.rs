@@ -76,11 +76,11 @@ impl fmt::Display for BuildError {
         let decimal = |digits| Decimal { digits, exponent: row.exponent };
         write!(
             f,
-            "{row}: {} does not fit the other parameters, which allow {} to {} {}",
+            "{row}: {} does not fit the other parameters, which allow {} to {}{}",
             row.engineering(self.raw),
             decimal(self.min),
             decimal(self.max),
-            row.unit()
+            row.unit_suffix()
         )
     }
 }

@@ -81,7 +81,7 @@ pub struct Status {
     pub duty: Duty,
     /// What bounds the duty.
     pub limiter: Limiter,
-    /// Invalid hall codes (000 or 111) since power-up, saturating.
+    /// Times that the hall sensors lost their code (000 or 111) since power-up, saturating.
     pub hall_invalid: u16,
     /// Hall changes between sectors that are not neighbours since power-up, saturating.
     pub hall_jumps: u16,

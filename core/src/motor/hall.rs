@@ -61,7 +61,7 @@ pub fn sectors(wiring: HallWiring) -> [u8; 8] {
 /// Counts that the fault logic and the user read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HallDiagnostics {
-    /// Ticks or edges with code 000 or 111, saturating.
+    /// Times that the sensors lost their code (000 or 111), saturating.
     pub invalid: u16,
     /// Changes to a sector that is no neighbour, saturating.
     pub jumps: u16,
@@ -195,8 +195,7 @@ impl Hall {
         }
     }
 
-    /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass; an invalid code
-    /// goes on being counted.
+    /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn calm(&self, c: &HallCoefficients) -> u32 {
         if !self.settled && !self.mute {
@@ -217,9 +216,7 @@ impl Hall {
         self.since_edge = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
         self.angle = self.angle.wrapping_add((self.interpolated as u32).wrapping_mul(ticks));
         if self.mute {
-            let count = if ticks > u16::MAX as u32 { u16::MAX } else { ticks as u16 };
-            self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(count);
-            self.invalid_run = self.invalid_run.saturating_add(if count > 255 { 255 } else { count as u8 });
+            self.invalid_run = self.invalid_run.saturating_add(if ticks > 255 { 255 } else { ticks as u8 });
         }
     }
 
@@ -249,6 +246,8 @@ impl Hall {
     #[inline(never)]
     fn attend(&mut self, c: &HallCoefficients, samples: &Samples, level: u8) -> HallEvents {
         let mut events = HallEvents::default();
+        // Lines without sensors never had a code that they could lose.
+        let has_code = self.invalid_run == 0 && self.sector != INVALID;
         let waiting = self.candidate.take();
         let mut captured = false;
         for edge in samples.edges.iter().filter(|edge| edge.source == EdgeSource::Hall) {
@@ -261,7 +260,6 @@ impl Hall {
         self.invalid_run = if level == INVALID { self.invalid_run.saturating_add(1) } else { 0 };
         if level == INVALID {
             events.invalid = true;
-            self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(1);
         } else if self.sector != level && !captured && self.candidate.is_none() {
             if c.captured && self.sector != INVALID {
                 self.candidate = Some((level, 0));
@@ -271,6 +269,9 @@ impl Hall {
         }
         self.settled = self.candidate.is_none() && self.sector == level && level != INVALID;
         self.mute = self.candidate.is_none() && level == INVALID;
+        if events.invalid && has_code {
+            self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(1);
+        }
         events
     }
 
@@ -301,10 +302,7 @@ impl Hall {
 
     fn observe(&mut self, c: &HallCoefficients, code: u8, age: u32, events: &mut HallEvents) {
         match c.sectors[(code & 7) as usize] {
-            INVALID => {
-                events.invalid = true;
-                self.diagnostics.invalid = self.diagnostics.invalid.saturating_add(1);
-            }
+            INVALID => events.invalid = true,
             sector => self.observe_sector(c, sector, age, events),
         }
     }
