@@ -63,7 +63,7 @@ pub(crate) fn beside(mode: Mode, rpm: i32, mut observe: impl FnMut(&Session, Tol
 }
 
 fn parameter(session: &Session, number: u16) -> i32 {
-    session.commissioning().parameters.raw(number)
+    session.commissioning().parameters.value(number).unwrap()
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod closed_loop;
 mod commanded;
 mod commutation;
 mod commutation_angle;
+mod effects;
 mod extremes;
 mod flying_start;
 mod hall;

@@ -104,10 +104,10 @@ fn units_are_exact_both_ways() {
         for raw in [row.min(), row.max(), row.default()] {
             let value = engineering::to_unit(row, raw);
             engineering::set(&mut parameters, row.number, value).unwrap();
-            assert_eq!(row.kind.widen(parameters.raw(row.number)), raw, "{}", row.name());
+            assert_eq!(row.kind.widen(parameters.value(row.number).unwrap()), raw, "{}", row.name());
             assert_eq!(engineering::value(&parameters, row.number), Some(value));
             assert_eq!(
-                row.engineering(parameters.raw(row.number)).to_string().parse(),
+                row.engineering(parameters.value(row.number).unwrap()).to_string().parse(),
                 Ok(value),
                 "{}",
                 row.name()

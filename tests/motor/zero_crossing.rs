@@ -1,5 +1,7 @@
 //! Back-EMF samples, edges and levels to crossings; crossings to angle and speed; episodes to faults.
 
+use crate::support;
+use narx_core::dictionary::number;
 use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, Level, OperatingPoint, Sight};
 use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::Gain;
@@ -125,8 +127,9 @@ fn a_spike_does_not_outvote_the_window() {
 /// Blanking: max(parameter 86, an eighth of the step), but no more than a quarter.
 #[test]
 fn nothing_is_seen_while_blanked() {
-    let first = |discard: u32, interval: u32| {
-        let c = BackEmfCoefficients { discard: discard << 16, ..coefficients() };
+    let first = |discard: i32, interval: u32| {
+        let built = support::coefficients(&[(number::ZC_DISCARD, discard)]);
+        let c = BackEmfCoefficients { discard: built.sensorless.back_emf.discard, ..coefficients() };
         let sights = fall(&c, 24.0, 0.4, 30.0, SampleMode::OnTime, interval << 16);
         sights.iter().position(|sight| sight.level != Level::Hidden).unwrap() + 1
     };

@@ -29,6 +29,7 @@ mod node;
 mod pair;
 mod parameters;
 mod quantities;
+mod readings;
 mod same_node;
 mod scope;
 mod scope_bench;

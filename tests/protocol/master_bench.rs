@@ -197,7 +197,7 @@ fn services_of_the_drive() {
     rig.run(0.5);
     let calibrated = offset(&rig).unwrap();
     assert_ne!(calibrated, 0, "noise and divider have an error");
-    assert_eq!(rig.bench.node().parameters().raw(number::HV_VOLTAGE_OFFSET), calibrated);
+    assert_eq!(rig.bench.node().parameters().value(number::HV_VOLTAGE_OFFSET).unwrap(), calibrated);
     assert_eq!(rig.ask(Request::Run(Service::ResetCalibration)).result, Ok(1));
     rig.run(0.5);
     assert_eq!(offset(&rig), Some(0));

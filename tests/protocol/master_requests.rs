@@ -37,7 +37,7 @@ fn reads_and_writes_are_answered_in_their_order() {
         .map(|(request, value)| Answer { request, result: Ok(value) })
         .collect();
     assert_eq!(answers, expected);
-    assert_eq!(pair.bench.node.parameters().raw(number::SPEED_RATE), 777);
+    assert_eq!(pair.bench.node.parameters().value(number::SPEED_RATE).unwrap(), 777);
     let build = BuildInfo { number: IDENTITY.build_number, modified: false, date: 20_261_120 };
     assert_eq!(pair.master.report().build.map(|heard| heard.value), Some(build));
     let device = DeviceInfo { hardware: 3, software: 0x0102, device_number: 1, address: 170 };

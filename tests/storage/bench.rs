@@ -86,11 +86,11 @@ fn a_drive_keeps_what_it_stored_and_its_flash_can_change_drives() {
     assert_eq!(host.write(number::SPEED_RATE, 99).0, ParameterStatus::Done);
     host.send(ToDrive::Reboot);
     host.run(600);
-    assert_eq!(host.bench.node().parameters().raw(number::SPEED_RATE), 1234);
+    assert_eq!(host.bench.node().parameters().value(number::SPEED_RATE).unwrap(), 1234);
     let flash = host.bench.into_flash();
     let other = Host::new(Bench::with_flash(&config(Some(Parameters::new())), flash));
-    assert_eq!(other.bench.node().parameters().raw(number::SPEED_RATE), 1234);
-    assert_eq!(other.bench.node().parameters().raw(number::HALL_ENABLE), 1);
+    assert_eq!(other.bench.node().parameters().value(number::SPEED_RATE).unwrap(), 1234);
+    assert_eq!(other.bench.node().parameters().value(number::HALL_ENABLE).unwrap(), 1);
 }
 
 #[test]

@@ -231,7 +231,7 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
         let mut chip: Chip = InternalFlash::new(Sparse::new(), PAGES * PAGE, 1);
         (0..2).for_each(|page| chip.load(page * PAGE, &page_of(form, records)));
         let (opened, mut storage) = boot(&chip);
-        assert_eq!((opened.faults, opened.parameters.raw(rate)), (faults, raw), "{what}");
+        assert_eq!((opened.faults, opened.parameters.value(rate).unwrap()), (faults, raw), "{what}");
         assert!(!opened.repaired && bytes(storage.flash()) == bytes(&chip), "{what}");
         // Storing what the drive now has cures it.
         assert!(store(&mut storage, &opened.parameters, Part::Set), "{what}");
@@ -407,6 +407,6 @@ proptest! {
         prop_assert!(store(&mut storage, &set(2), Part::Set));
         let (opened, _) = boot(storage.flash());
         prop_assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), false));
-        prop_assert_eq!(opened.parameters.raw(number::SPEED_RATE), set(2).raw(number::SPEED_RATE));
+        prop_assert_eq!(opened.parameters.value(number::SPEED_RATE).unwrap(), set(2).raw(number::SPEED_RATE));
     }
 }

@@ -136,7 +136,7 @@ proptest! {
             storage.flash().flip(first + at % (3 * 4096), bit);
         }
         prop_assert!(store(&mut storage, &set(2), Part::Set));
-        prop_assert_eq!(boot(storage.flash()).0.parameters.raw(narx_core::dictionary::number::SPEED_RATE), 1002);
+        prop_assert_eq!(boot(storage.flash()).0.parameters.value(narx_core::dictionary::number::SPEED_RATE).unwrap(), 1002);
     }
 
     /// Whatever stands on the flash: no panic, and a store that works afterwards.
@@ -159,7 +159,7 @@ proptest! {
         open(&mut storage);
         prop_assert!(store(&mut storage, &set(2), Part::Set));
         let (opened, _) = boot(storage.flash());
-        prop_assert_eq!(opened.parameters.raw(narx_core::dictionary::number::SPEED_RATE), 1002);
+        prop_assert_eq!(opened.parameters.value(narx_core::dictionary::number::SPEED_RATE).unwrap(), 1002);
         prop_assert_eq!(opened.faults, FaultWord::empty());
     }
 }

@@ -32,7 +32,7 @@ fn a_request_gets_its_report_once() {
     mailbox.ask(Request::Open);
     serve(&mailbox, &mut storage);
     let Some(Report::Opened(opened)) = mailbox.take_report() else { panic!() };
-    assert_eq!(opened.parameters.raw(narx_core::dictionary::number::SPEED_RATE), 1002);
+    assert_eq!(opened.parameters.value(narx_core::dictionary::number::SPEED_RATE).unwrap(), 1002);
 }
 
 /// Where nothing waits a request goes on by a step in every pass.

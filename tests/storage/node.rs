@@ -493,12 +493,15 @@ fn a_full_log_says_so_stops_and_is_erased() {
     assert_eq!(last[0].index(), records as u32 - 1);
     device.set(29, 0xFFFF);
     let kept = device.get(number::SPEED_RATE);
-    assert_eq!(device.command(number::LOG_ERASE_REQUEST), Some(Done));
+    device.write(number::LOG_ERASE_REQUEST, 0);
+    device.send(ToDrive::SetParameter { number: number::LOG_ERASE_REQUEST, value: 1 });
     let mut reached = Vec::new();
-    while !device.status().memory_erased {
-        reached.push(device.get(number::LOG_ERASE_SUBSECTOR));
-        assert!(reached.len() < 100);
+    for _ in 0..1000 {
+        device.tick();
+        reached.push(device.node.read_parameter(number::LOG_ERASE_SUBSECTOR).unwrap());
     }
+    assert!(device.status().memory_erased);
+    assert!(reached.iter().any(|subsector| *subsector > 0), "{reached:?}");
     assert_eq!((device.get(number::LOG_WRITE_INDEX), device.get(number::LOG_MEMORY_FULL)), (0, 0));
     assert_eq!(device.reboot().get(number::SPEED_RATE), kept);
 }

@@ -66,8 +66,8 @@ fn both_parts_come_back_on_every_size() {
         open(&mut storage);
         assert!(store(&mut storage, &set(2), Part::Set));
         let (opened, _) = boot(storage.flash());
-        assert_eq!(opened.parameters.raw(number::SPEED_RATE), 1002);
-        assert_eq!(opened.parameters.raw(number::HV_CURRENT_OFFSET), 1);
+        assert_eq!(opened.parameters.value(number::SPEED_RATE).unwrap(), 1002);
+        assert_eq!(opened.parameters.value(number::HV_CURRENT_OFFSET).unwrap(), 1);
         assert!(store(&mut storage, &set(2), Part::Once));
         assert_eq!(boot(storage.flash()).0.parameters, set(2));
     }
@@ -130,7 +130,7 @@ fn a_part_that_is_lost_is_fault_26() {
         }
         let (opened, after) = boot(&chip);
         assert_eq!(opened.faults, FaultWord::STORE_MISMATCH, "{key}");
-        let value = |number| opened.parameters.raw(number);
+        let value = |number| opened.parameters.value(number).unwrap();
         assert_eq!((value(number::SPEED_RATE), value(number::DEVICE_NUMBER)), (rate, device), "{key}");
         for part in [Part::Set, Part::Once] {
             let mut storage = Storage::new(after.clone());
@@ -187,7 +187,11 @@ fn an_older_drive_or_a_newer_one_finds_what_it_knows() {
             rewrite(&mut changed, map.clone(), 1, change);
         }
         let (opened, after) = boot(&changed);
-        assert_eq!((opened.faults, opened.parameters.raw(number::SPEED_RATE)), (faults, rate), "{what}");
+        assert_eq!(
+            (opened.faults, opened.parameters.value(number::SPEED_RATE).unwrap()),
+            (faults, rate),
+            "{what}"
+        );
         // Storing what the drive now has cures it.
         let mut storage = Storage::new(after);
         open(&mut storage);
@@ -212,7 +216,11 @@ fn a_set_may_have_eight_numbers_more() {
             });
         }
         let (opened, _) = boot(&chip);
-        assert_eq!((opened.faults, opened.parameters.raw(number::SPEED_RATE)), (faults, rate), "{more}");
+        assert_eq!(
+            (opened.faults, opened.parameters.value(number::SPEED_RATE).unwrap()),
+            (faults, rate),
+            "{more}"
+        );
     }
 }
 
@@ -290,7 +298,7 @@ fn wear_is_even_and_bounded() {
     let erases = storage.flash().counts().erases - before;
     assert!(erases <= u64::from(STORES) * 2 / 4, "{erases} erases");
     assert!(worst <= STORES.div_ceil(4 * 64) + 1, "{worst} erases of one subsector");
-    assert_eq!(boot(storage.flash()).0.parameters.raw(number::SPEED_RATE), 999 + STORES as i32);
+    assert_eq!(boot(storage.flash()).0.parameters.value(number::SPEED_RATE).unwrap(), 999 + STORES as i32);
 }
 
 /// Two MByte: the mirror ends where the flash ends. A page there that something is wrong with is searched to its last byte, and no further.
@@ -312,6 +320,6 @@ fn the_last_page_of_the_flash_is_searched_to_its_end() {
     chip.flip(last + 24, 3);
     let (opened, chip) = boot(&chip);
     assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), true));
-    assert_eq!(opened.parameters.raw(number::SPEED_RATE), 1000 + variant);
+    assert_eq!(opened.parameters.value(number::SPEED_RATE).unwrap(), 1000 + variant);
     assert!(!boot(&chip).0.repaired);
 }

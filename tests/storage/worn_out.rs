@@ -127,7 +127,7 @@ fn a_page_that_takes_nothing_any_more_is_passed_over() {
                 assert!(stored(&mut storage, variant), "{page} of {map:x?}: {variant}");
             }
             let (opened, _) = boot(&storage.into_flash().chip);
-            assert_eq!(opened.parameters.raw(number::SPEED_RATE), 1029, "{page} of {map:x?}");
+            assert_eq!(opened.parameters.value(number::SPEED_RATE).unwrap(), 1029, "{page} of {map:x?}");
             assert_eq!((opened.faults, opened.repaired), (FaultWord::empty(), false), "{page} of {map:x?}");
         }
     }
@@ -142,7 +142,7 @@ fn a_map_that_takes_nothing_any_more_is_told() {
         now(storage.execute(Request::Open));
         assert!(!stored(&mut storage, 1), "{map:x?}");
         let (opened, _) = boot(&storage.into_flash().chip);
-        let rate = opened.parameters.raw(number::SPEED_RATE);
+        let rate = opened.parameters.value(number::SPEED_RATE).unwrap();
         // The primary is written first.
         assert_eq!(rate, if *map == layout.primary.map { 1000 } else { 1001 }, "{map:x?}");
         assert_eq!(opened.faults, FaultWord::empty(), "{map:x?}");
@@ -200,7 +200,7 @@ fn one_map_alone_survives_every_cut() {
             chip.restore_power();
             now(chip.erase(layout.mirror.map.start, layout.mirror.map.end)).unwrap();
             let (opened, _) = boot(&chip);
-            let rate = opened.parameters.raw(number::SPEED_RATE);
+            let rate = opened.parameters.value(number::SPEED_RATE).unwrap();
             assert_eq!(opened.faults, FaultWord::empty(), "step {cut}, {tear:?}");
             assert!(rate == 1001 || rate == 1002, "step {cut}, {tear:?}: {rate}");
             cuts += 1;

@@ -17,6 +17,7 @@ pub mod demo;
 pub mod drive;
 pub mod driven;
 pub mod eds;
+pub mod effects;
 pub mod evidence;
 pub mod figures;
 pub mod firmware;

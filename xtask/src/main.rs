@@ -14,6 +14,7 @@ use xtask::dbc;
 use xtask::demo;
 use xtask::drive;
 use xtask::eds;
+use xtask::effects;
 use xtask::evidence;
 use xtask::firmware;
 use xtask::fuzz;
@@ -98,6 +99,8 @@ enum Job {
         #[arg(long)]
         check: bool,
     },
+    /// Take the effect of each row of the specification out, and see whether its tests notice; made anew: tests/effects.toml
+    Effects(effects::Arguments),
     /// Make docs/EVIDENCE.md anew from the figures in docs/evidence
     Evidence {
         /// Write nothing; fail if the page differs from the figures
@@ -172,6 +175,7 @@ fn main() -> ExitCode {
         Job::Dbc { check } => dbc::command(root, check),
         Job::Docs => run_all(test::python::docs(root)),
         Job::Eds { check } => eds::command(root, check),
+        Job::Effects(arguments) => effects::command(root, &arguments),
         Job::Evidence { check } => evidence::command(root, check),
         Job::Firmware(arguments) => firmware::command(root, &arguments),
         Job::Fuzz(arguments) => fuzz::command(root, arguments),

@@ -55,6 +55,11 @@ impl Configuration {
         self.values.get(entry as usize).copied().unwrap_or(0)
     }
 
+    /// The value of an entry, for what acts on it.
+    pub(super) fn acting(&self, entry: Entry) -> u32 {
+        if entry.is_blind() { entry.object().default } else { self.get(entry) }
+    }
+
     /// Gives an entry a value.
     ///
     /// # Errors
@@ -70,17 +75,17 @@ impl Configuration {
 
     /// 2000h.
     pub fn node(&self) -> NodeId {
-        NodeId::new(self.get(Entry::NodeId) as u8).unwrap_or(NodeId::FACTORY)
+        NodeId::new(self.acting(Entry::NodeId) as u8).unwrap_or(NodeId::FACTORY)
     }
 
     /// 2001h.
     pub fn bitrate(&self) -> Bitrate {
-        Bitrate::from_index(self.get(Entry::BitrateIndex) as u8).unwrap_or(Bitrate::K500)
+        Bitrate::from_index(self.acting(Entry::BitrateIndex) as u8).unwrap_or(Bitrate::K500)
     }
 
     /// 2003h.
     pub fn update_time(&self) -> UpdateTime {
-        match self.get(Entry::UpdateTime) {
+        match self.acting(Entry::UpdateTime) {
             0 => UpdateTime::Off,
             UPDATE_TIME_HALF_LOAD.. => UpdateTime::HalfLoad,
             milliseconds => UpdateTime::Every(milliseconds as u16),
@@ -89,23 +94,23 @@ impl Configuration {
 
     /// Operational after boot-up (bit 0 of 2004h).
     pub fn autostart(&self) -> bool {
-        self.get(Entry::CanConfig) & 1 != 0
+        self.acting(Entry::CanConfig) & 1 != 0
     }
 
     /// What the PDOs of a driver with so many channels carry (bit 1 of 2004h).
     pub fn layout(&self, channels: Channels) -> Layout {
-        Layout { channels, encoder: self.get(Entry::CanConfig) & 2 != 0 }
+        Layout { channels, encoder: self.acting(Entry::CanConfig) & 2 != 0 }
     }
 
     /// A heartbeat every 2 s (bit 2 of 2004h).
     pub fn heartbeat(&self) -> bool {
-        self.get(Entry::CanConfig) & 4 != 0
+        self.acting(Entry::CanConfig) & 4 != 0
     }
 
     /// 2005h and 2008h.
     pub fn encoder(&self) -> EncoderSetup {
-        let register = self.get(Entry::BasicConfig);
-        let counts = self.get(Entry::CountsPerRevolution) as u16;
+        let register = self.acting(Entry::BasicConfig);
+        let counts = self.acting(Entry::CountsPerRevolution) as u16;
         EncoderSetup {
             counts_per_revolution: (register & 2 != 0).then_some(counts),
             reverse: register & 4 != 0,
@@ -114,7 +119,7 @@ impl Configuration {
 
     /// Edge frequencies of both channels, Hz; `None` without a filter (2006h, Table 9).
     pub fn edges(&self) -> [Option<u32>; 2] {
-        [Entry::Filter1, Entry::Filter2].map(|entry| match self.get(entry) {
+        [Entry::Filter1, Entry::Filter2].map(|entry| match self.acting(entry) {
             1 => Some(10),
             2 => Some(100),
             3 => Some(1000),
@@ -125,7 +130,7 @@ impl Configuration {
 
     /// Both comparator values, 2^-30 (2007h).
     pub fn comparators(&self) -> [u32; 2] {
-        [Entry::Comparator1, Entry::Comparator2].map(|entry| self.get(entry))
+        [Entry::Comparator1, Entry::Comparator2].map(|entry| self.acting(entry))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The object dictionary (Table 4) as one table: what an entry is called, what it may hold and what it does. The SDO server, the
 //! tables of PROTOCOL.md and the EDS are made from it.
 
+use crate::blind;
 use crate::bus::eddycan::AbortCode;
 use Access::{ReadOnly, ReadWrite, WriteOnly};
 use Kind::{U8, U16, U32};
@@ -194,6 +195,12 @@ impl Entry {
     pub fn object(self) -> &'static Object {
         let [first, ..] = &OBJECTS;
         OBJECTS.get(self as usize).unwrap_or(first)
+    }
+
+    /// Whether it has no effect in this process.
+    pub(super) fn is_blind(self) -> bool {
+        let object = self.object();
+        blind::to("object", u32::from(object.index) << 8 | u32::from(object.subindex.unwrap_or(0)))
     }
 
     /// The entry of an address.

@@ -38,7 +38,7 @@ pub(super) fn period(configuration: &Configuration, layout: Layout, bitrate: Bit
         // All nodes together: nodes * longest frame / period = 1/2.
         UpdateTime::HalfLoad => {
             let frame = bitrate.longest_frame_us(layout.length());
-            Some(2 * u64::from(configuration.get(Entry::NrOfNodes)) * u64::from(frame))
+            Some(2 * u64::from(configuration.acting(Entry::NrOfNodes)) * u64::from(frame))
         }
     }
 }
@@ -48,7 +48,7 @@ pub(super) fn period(configuration: &Configuration, layout: Layout, bitrate: Bit
 pub(super) fn offset(configuration: &Configuration, node: NodeId, period: Option<u64>) -> u64 {
     match (configuration.update_time(), period) {
         (UpdateTime::HalfLoad, Some(period)) => {
-            let nodes = u64::from(configuration.get(Entry::NrOfNodes)).max(1);
+            let nodes = u64::from(configuration.acting(Entry::NrOfNodes)).max(1);
             u64::from(node.raw() - 1) % nodes * (period / nodes)
         }
         _ => 0,

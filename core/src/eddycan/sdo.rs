@@ -32,7 +32,7 @@ impl TxDriver {
     fn read(&self, entry: Entry) -> Result<SdoValue, AbortCode> {
         let object = entry.object();
         let value = match entry {
-            Entry::FirmwareVersion => self.variant.firmware.into(),
+            Entry::FirmwareVersion if !entry.is_blind() => self.variant.firmware.into(),
             _ => self.configuration.get(entry),
         };
         match (object.access, object.kind) {
@@ -50,7 +50,7 @@ impl TxDriver {
         }
         if entry == Entry::ResetEncoder {
             // A rotary encoder cannot run over.
-            if self.configuration.encoder().counts_per_revolution.is_none() {
+            if self.configuration.encoder().counts_per_revolution.is_none() && !entry.is_blind() {
                 self.sensing.reset_encoder();
             }
             return Ok(());

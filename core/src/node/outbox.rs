@@ -1,5 +1,6 @@
 //! Messages waiting for the bus: two bounded queues, the urgent one first.
 
+use crate::blind;
 use crate::bus::narmotion::{Addressless, FromDrive, Opcode};
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
@@ -20,6 +21,9 @@ pub(super) struct Outbox {
 impl Outbox {
     /// Queues an answer, a status or a fault word.
     pub(super) fn push(&mut self, message: FromDrive) {
+        if is_blind(message) {
+            return;
+        }
         if self.urgent.push_back(message.addressless()).is_err() {
             self.lost = self.lost.saturating_add(1);
         }
@@ -27,6 +31,9 @@ impl Outbox {
 
     /// Queues a measurement.
     pub(super) fn push_measurement(&mut self, message: FromDrive) {
+        if is_blind(message) {
+            return;
+        }
         if self.measurements.push_back(message.addressless()).is_err() {
             self.lost = self.lost.saturating_add(1);
         }
@@ -73,6 +80,10 @@ impl Outbox {
     pub(super) const fn lost(&self) -> u32 {
         self.lost
     }
+}
+
+fn is_blind(message: FromDrive) -> bool {
+    blind::to("message", message.opcode().raw().into())
 }
 
 impl PartialEq for Outbox {

@@ -2,6 +2,7 @@
 
 use super::storage::part_of;
 use super::{Node, scale};
+use crate::blind;
 use crate::bus::narmotion::{FromDrive, ParameterStatus};
 use crate::dictionary::{Access, Category, Dictionary, Parameter, ParameterError, number};
 use crate::motor::event::{HallCalibration, HallWiring};
@@ -43,6 +44,11 @@ impl Edges {
 impl Node {
     /// The raw value of a parameter as the bus reads it, live ones included; `None` for an unknown number.
     pub fn read_parameter(&self, number: u16) -> Option<i32> {
+        if blind::to("parameter", number.into()) && Dictionary::row(number)?.access == Access::ReadOnly {
+            // A marker of the log reads its factory value with its effect.
+            let is_marker = number == number::LOGGING_START || number == number::LOGGING_END;
+            return Dictionary::row(number).map(|row| if is_marker { 0 } else { row.factory_raw() });
+        }
         let status = &self.status;
         if let Some(value) = self.read_log_parameter(number) {
             return Some(value);
@@ -217,6 +223,7 @@ impl Node {
 
     fn run_command(&mut self, number: u16) -> ParameterStatus {
         match number {
+            _ if blind::to("parameter", number.into()) => {}
             number::SET_POSITION => {
                 let wanted = self.parameters.raw(number::POSITION_CALIBRATION);
                 self.position_offset = wanted.wrapping_sub(self.raw_position());

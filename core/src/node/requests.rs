@@ -2,6 +2,7 @@
 
 use super::Node;
 use super::description::SERVES;
+use crate::blind;
 use crate::bus::Frame;
 use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
 use crate::dictionary::{Category, Dictionary, number};
@@ -35,6 +36,9 @@ impl Node {
         let (id, message) = ToDrive::decode(frame)?;
         if id.source != self.addresses.master {
             self.count_refused();
+            return Ok(None);
+        }
+        if blind::to("message", frame.id().raw() & 0x7FF) {
             return Ok(None);
         }
         Ok(Some(message))

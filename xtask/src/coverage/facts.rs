@@ -1,10 +1,12 @@
 //! Rows that the code lists: it says which there must be, and adds what it knows of them.
 
+use super::effect::object_key;
 use super::sources::Sources;
 use super::table::{Facts, Row, Section, Table};
 use narx_core::bus::Id;
 use narx_core::bus::narmotion::{Addresses, MessageId, MessageKind};
 use narx_core::dictionary::{Dictionary, PRINTED_COUNT, Parameter};
+use narx_core::eddycan::{OBJECTS, Object};
 use narx_core::motor::fault::{Cause, FaultWord};
 use narx_core::motor::state::{State, TRANSITIONS};
 
@@ -23,7 +25,16 @@ pub(super) fn complete(table: Table, sources: &Sources, wrong: &mut Vec<String>)
             Facts::Messages => messages(section, sources, wrong),
             Facts::General => parameters(section, 0..CONTROL_FIRST, sources, wrong),
             Facts::Control => parameters(section, CONTROL_FIRST..printed, sources, wrong),
+            Facts::Own => parameters(section, printed..u16::MAX, sources, wrong),
+            Facts::Objects => objects(section, wrong),
         }
+    }
+    section
+}
+
+/// Gives every row what its section has for all, once.
+pub(super) fn share(sections: &mut [Section]) {
+    for section in sections {
         for row in &mut section.rows {
             row.code.extend(section.code.iter().cloned());
             row.tests.extend(section.tests.iter().cloned());
@@ -38,7 +49,6 @@ pub(super) fn complete(table: Table, sources: &Sources, wrong: &mut Vec<String>)
             }
         }
     }
-    section
 }
 
 /// Each name of the table, and nothing else; the vectors that take it.
@@ -125,10 +135,15 @@ fn parameters(
 }
 
 fn parameter_row(parameter: &Parameter, own: Row, sources: &Sources) -> Row {
+    let own_key = own.key.clone();
     let mut row = Row { key: parameter.number.to_string(), says: parameter.name().to_owned(), ..own };
+    if own_key.contains('-') {
+        // Not every test of a range is about every row of it.
+        row.mentions.append(&mut row.tests);
+    }
     if let Some(constant) = sources.constant(parameter.number) {
         row.code.extend(sources.users(constant).into_iter().map(|path| format!("{path} number::{constant}")));
-        row.tests.extend(sources.tests_of(constant));
+        row.mentions.extend(sources.tests_of(constant));
         row.vectors.extend(sources.vectors_of(parameter.name()));
     }
     row
@@ -139,6 +154,16 @@ fn covers(key: &str, number: u16) -> bool {
     let (first, last) = key.split_once('-').unwrap_or((key, key));
     let range = first.parse::<u16>().ok().zip(last.parse::<u16>().ok());
     range.is_some_and(|(first, last)| (first..=last).contains(&number))
+}
+
+/// Each object of the dictionary, by index and subindex.
+fn objects(section: &mut Section, wrong: &mut Vec<String>) {
+    let key = |object: &Object| object_key(object.index, object.subindex);
+    same_keys(section, OBJECTS.iter().map(key).collect(), wrong);
+    for row in &mut section.rows {
+        let Some(object) = OBJECTS.iter().find(|object| key(object) == row.key) else { continue };
+        object.name.clone_into(&mut row.says);
+    }
 }
 
 fn same_keys(section: &Section, mut expected: Vec<String>, wrong: &mut Vec<String>) {

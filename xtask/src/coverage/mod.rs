@@ -4,10 +4,13 @@
 //! exist, and rows that the code lists (transitions, fault bits, parameters, messages) must all be there: so the table
 //! cannot rot.
 
+mod effect;
 mod facts;
 mod render;
 mod sources;
 mod table;
+
+pub(crate) use effect::{Effect, Record};
 
 use crate::steps;
 use sources::Sources;
@@ -26,12 +29,11 @@ pub fn command(root: &Path, check: bool) -> ExitCode {
 /// # Errors
 /// Whatever is named and does not exist, or is missing, a line each.
 pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
-    let path = root.join("tests/coverage.toml");
-    let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-    let table: Table = toml::from_str(&text).map_err(|error| format!("tests/coverage.toml: {error}"))?;
     let sources = Sources::read(root)?;
     let mut wrong = Vec::new();
-    let sections = facts::complete(table, &sources, &mut wrong);
+    let mut sections = facts::complete(read(root)?, &sources, &mut wrong);
+    Record::read(root)?.apply(&mut sections, &mut wrong);
+    facts::share(&mut sections);
     for section in &sections {
         section.check(&sources, &mut wrong);
     }
@@ -47,4 +49,28 @@ pub fn regenerate(root: &Path, check: bool) -> steps::Outcome {
         fs::write(&path, document).map_err(|error| format!("{}: {error}", path.display()))?;
     }
     Ok(vec![summary])
+}
+
+fn read(root: &Path) -> Result<Table, String> {
+    let path = root.join("tests/coverage.toml");
+    let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+    toml::from_str(&text).map_err(|error| format!("tests/coverage.toml: {error}"))
+}
+
+/// Every effect that can be taken out, with the name of its row and the tests that may notice it.
+pub(crate) fn effects(root: &Path) -> Result<Vec<(Effect, String, Vec<String>)>, String> {
+    let sections = facts::complete(read(root)?, &Sources::read(root)?, &mut Vec::new());
+    let mut found = Vec::new();
+    for section in &sections {
+        for row in section.rows.iter().filter(|row| row.stays.is_empty()) {
+            let mut tests: Vec<String> =
+                row.tests.iter().chain(&row.mentions).chain(&section.tests).cloned().collect();
+            tests.sort_unstable();
+            tests.dedup();
+            tests.retain(|test| !effect::BUILT.contains(&test.as_str()));
+            let effects = Effect::of(section, row).into_iter();
+            found.extend(effects.map(|effect| (effect, row.says.clone(), tests.clone())));
+        }
+    }
+    Ok(found)
 }

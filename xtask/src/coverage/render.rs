@@ -15,6 +15,8 @@ pub(super) fn document(sections: &[Section], sources: &Sources) -> (String, Stri
          names something that does not exist. A test is `suite::function`: the suite is a folder under `tests/`. A vector is a scenario in \
          `tests/vectors/`, replayed by `recording::every_vector_replays_and_reaches_what_it_is_named_for`, or one of a node in \
          `tests/vectors/transcripts/`, replayed by `recording::every_vector_of_a_node_replays`.\n\n\
+         Of transitions, faults, messages, parameters and eddyCAN objects each test that a row names has failed without the row's effect (`cargo xtask \
+         effects`, recorded in `tests/effects.toml`). A vector only says where the row occurs.\n\n\
          | table | rows |\n|---|---|\n",
     );
     for section in sections {

@@ -14,7 +14,7 @@ pub(super) struct Table {
 /// A table of the specification.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Section {
+pub(crate) struct Section {
     pub(super) title: String,
     /// A line or two under the title.
     #[serde(default)]
@@ -48,12 +48,16 @@ pub(super) enum Facts {
     General,
     /// Table 11: likewise.
     Control,
+    /// Our own parameters: likewise.
+    Own,
+    /// Table 4 of eddyCAN.
+    Objects,
 }
 
 /// A row of it.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Row {
+pub(crate) struct Row {
     pub(super) key: String,
     #[serde(default)]
     pub(super) says: String,
@@ -63,6 +67,12 @@ pub(super) struct Row {
     pub(super) tests: Vec<String>,
     #[serde(default)]
     pub(super) vectors: Vec<String>,
+    /// Why there is no effect of it that a test could miss.
+    #[serde(default)]
+    pub(super) stays: String,
+    /// Tests that name the row's item. Those count that notice its effect.
+    #[serde(skip)]
+    pub(super) mentions: Vec<String>,
 }
 
 impl Row {

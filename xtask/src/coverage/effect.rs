@@ -1,0 +1,156 @@
+//! Effects that can be taken out of a running test (`core/src/blind.rs`), and which tests have failed without them: `tests/effects.toml`.
+
+use super::table::{Facts, Row, Section};
+use narx_core::eddycan::OBJECTS;
+use narx_core::motor::fault::Cause;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::{self, Write};
+use std::fs;
+use std::path::Path;
+
+const FILE: &str = "tests/effects.toml";
+const HEAD: &str = "\
+# Made by `cargo xtask effects`: every effect that can be taken out (core/src/blind.rs), and the tests that failed without it.
+# The coverage table names these and no others.
+";
+
+/// Tests that compare what a parameter is built into: they show no effect.
+pub(super) const BUILT: [&str; 3] = [
+    "motor::every_parameter_reaches_the_tick_in_its_units",
+    "motor::what_does_not_fit_is_named_with_what_does",
+    "protocol::what_the_tick_gets_is_what_the_set_builds",
+];
+
+/// An effect, as the environment variable `NARX_BLIND` names it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Effect {
+    table: &'static str,
+    row: u32,
+}
+
+impl fmt::Display for Effect {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.table, self.row)
+    }
+}
+
+impl Effect {
+    /// What a row of the coverage table does; nothing for a row whose effect cannot be taken out.
+    pub(crate) fn of(section: &Section, row: &Row) -> Vec<Self> {
+        let key = row.key.as_str();
+        let rows: Vec<u32> = match section.facts {
+            Facts::None => Vec::new(),
+            Facts::Transitions => key.trim_start_matches('T').parse().into_iter().collect(),
+            Facts::Faults => causes(key).map(u32::from).collect(),
+            Facts::Messages => u32::from_str_radix(key, 16).map(|id| id & 0x7FF).into_iter().collect(),
+            Facts::General | Facts::Control | Facts::Own => key.parse().into_iter().collect(),
+            Facts::Objects => OBJECTS
+                .iter()
+                .filter(|object| object_key(object.index, object.subindex) == key)
+                .map(|object| u32::from(object.index) << 8 | u32::from(object.subindex.unwrap_or(0)))
+                .collect(),
+        };
+        let table = match section.facts {
+            Facts::None => "",
+            Facts::Transitions => "transition",
+            Facts::Faults => "cause",
+            Facts::Messages => "message",
+            Facts::General | Facts::Control | Facts::Own => "parameter",
+            Facts::Objects => "object",
+        };
+        rows.into_iter().map(|row| Self { table, row }).collect()
+    }
+}
+
+/// Extended fault codes of a bit.
+pub(super) fn causes(bit: &str) -> impl Iterator<Item = u16> {
+    let bit = bit.parse::<u16>().ok();
+    Cause::TABLE.iter().map(|row| row.cause as u16).filter(move |code| bit == Some(code >> 8))
+}
+
+/// Key of an object's row.
+pub(super) fn object_key(index: u16, subindex: Option<u8>) -> String {
+    subindex.map_or_else(|| format!("{index:04X}h"), |subindex| format!("{index:04X}h.{subindex}"))
+}
+
+/// Which tests noticed what.
+#[derive(Debug, Default)]
+pub(crate) struct Record(BTreeMap<String, BTreeMap<u32, BTreeSet<String>>>);
+
+impl Record {
+    /// Reads the file; without one nothing has been noticed.
+    pub(crate) fn read(root: &Path) -> Result<Self, String> {
+        let Ok(text) = fs::read_to_string(root.join(FILE)) else { return Ok(Self::default()) };
+        let tables: BTreeMap<String, BTreeMap<String, BTreeSet<String>>> =
+            toml::from_str(&text).map_err(|error| format!("{FILE}: {error}"))?;
+        let mut record = Self::default();
+        for (table, rows) in tables {
+            for (row, tests) in rows {
+                let row = row.parse().map_err(|_| format!("{FILE}: {table} {row}"))?;
+                record.0.entry(table.clone()).or_default().insert(row, tests);
+            }
+        }
+        Ok(record)
+    }
+
+    /// Writes the file.
+    pub(crate) fn write(&self, root: &Path) -> Result<(), String> {
+        let mut text = String::from(HEAD);
+        for (table, rows) in &self.0 {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "\n[{table}]");
+            for (row, tests) in rows {
+                let tests: Vec<String> = tests.iter().map(|test| format!("\"{test}\"")).collect();
+                let _ = writeln!(text, "{row} = [{}]", tests.join(", "));
+            }
+        }
+        fs::write(root.join(FILE), text).map_err(|error| format!("{FILE}: {error}"))
+    }
+
+    /// What has just been found of an effect.
+    pub(crate) fn set(&mut self, effect: &Effect, tests: BTreeSet<String>) {
+        self.0.entry(effect.table.to_owned()).or_default().insert(effect.row, tests);
+    }
+
+    /// Forgets effects that are not there any more.
+    pub(crate) fn keep_only(&mut self, effects: &BTreeSet<Effect>) {
+        for (table, rows) in &mut self.0 {
+            rows.retain(|row, _| effects.iter().any(|effect| effect.table == table && effect.row == *row));
+        }
+    }
+
+    pub(crate) fn of(&self, effect: &Effect) -> Option<&BTreeSet<String>> {
+        self.0.get(effect.table)?.get(&effect.row)
+    }
+
+    /// Leaves each row whose effects can be taken out the tests that notice it. A test that the table names for a row and that does not is wrong, and so is
+    /// an effect that nothing notices.
+    pub(super) fn apply(&self, sections: &mut [Section], wrong: &mut Vec<String>) {
+        for section in sections {
+            let effects: Vec<Vec<Effect>> = section.rows.iter().map(|row| Effect::of(section, row)).collect();
+            for (row, effects) in section.rows.iter_mut().zip(effects) {
+                if !row.stays.is_empty() {
+                    row.says = format!("{} ({})", row.says, row.stays);
+                }
+                if effects.is_empty() || !row.stays.is_empty() {
+                    continue;
+                }
+                let mut miss = |what: String| {
+                    wrong.push(format!("coverage, {}, row {}: {what}", section.title, row.key));
+                };
+                let mut notice = BTreeSet::new();
+                for effect in &effects {
+                    match self.of(effect) {
+                        Some(tests) if !tests.is_empty() => notice.extend(tests.iter().cloned()),
+                        _ => miss(format!("no test notices that the effect of {effect} is gone")),
+                    }
+                }
+                for test in row.tests.iter().filter(|test| !notice.contains(*test)) {
+                    miss(format!("{test} does not notice that the effect is gone"));
+                }
+                row.tests.append(&mut row.mentions);
+                row.tests.retain(|test| notice.contains(test));
+            }
+        }
+    }
+}
