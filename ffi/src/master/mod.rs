@@ -20,7 +20,7 @@ use narx_core::bus::narmotion::{Addresses, FromDrive, Opcode};
 use narx_core::master::{Config, Heard, Master};
 
 /// 64-bit words of a master on any processor.
-pub const NARX_MASTER_WORDS: usize = 520;
+pub const NARX_MASTER_WORDS: usize = 528;
 
 /// The master of one drive: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls.
 /// Calls for one master must not interrupt each other; different masters have nothing in common.
