@@ -86,6 +86,11 @@ REFUSED: list[tuple[Callable[[narx.Parameters], object], type[narx.NarxError], s
     (lambda p: p[999], narx.ParameterError, "there is no parameter 999"),
     (lambda p: p.__setitem__(78, 51), narx.ParameterError, 'parameter 78 "Motor pair poles": 51 is outside 1 to 50'),
     (lambda p: p.__setitem__(78, float("nan")), narx.ParameterError, 'parameter 78 "Motor pair poles": NaN is outside'),
+    (lambda p: p.__setitem__(78, float("inf")), narx.ParameterError, 'parameter 78 "Motor pair poles": inf is outside'),
+    (lambda p: p.__setitem__(78, 2.5), narx.ParameterError, 'parameter 78 "Motor pair poles": 2.5 is no whole number from 1 to 50'),
+    (lambda p: p.__setitem__(78, True), narx.ParameterError, 'parameter 78 "Motor pair poles": True is no whole number from 1 to 50'),
+    (lambda p: p.__setitem__(78, "٨"), narx.ParameterError, "parameter 78 \"Motor pair poles\": '٨' is no whole number from 1 to 50"),  # type: ignore[arg-type]
+    (lambda p: p.load({78: 2.5}), narx.ParameterError, 'parameter 78 "Motor pair poles": 2.5 is no whole number'),
     (lambda p: p.__setitem__("Build number", 1), narx.ParameterError, 'parameter 5 "Build number": .* alone writes it'),
     (lambda p: p.load({78: 4, 5: 1}), narx.ParameterError, 'parameter 5 "Build number": read-only'),
     (lambda p: p.load({78: 4, 266: 1000}), narx.ParameterError, 'parameter 266 "Nominal supply voltage": 1000 V is outside'),

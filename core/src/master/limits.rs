@@ -75,6 +75,11 @@ impl SpeedLimits {
 }
 
 impl SpeedError {
+    /// Whether the drive turns at one speed whatever is asked for: open loop at parameter 88. It starts then, and its user should be told.
+    pub fn is_fixed(&self) -> bool {
+        self.limits.min == self.limits.max
+    }
+
     /// The limit that is passed.
     pub const fn limit(&self) -> SpeedLimit {
         let SpeedLimits { min, max } = self.limits;
@@ -88,7 +93,7 @@ impl fmt::Display for SpeedError {
         let Self { rpm, limits: SpeedLimits { min, max } } = *self;
         write!(f, "speed {rpm} rpm")?;
         if let Some(parameter) = self.limit().parameter.and_then(Dictionary::row) {
-            let side = match (min == max, self.limit() == max) {
+            let side = match (self.is_fixed(), self.limit() == max) {
                 (true, _) => "not",
                 (false, true) => "above",
                 (false, false) => "below",
@@ -96,7 +101,7 @@ impl fmt::Display for SpeedError {
             write!(f, " is {side} {parameter}")?;
         }
         let direction = if rpm < 0 { " in either direction" } else { "" };
-        if min == max {
+        if self.is_fixed() {
             write!(f, ": must be {} rpm{direction}", max.rpm)
         } else {
             write!(f, ": must be {} to {} rpm{direction}", min.rpm, max.rpm)
