@@ -176,19 +176,26 @@ class Drive:
 
     def _check_speed(self, rpm: float, least: int | None = None) -> None:
         """Refuses what the drive would clamp."""
+        self._refuse_silence()
         values: dict[int, int] = {}
         while (missing := self._master.check_speed(rpm, values, least)) is not None:
             values[missing] = round(self.parameters[missing])
+
+    def _refuse_silence(self) -> None:
+        if self._master.silent:
+            raise RefusedError("the master is silent: it transmits nothing")
 
     def _is_open_loop(self) -> bool:
         return self.state is State.OPEN_LOOP
 
     def stop(self) -> None:
-        """Asks for Standby, which also acknowledges a fault."""
+        """Asks for Standby, which also acknowledges a fault. RefusedError for a silent master, as of every command."""
+        self._refuse_silence()
         self._link.stop()
 
     def shut_down(self) -> None:
         """Asks for a shutdown: the drive goes into Fault with bit 28."""
+        self._refuse_silence()
         self._master.shut_down()
         self._link.wake()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, MutableMapping
 from os import PathLike
 from pathlib import Path
+from typing import cast
 
 from narx import _core
 from narx.description import OWN, Description, Row, describe
@@ -28,7 +29,7 @@ class Parameters(MutableMapping[str | int, float]):
     Raises ParameterError for one that does not exist or cannot have the value, RefusedError when the drive's state forbids it, NoAnswerError.
     """
 
-    rows = Rows()
+    rows: Mapping[int, Row] = cast("Mapping[int, Row]", Rows())
     """What each is, by number: as the drive describes itself. `narx.Parameters.rows` are those of this package's own drive."""
 
     def __init__(self, link: Link) -> None:

@@ -4,6 +4,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
 import pytest
@@ -130,7 +131,7 @@ def test_the_packages_own_drive_is_not_downloaded(folder: Path) -> None:
 def test_without_a_description_the_packages_tables_serve(text: str | None) -> None:
     with peer("without", None) as (device, bus), narx.Drive(bus) as drive:
         device.text = b"" if text is None else (text + "\n" * (len(text.encode()) % 2)).encode()
-        device.check = description.crc32(device.text)
+        device.check = crc32(device.text)
         device.raw[78] = 8
         with pytest.warns(narx.DescriptionWarning, match="the drive's description cannot be read .*: names, units"):
             assert drive.parameters["Motor pair poles"] == 8

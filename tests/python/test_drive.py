@@ -89,7 +89,7 @@ REFUSED: list[tuple[Callable[[narx.Parameters], object], type[narx.NarxError], s
     (lambda p: p.__setitem__(78, float("inf")), narx.ParameterError, 'parameter 78 "Motor pair poles": inf is outside'),
     (lambda p: p.__setitem__(78, 2.5), narx.ParameterError, 'parameter 78 "Motor pair poles": 2.5 is no whole number from 1 to 50'),
     (lambda p: p.__setitem__(78, True), narx.ParameterError, 'parameter 78 "Motor pair poles": True is no whole number from 1 to 50'),
-    (lambda p: p.__setitem__(78, "٨"), narx.ParameterError, "parameter 78 \"Motor pair poles\": '٨' is no whole number from 1 to 50"),  # type: ignore[arg-type]
+    (lambda p: p.__setitem__(78, json.loads('"٨"')), narx.ParameterError, "parameter 78 \"Motor pair poles\": '٨' is no whole number from 1 to 50"),
     (lambda p: p.load({78: 2.5}), narx.ParameterError, 'parameter 78 "Motor pair poles": 2.5 is no whole number'),
     (lambda p: p.__setitem__("Build number", 1), narx.ParameterError, 'parameter 5 "Build number": .* alone writes it'),
     (lambda p: p.load({78: 4, 5: 1}), narx.ParameterError, 'parameter 5 "Build number": read-only'),
