@@ -80,6 +80,7 @@ impl Description {
     }
 
     /// A parameter's raw value in its unit; whole numbers stay whole. raw: its 32 bits, however they were extended.
+    #[allow(clippy::wrong_self_convention, reason = "the converse of `to_raw`")]
     fn from_raw<'py>(&self, py: Python<'py>, number: u16, raw: i64) -> PyResult<Bound<'py, PyAny>> {
         let row = self.0.known(number)?;
         let raw = row.kind.widen(raw as i32);
