@@ -796,6 +796,7 @@ typedef union narx_fields_t {
     } xml_download_request;
     struct {
         uint32_t length; // words
+        uint32_t crc_32;
     } xml_download_answer;
     struct {
         uint32_t address;
@@ -881,7 +882,7 @@ typedef union narx_fields_t {
 #define NARX_TURN (1 << 16)
 
 // 64-bit words of a master on any processor.
-#define NARX_MASTER_WORDS 520
+#define NARX_MASTER_WORDS 528
 
 // Pattern changes that one period can hold.
 #define NARX_COMMUTATIONS_MAX 2
@@ -1000,6 +1001,8 @@ enum narx_status_t
     NARX_ERROR_SETTING = -36,
     // An argument has a value that does not exist.
     NARX_ERROR_ARGUMENT = -37,
+    // The drive would clamp this set-point: narx_master_speed_limits.
+    NARX_ERROR_SPEED = -38,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1204,6 +1207,8 @@ enum narx_request_kind_t
     NARX_REQUEST_KIND_DISABLE_HALL_SUPPLY = 8,
     // Arm the scope; when it is armed, force its trigger.
     NARX_REQUEST_KIND_TRIGGER_SCOPE = 9,
+    // Length and CRC-32 of the description; they are in the frame that answers: narx_message_decode.
+    NARX_REQUEST_KIND_DESCRIPTION_INFO = 10,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1934,6 +1939,18 @@ typedef struct narx_master_t {
     uint64_t words[NARX_MASTER_WORDS];
 } narx_master_t;
 
+// The set-points that the drive takes as they are, and the parameters that say so.
+typedef struct narx_speed_limits_t {
+    // Smallest magnitude, rpm.
+    uint16_t min;
+    // Largest magnitude, rpm.
+    uint16_t max;
+    // Number of the parameter of `min`: 102, 104, or 88 in open loop; 65 535 while no mode is enabled.
+    uint16_t min_parameter;
+    // Number of the parameter of `max`: 101, 103, or 88; 65 535 likewise.
+    uint16_t max_parameter;
+} narx_speed_limits_t;
+
 // What a master knows of its drive.
 typedef struct narx_drive_report_t {
     // Not 0: the drive was heard lately.
@@ -2474,12 +2491,19 @@ narx_status_t narx_master_next_poll(struct narx_master_t *master,
                                     uint64_t *at);
 
 // Asks for a speed, mechanical rpm, negative in reverse, and repeats that as long as it holds. A drive takes a start once it has seen Standby since it last
-// stopped: narx_master_stop first.
+// stopped: narx_master_stop first. NARX_ERROR_SPEED for what is beyond the limits of narx_master_speed_limits, as far as they were heard; open loop
+// turns at parameter 88 whatever is asked for. What the drive uses is `accepted_speed` of narx_master_report.
 narx_status_t narx_master_start(struct narx_master_t *master,
                                 int32_t rpm);
 
-// Asks for another speed in the direction that was asked for, rpm.
-narx_status_t narx_master_set_speed(struct narx_master_t *master, uint16_t rpm);
+// Asks for another speed in the direction that was asked for, rpm. NARX_ERROR_SPEED as narx_master_start.
+narx_status_t narx_master_set_speed(struct narx_master_t *master,
+                                    uint16_t rpm);
+
+// Limits of the set-point in the mode that the drive's parameters enable; NARX_NOTHING before they were heard (81 to 83, and those of
+// narx_speed_limits_t): narx_master_config_t has `read_parameters` for that.
+narx_status_t narx_master_speed_limits(struct narx_master_t *master,
+                                       struct narx_speed_limits_t *limits);
 
 // Asks for Standby, which also acknowledges a fault.
 narx_status_t narx_master_stop(struct narx_master_t *master);

@@ -87,6 +87,8 @@ pub enum narx_status_t {
     NARX_ERROR_SETTING = -36,
     /// An argument has a value that does not exist.
     NARX_ERROR_ARGUMENT = -37,
+    /// The drive would clamp this set-point: narx_master_speed_limits.
+    NARX_ERROR_SPEED = -38,
 }
 
 use narx_status_t::*;
@@ -109,7 +111,7 @@ pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
     known.map_or(c"unknown status", |known| text(*known)).as_ptr()
 }
 
-const ALL: [narx_status_t; 39] = [
+const ALL: [narx_status_t; 40] = [
     NARX_OK,
     NARX_NOTHING,
     NARX_ERROR_NULL,
@@ -149,6 +151,7 @@ const ALL: [narx_status_t; 39] = [
     NARX_ERROR_BUS_STATE,
     NARX_ERROR_SETTING,
     NARX_ERROR_ARGUMENT,
+    NARX_ERROR_SPEED,
 ];
 
 const fn text(status: narx_status_t) -> &'static CStr {
@@ -192,6 +195,7 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_BUS_STATE => c"no such state of a CAN controller",
         NARX_ERROR_SETTING => c"a setting is out of its range",
         NARX_ERROR_ARGUMENT => c"an argument has a value that does not exist",
+        NARX_ERROR_SPEED => c"the set-point is beyond the drive's limits",
     }
 }
 

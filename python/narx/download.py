@@ -23,7 +23,7 @@ def download(
 
     def done() -> bool:
         nonlocal told
-        for offset, chunk in link.master.poll_chunks():
+        for offset, chunk in link.take_chunks():
             words[offset] = chunk
         state = link.master.download_progress()
         if progress is not None and state is not None and state[0] != told:
@@ -37,8 +37,9 @@ def download(
         return bool(length)
 
     link.master.download(what, first, count)
-    link.wake()
+    link.downloads = True
     try:
+        link.wake()
         received = -1
         while not link.wait(done, STALL):
             if len(words) == received:
@@ -48,6 +49,8 @@ def download(
         link.master.abort_download()
         link.wait(lambda: ended(link), 1.0)
         raise
+    finally:
+        link.downloads = False
     data = bytearray(2 * length[0])
     for offset, chunk in words.items():
         data[2 * offset : 2 * offset + len(chunk)] = chunk
@@ -58,7 +61,7 @@ def ended(link: Link) -> bool:
     """Whether an aborted download is over."""
     from narx.errors import NarxError
 
-    link.master.poll_chunks()
+    link.take_chunks()
     try:
         return link.master.poll_download() is not None
     except NarxError:

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
+from warnings import warn
 
 from narx import _core
 from narx._core import State
-from narx.errors import NoAnswerError, SignalError, StartError
-from narx.link import BusLink, Link, SteppedLink, ask
+from narx.description import describe
+from narx.errors import NoAnswerError, RefusedError, SignalError, SpeedWarning, StartError
+from narx.link import BenchLink, BusLink, Link, SteppedLink, ask
 from narx.log import Log
 from narx.names import suggestion
 from narx.parameters import Parameters
@@ -33,6 +35,7 @@ CALIBRATION_BEGIN, CALIBRATION_MAX = 3.0, 60.0
 HALL_ENABLE, SENSORLESS_ENABLE = "Closed-loop Hall Effect Sensors enable", "Closed-loop Sensorless enable"
 START_REFUSAL, REJECTED_PARAMETER = "Start refusal", "Rejected parameter"
 EXTENDED_FAULT_CODE = "Extended fault code"
+DRIVE, REVERSE = 1, 2
 CALIBRATION_REQUEST, CALIBRATION_STATE, CALIBRATION_DONE = "Hall calibration request", "Hall calibration state", 2
 REFUSALS = {1: "no mode is enabled", 2: "parameters do not fit together", 4: "it was not asked for Standby before"}
 
@@ -60,7 +63,7 @@ class Measurements(Mapping[str, float]):
         }
         self._names = [name for name, _, _ in signals]
         self.speed = speed
-        """Mechanical speed by what the control mode uses, rpm; `None` before it was heard."""
+        """Mechanical speed by what the control mode uses, rpm: that of the hall sensors, of the back-EMF, or in open loop of the field; `None` before it was heard."""
 
     def __getitem__(self, name: str) -> float:
         return self.full(name).value
@@ -136,9 +139,13 @@ class Drive:
     def start(self, rpm: float, wait: bool = True) -> None:
         """Asks for a speed, mechanical rpm, negative in reverse.
 
+        Raises ParameterError for one beyond the limits of the enabled mode (parameters 101 to 104), which it names: the drive would clamp it. Open loop
+        turns at parameter 88; another speed is a SpeedWarning. So is a set-point of which the drive says, once it has started, that it uses another one.
+
         With `wait`, time runs until the motor is in open or closed loop (state 3, 4 or 5, as the mode has it); without that, StartError
         says why it is not. A drive in Fault does not start: `stop` acknowledges the fault.
         """
+        self._check_speed(rpm)
         self._link.start(rpm)
         if not wait:
             return
@@ -150,18 +157,45 @@ class Drive:
                 else f"no start within {START_MAX:g} s: nothing was heard of the drive"
             )  # fmt: skip
         attempt.judge(self)
+        used = self._master.accepted_speed
+        if used is not None and used != abs(rpm) and not self._is_open_loop():
+            warn(f"speed {rpm:g} rpm: the drive uses {used} rpm", SpeedWarning, stacklevel=2)
 
     def set_speed(self, rpm: float) -> None:
-        """Asks for another speed in the same direction, mechanical rpm."""
+        """Asks for another speed in the same direction, mechanical rpm.
+
+        Raises ParameterError for one beyond the limits, and warns, as `start` does; RefusedError for a motor that was not started: `start` says how fast it is to turn.
+        """
+        self._check_speed(rpm, 0)
+        state = self.state
+        started = self._link.start_pending or self._master.requested in (DRIVE, REVERSE)
+        if state is State.FAULT or (state in (State.INITIALIZATION, State.STANDBY) and not started):
+            raise RefusedError(f"speed {rpm:g} rpm: the drive is in {name_of(state)}; start({rpm:g}) begins with a speed")
         self._master.set_speed(rpm)
         self._link.wake()
 
+    def _check_speed(self, rpm: float, least: int | None = None) -> None:
+        """Refuses what the drive would clamp."""
+        self._refuse_silence()
+        values: dict[int, int] = {}
+        while (missing := self._master.check_speed(rpm, values, least)) is not None:
+            values[missing] = round(self.parameters[missing])
+
+    def _refuse_silence(self) -> None:
+        if self._master.silent:
+            raise RefusedError("the master is silent: it transmits nothing")
+
+    def _is_open_loop(self) -> bool:
+        return self.state is State.OPEN_LOOP
+
     def stop(self) -> None:
-        """Asks for Standby, which also acknowledges a fault."""
+        """Asks for Standby, which also acknowledges a fault. RefusedError for a silent master, as of every command."""
+        self._refuse_silence()
         self._link.stop()
 
     def shut_down(self) -> None:
         """Asks for a shutdown: the drive goes into Fault with bit 28."""
+        self._refuse_silence()
         self._master.shut_down()
         self._link.wake()
 
@@ -242,11 +276,16 @@ class Drive:
         what runs; RefusedError when the drive refuses it or its bootloader does not believe its signature; NoAnswerError when the
         drive has no bootloader, or is not heard any more. A drive that does not hear its master for 60 s after its restart goes back.
         """
-        update(self._link, Path(path).read_bytes(), progress)
+        try:
+            update(self._link, Path(path).read_bytes(), progress)
+        finally:
+            # What runs now may have other tables.
+            self._link.is_described = isinstance(self._link, BenchLink)
 
     def reboot(self, wait: bool = True) -> None:
         """Restarts a stopped drive: what is not stored is lost. With `wait`, until it is in Standby or Fault again, or NoAnswerError after 5 s."""
         self._request("reboot")
+        self._link.is_described = isinstance(self._link, BenchLink)
         if not wait:
             return
         # Its self-tests take half a second.
@@ -397,7 +436,7 @@ class Start:
             return
         rejected = self._read(REJECTED_PARAMETER)
         if self._refusal == 2 and rejected != 0xFFFF:
-            row = Parameters.rows[rejected]
+            row = drive.parameters.rows[rejected]
             raise StartError(f'the drive refused the start: parameter {rejected} "{row.name}" does not fit the others')
         reason = REFUSALS.get(self._refusal, f"reason {self._refusal}")
         raise StartError(f"the drive refused the start: {reason}")
@@ -437,6 +476,11 @@ def connect(
             f"no drive {slave} was heard on {interface} {channel} within {timeout:g} s: is it on, at this bit rate, and does it "
             f"answer to master {monitor}?"
         )
+    try:
+        describe(drive._link)
+    except BaseException:
+        drive.close(stop=False)
+        raise
     return drive
 
 

@@ -46,3 +46,15 @@ class NoAnswerError(NarxError, TimeoutError):
 
 class BusError(NarxError, OSError):
     """The adapter or its bus does not work any more."""
+
+
+class NarxWarning(UserWarning):
+    """Something is done in another way than it was asked for, or cannot be known."""
+
+
+class SpeedWarning(NarxWarning):
+    """The drive uses another set-point than the one that was asked for."""
+
+
+class DescriptionWarning(NarxWarning):
+    """The drive's own description cannot be read, so that the tables of this package have to serve."""

@@ -14,6 +14,8 @@ from narx.errors import BusError, NoAnswerError
 if TYPE_CHECKING:
     import can
 
+    from narx.description import Description
+
 POLL = 0.001
 """On a bench, simulated time between two looks at what is waited for, s."""
 
@@ -23,6 +25,13 @@ class Link(ABC):
 
     def __init__(self, master: _core.Master) -> None:
         self.master = master
+        self.description: Description | None = None
+        """What the drive says of itself; `None` where that is not known, or known to be what this package says of its own drive."""
+        self.is_described = False
+        """Whether the drive was asked for that."""
+        self.downloads = False
+        """Words of a download are expected."""
+        self._chunks: list[tuple[int, bytes]] = []
 
     @property
     @abstractmethod
@@ -45,6 +54,11 @@ class Link(ABC):
     def stop(self) -> None:
         """Asks for Standby."""
         self.master.stop()
+
+    def take_chunks(self) -> list[tuple[int, bytes]]:
+        """Words of the download that have come: their place, and their bytes."""
+        chunks, self._chunks = self._chunks + self.master.poll_chunks(), []
+        return chunks
 
     def wake(self) -> None:
         """Something new is to be sent."""
@@ -80,6 +94,8 @@ class BenchLink(Link):
     def __init__(self, bench: _core.Bench) -> None:
         super().__init__(bench.master)
         self._bench = bench
+        # Its drive is this package's own.
+        self.is_described = True
 
     @property
     def now(self) -> float:
@@ -160,6 +176,9 @@ class BusLink(FreeLink):
             return
         with self._changed:
             handle(self.master, message, self.now)
+            if self.downloads:
+                # The master has room for a few, and whoever waits for them may come late: what is dropped is sent once more.
+                self._chunks += self.master.poll_chunks()
             self._changed.notify_all()
 
     def _fail(self, error: Exception) -> None:

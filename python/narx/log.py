@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 
 import numpy as np
 
 from narx import _core
+from narx.description import Description, describe
 from narx.download import download
 from narx.errors import NoAnswerError, ParameterError
 from narx.link import Link, ask
@@ -20,17 +22,31 @@ SLOT_FIRST, SLOT_LAST, NOTHING = 29, 65, 0xFFFF
 RECORD_BYTES, INDEX_MAX, WRITE_INDEX, PERIOD, FULL = 69, 70, 71, 72, 77
 SIGNAL_FIRST = 0x2000
 
-# What a slot can name: number there, unit, and what the raw value is worth.
-WHAT: dict[str, tuple[int, str, float]] = {
-    name: (SIGNAL_FIRST + 4 * opcode + word, unit, scale)
-    for name, opcode, word, unit, scale in _core.measurement_signals()
-}
-# A signal that is a parameter, too, is the same value under another number.
-WHAT |= {row.name: (row.number, row.unit, row.scale) for row in Parameters.rows.values() if row.name not in WHAT}
-NAMES = {number: name for name, (number, _, _) in WHAT.items()} | {
-    row.number: row.name for row in Parameters.rows.values()
-}
-FOLDED = {name.casefold(): name for name in WHAT}
+
+class Names:
+    """What a slot can name, by a drive's tables."""
+
+    def __init__(self, description: Description) -> None:
+        # Number there, unit, and what the raw value is worth.
+        self.what: dict[str, tuple[int, str, float]] = {
+            name: (SIGNAL_FIRST + 4 * opcode + word, unit, scale)
+            for name, opcode, word, unit, scale in description.core.measurement_signals()
+        }
+        rows = description.rows.values()
+        # A signal that is a parameter, too, is the same value under another number.
+        self.what |= {row.name: (row.number, row.unit, row.scale) for row in rows if row.name not in self.what}
+        self.names = {number: name for name, (number, _, _) in self.what.items()} | {row.number: row.name for row in rows}
+        self._folded = {name.casefold(): name for name in self.what}
+
+    def number(self, name: str) -> int:
+        """What a slot names it by; case does not matter."""
+        try:
+            return self.what[self._folded[name.casefold()]][0]
+        except KeyError:
+            raise ParameterError(f'there is no parameter or measurement "{name}"{suggestion(name, self.what)}') from None
+
+
+names_of = lru_cache(maxsize=8)(Names)
 
 
 class Log:
@@ -39,6 +55,10 @@ class Log:
     def __init__(self, link: Link) -> None:
         self._link = link
         self._parameters = Parameters(link)
+
+    @property
+    def _names(self) -> Names:
+        return names_of(describe(self._link))
 
     def __len__(self) -> int:
         """Records in the memory."""
@@ -68,8 +88,9 @@ class Log:
         """What is logged: name -> live value, or smallest, largest or mean since the record before."""
         kinds = {number: kind for kind, number in KEEP.items()}
         values = [int(self._parameters[number]) for number in range(SLOT_FIRST, SLOT_LAST + 1)]
+        names = self._names.names
         return {
-            NAMES.get(value & 0xFFFF, f"parameter {value & 0xFFFF}"): kinds[value >> 16 & 3]
+            names.get(value & 0xFFFF, f"parameter {value & 0xFFFF}"): kinds[value >> 16 & 3]
             for value in values
             if value & 0xFFFF != NOTHING
         }
@@ -82,7 +103,7 @@ class Log:
         Raises ParameterError for a name or a period that cannot be.
         """
         chosen = dict(values) if isinstance(values, Mapping) else dict.fromkeys(values, "live")
-        slots = [number_of(name) | kind_of(kind) << 16 for name, kind in chosen.items()]
+        slots = [self._names.number(name) | kind_of(kind) << 16 for name, kind in chosen.items()]
         count = SLOT_LAST + 1 - SLOT_FIRST
         if len(slots) > count:
             raise ParameterError(f"values: {len(slots)} are too many, the log has {count} slots")
@@ -106,10 +127,10 @@ class Log:
         if first < 0 or count < 0 or first + count > last:
             raise ParameterError(f"records {first} to {first + count}: the log has {last}")
         if count == 0:
-            return table([])
+            return table([], self._names)
         size = int(self._parameters[RECORD_BYTES])
         data = download(self._link, "log", first, count, progress)
-        return table([record for record in _core.log_records(data, size) if record is not None])
+        return table([record for record in _core.log_records(data, size) if record is not None], self._names)
 
     def erase(self, wait: bool = True) -> None:
         """Erases every record; refused while driving. With `wait`, until that is done: minutes for a full memory; NoAnswerError if the drive is lost
@@ -126,7 +147,7 @@ class Log:
                 raise NoAnswerError("the drive was lost while it erases its log")
 
 
-def table(records: list[tuple[int, float, list[tuple[int, int]]]]) -> Trace:
+def table(records: list[tuple[int, float, list[tuple[int, int]]]], known: Names) -> Trace:
     """Records as columns."""
     columns: dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]] = {
         "index": np.array([index for index, _, _ in records], float),
@@ -136,23 +157,15 @@ def table(records: list[tuple[int, float, list[tuple[int, int]]]]) -> Trace:
     kinds = {number: kind for kind, number in KEEP.items()}
     for row, (_, _, values) in enumerate(records):
         for what, raw in values:
-            name = NAMES.get(what & 0x3FFF, f"parameter {what & 0x3FFF}")
+            name = known.names.get(what & 0x3FFF, f"parameter {what & 0x3FFF}")
             kind = kinds[what >> 14]
-            _, unit, scale = WHAT.get(name, (0, "", 1.0))
+            _, unit, scale = known.what.get(name, (0, "", 1.0))
             label = name if kind == "live" else f"{name} {kind}"
             if label not in columns:
                 columns[label] = np.full(len(records), np.nan)
                 units[label] = unit
             columns[label][row] = raw * scale
     return Trace(columns, units)
-
-
-def number_of(name: str) -> int:
-    """What a slot names it by; case does not matter."""
-    try:
-        return WHAT[FOLDED[name.casefold()]][0]
-    except KeyError:
-        raise ParameterError(f'there is no parameter or measurement "{name}"{suggestion(name, WHAT)}') from None
 
 
 def kind_of(kind: str) -> int:

@@ -3,42 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, MutableMapping
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import cast
 
 from narx import _core
-from narx.errors import NarxError, ParameterError
+from narx.description import OWN, Description, Row, describe
+from narx.errors import ParameterError
 from narx.link import Link, ask
 
 DEVICE_NUMBER = 1
-STOPPED, LIVE, READ_ONLY = "stopped", "live", "read-only"
+READ_ONLY = "read-only"
 
 
-@dataclass(frozen=True)
-class Row:
-    """Everything there is to know of one parameter but its value."""
+class Rows:
+    """Of the class the rows of this package's own drive, of an object those of its drive."""
 
-    number: int
-    name: str
-    category: str
-    unit: str
-    """Of the values; "" without one."""
-    type: Literal["uint16", "int32", "uint32"]
-    scale: float
-    """Step of the value: what a raw 1 is."""
-    min: float
-    max: float
-    factory: float
-    """Factory value."""
-    access: str
-    """"live", "stopped" (in Standby, and in Fault at standstill) or "read-only"."""
-    command: bool
-    """Writing 0 then 1 is a command."""
-    acts: str
-    """When a written value acts."""
-    description: str
+    def __get__(self, parameters: Parameters | None, owner: type[Parameters]) -> Mapping[int, Row]:
+        return OWN.rows if parameters is None else parameters._description.rows
 
 
 class Parameters(MutableMapping[str | int, float]):
@@ -47,26 +29,28 @@ class Parameters(MutableMapping[str | int, float]):
     Raises ParameterError for one that does not exist or cannot have the value, RefusedError when the drive's state forbids it, NoAnswerError.
     """
 
-    rows: ClassVar[Mapping[int, Row]] = {row["number"]: Row(**row) for row in _core.parameters()}
-    """What each is, by number."""
+    rows: Mapping[int, Row] = cast("Mapping[int, Row]", Rows())
+    """What each is, by number: as the drive describes itself. `narx.Parameters.rows` are those of this package's own drive."""
 
     def __init__(self, link: Link) -> None:
         self._link = link
 
+    @property
+    def _description(self) -> Description:
+        return describe(self._link)
+
+    @property
+    def _table(self) -> _core.Description:
+        return self._description.core
+
     def __getitem__(self, key: str | int) -> float:
-        number = _core.parameter_number(key)
+        number = self._table.number(key)
         raw = self._ask("read", number)
-        return _core.from_raw(number, raw)
+        return self._table.from_raw(number, raw)
 
     def __setitem__(self, key: str | int, value: float) -> None:
-        number = _core.parameter_number(key)
-        try:
-            raw = _core.to_raw(number, float(value))
-        except (TypeError, ValueError) as error:
-            if isinstance(error, NarxError):
-                raise
-            raise ParameterError(f"parameter {key} {value!r}: must be a number") from None
-        self._ask("write", number, raw)
+        number = self._table.number(key)
+        self._ask("write", number, self._table.to_raw(number, value))
 
     def __delitem__(self, key: str | int) -> None:
         raise ParameterError(f"parameter {key}: a drive's parameters cannot be deleted")
@@ -79,14 +63,14 @@ class Parameters(MutableMapping[str | int, float]):
 
     def __contains__(self, key: object) -> bool:
         try:
-            _core.parameter_number(key)  # type: ignore[arg-type]
+            self._table.number(key)  # type: ignore[arg-type]
         except ParameterError:
             return False
         return True
 
     def row(self, key: str | int) -> Row:
         """What a parameter is."""
-        return self.rows[_core.parameter_number(key)]
+        return self.rows[self._table.number(key)]
 
     def find(self, text: str) -> list[Row]:
         """Parameters whose name, category or description has the text; case does not matter."""
@@ -95,13 +79,14 @@ class Parameters(MutableMapping[str | int, float]):
 
     def to_dict(self) -> dict[str, float]:
         """Every parameter that can be written and is no command, by name: what `load` takes."""
-        return {row.name: self[row.number] for row in settable()}
+        return {row.name: self[row.number] for row in self.rows.values() if row.access != READ_ONLY and not row.command}
 
     def load(self, values: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float]) -> list[str]:
         """Writes the values that differ from the drive's: the names of those. Every one is checked before the first is written; the
         device number is left as it is (`store_once`)."""
-        wanted = {_core.parameter_number(key): value for key, value in values.items()}
-        raw = {number: _core.to_raw(number, float(value)) for number, value in wanted.items()}
+        table = self._table
+        wanted = {table.number(key): value for key, value in values.items()}
+        raw = {number: table.to_raw(number, value) for number, value in wanted.items()}
         for number in wanted:
             if self.rows[number].access == READ_ONLY:
                 raise ParameterError(f'parameter {number} "{self.rows[number].name}": read-only')
@@ -131,7 +116,7 @@ class Parameters(MutableMapping[str | int, float]):
     def diff(self, values: Mapping[str, float]) -> dict[str, tuple[float, float]]:
         """Where the drive differs from `values`: name -> (value there, value on the drive)."""
         pairs = {self.row(key).name: (value, self[key]) for key, value in values.items()}
-        return {name: pair for name, pair in pairs.items() if _differs(self.row(name).number, pair)}
+        return {name: pair for name, pair in pairs.items() if self._differs(self.row(name).number, pair)}
 
     def store(self) -> None:
         """Stores every parameter but the device number and the calibration in the drive's memory."""
@@ -152,12 +137,6 @@ class Parameters(MutableMapping[str | int, float]):
     def _ask(self, what: str, number: int = 0, raw: int = 0) -> int:
         return ask(self._link, lambda: self._link.master.request(what, number, raw))
 
-
-def settable() -> Iterator[Row]:
-    """Rows of what configures a drive."""
-    return (row for row in Parameters.rows.values() if row.access != READ_ONLY and not row.command)
-
-
-def _differs(number: int, pair: tuple[float, float]) -> bool:
-    left, right = pair
-    return _core.to_raw(number, left) != _core.to_raw(number, right)
+    def _differs(self, number: int, pair: tuple[float, float]) -> bool:
+        left, right = pair
+        return self._table.to_raw(number, left) != self._table.to_raw(number, right)

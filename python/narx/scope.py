@@ -12,6 +12,7 @@ from typing import Self
 import numpy as np
 
 from narx import _core
+from narx.description import describe
 from narx.download import download
 from narx.errors import NoAnswerError, ParameterError, RefusedError, SignalError
 from narx.link import Link, ask
@@ -21,9 +22,6 @@ from narx.trace import Trace
 
 CHANNELS, SAMPLES, PRESCALER, SAMPLING_TIME, BEFORE = 22, 23, 24, 25, 26
 STATE, TRIGGER, TRIGGER_SIGNAL, TRIGGER_LEVEL, INPUTS, WORDS = 260, 290, 291, 292, 300, 301
-
-SIGNALS = {name: (bit, unit, base) for bit, (name, unit, base) in enumerate(_core.scope_signals())}
-FOLDED = {name.casefold(): name for name in SIGNALS}
 
 
 class ScopeState(IntEnum):
@@ -103,9 +101,13 @@ class Scope:
         self._parameters = Parameters(link)
 
     @property
+    def _signals(self) -> dict[str, tuple[int, str, float]]:
+        return describe(self._link).signals
+
+    @property
     def signals(self) -> dict[str, str]:
         """What can be recorded: name -> unit."""
-        return {name: unit for name, (_, unit, _) in SIGNALS.items()}
+        return {name: unit for name, (_, unit, _) in self._signals.items()}
 
     @property
     def state(self) -> ScopeState:
@@ -126,10 +128,10 @@ class Scope:
         sample to the next. trigger: `None` is that of `force` alone. before: samples from before the trigger, fewer than `samples`.
         Raises ParameterError and SignalError for what cannot be set up, RefusedError while it is armed or recording.
         """
-        chosen = [known(name) for name in signals]
+        chosen = [known(name, self._signals) for name in signals]
         if not chosen:
             raise ParameterError("signals: must name at least one")
-        self._set_up(samples, prescaler, trigger or Trigger.forced(), before, {CHANNELS: sum({1 << SIGNALS[name][0] for name in chosen})})
+        self._set_up(samples, prescaler, trigger or Trigger.forced(), before, {CHANNELS: sum({1 << self._signals[name][0] for name in chosen})})
 
     def arm_inputs(self, ticks: int = 400, trigger: Trigger | None = None, before: int = 0) -> None:
         """Sets it up to record the inputs of every control tick instead of signals, and arms it: what `download_recording` makes a recording of.
@@ -142,7 +144,7 @@ class Scope:
     def _set_up(self, samples: int, prescaler: int, trigger: Trigger, before: int, what: dict[int, int]) -> None:
         if self.state in (ScopeState.ARMED, ScopeState.RECORDING):
             raise RefusedError(f"the scope is {self.state.name.lower()}: force it, or wait until it is done")
-        signal = None if trigger.signal is None else SIGNALS[known(trigger.signal)]
+        signal = None if trigger.signal is None else self._signals[known(trigger.signal, self._signals)]
         self._parameters[INPUTS] = 0
         self._parameters[SAMPLES] = samples
         self._parameters[PRESCALER] = prescaler
@@ -175,15 +177,16 @@ class Scope:
         there is none."""
         self._expect_record(inputs=False)
         channels = int(self._parameters[CHANNELS])
-        names = [name for name, (bit, _, _) in SIGNALS.items() if channels >> bit & 1]
+        signals = self._signals
+        names = [name for name, (bit, _, _) in signals.items() if channels >> bit & 1]
         words = int(self._parameters[WORDS])
         step, before = self._parameters[SAMPLING_TIME], int(self._parameters[BEFORE])
         data = download(self._link, "scope", count=words, progress=progress)
         samples = np.frombuffer(data, ">i2")
         table = samples[: len(samples) // len(names) * len(names)].reshape(-1, len(names)) / 4096.0
         time = (np.arange(len(table)) - min(before, len(table))) * step
-        columns = {"time": time} | {name: table[:, at] * SIGNALS[name][2] for at, name in enumerate(names)}
-        units = {"time": "s"} | {name: SIGNALS[name][1] for name in names}
+        columns = {"time": time} | {name: table[:, at] * signals[name][2] for at, name in enumerate(names)}
+        units = {"time": "s"} | {name: signals[name][1] for name in names}
         return Trace(columns, units)
 
     def download_recording(self, progress: Callable[[int, int], None] | None = None) -> ScopeRecording:
@@ -236,9 +239,10 @@ class Scope:
         ask(self._link, lambda: self._link.master.request("trigger scope"))
 
 
-def known(name: str) -> str:
+def known(name: str, signals: Iterable[str]) -> str:
     """The name of a signal as it is published; case does not matter."""
+    folded = {signal.casefold(): signal for signal in signals}
     try:
-        return FOLDED[name.casefold()]
+        return folded[name.casefold()]
     except KeyError:
-        raise SignalError(f'there is no scope signal "{name}"{suggestion(name, SIGNALS)}') from None
+        raise SignalError(f'there is no scope signal "{name}"{suggestion(name, folded.values())}') from None

@@ -24,7 +24,9 @@ ANSWER = 1.0
 """Longest wait for positions that were asked for, s."""
 RESTART = 3.0
 """Longest wait for the boot-up after a reset, s."""
-UNITS = {"time": "s", "position_1": "mm", "position_2": "mm", "encoder": ""}
+ENCODER = ("Basic Config Register", "Encoder Resolution")
+"""What must be known to make a position of an encoder's counts."""
+UNITS = {"time": "s", "position_1": "mm", "position_2": "mm", "encoder": "", "encoder_position": "mm"}
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,9 @@ class Reading:
     """"timer" (PDO1, its update time), "sync" (PDO2) or "remote" (PDO3, asked for)."""
     time: float
     """When it was heard, s: the time of the bench, or since the connection."""
+    encoder_position: float | None = None
+    """Position of a linear encoder, mm: its counts times its resolution (2009h). `None` of a rotary one, without an encoder, and while `start` has not read what
+    the node's encoder is."""
 
 
 class TxDriver:
@@ -81,8 +86,8 @@ class TxDriver:
         return Objects(self._ask)
 
     def start(self) -> None:
-        """Makes it Operational: it sends positions, and refuses SDOs. Whether its PDOs carry the encoder is read before. Raises NoAnswerError if it is not
-        there."""
+        """Makes it Operational: it sends positions, and refuses SDOs. Whether its PDOs carry the encoder, and what that is, is read before. Raises NoAnswerError if
+        it is not there."""
         if self.state is not NodeState.STOPPED and not self._answers():
             raise NoAnswerError(self._silence("does not answer"))
         self._command("start")
@@ -160,7 +165,8 @@ class TxDriver:
         self._link.wake()
 
     def record(self, seconds: float, period: float | None = None) -> Trace:
-        """Keeps every position that is heard for `seconds`: "time" (s), "position_1", "position_2" (mm) and "encoder" (counts), arrays of shape (n,).
+        """Keeps every position that is heard for `seconds`: "time" (s), "position_1", "position_2" (mm), "encoder" (counts) and "encoder_position" (mm, of a linear
+        encoder), arrays of shape (n,).
 
         period: a SYNC is sent every so many s. Without, the node sends by itself (parameter "Update Time", ms).
         """
@@ -176,6 +182,11 @@ class TxDriver:
         finally:
             columns = self._master.take_rows()
         return Trace(columns, {name: UNITS[name] for name in columns})
+
+    @property
+    def encoder_position(self) -> float | None:
+        """Position of a linear encoder, mm, asked for now: `Reading.encoder_position`."""
+        return self.read().encoder_position
 
     @property
     def comparators(self) -> tuple[float, float]:
@@ -255,9 +266,10 @@ class TxDriver:
         state = self.state
         return f"<narx.TxDriver {self.node_id}, {'state unknown' if state is None else state.name.replace('_', ' ').lower()}>"
 
-    def _reading(self, heard: tuple[list[float], int, str, float]) -> Reading:
-        positions, encoder, trigger, time = heard
-        return Reading(tuple(positions[: self._channels]), encoder if self._master.encoder else None, trigger, time)
+    def _reading(self, heard: tuple[list[float], int, float | None, str, float]) -> Reading:
+        positions, encoder, length, trigger, time = heard
+        counts, length = (encoder, length) if self._master.encoder else (None, None)
+        return Reading(tuple(positions[: self._channels]), counts, trigger, time, length)
 
     def _configure(self, bit: int, on: bool) -> None:
         register = int(self.parameters["Can Config Register"])
@@ -266,7 +278,10 @@ class TxDriver:
     def _answers(self) -> bool:
         """Whether it answers, if only that it does not want to; what its PDOs carry is known then."""
         try:
-            self.parameters["Can Config Register"]
+            if int(self.parameters["Can Config Register"]) & 2:
+                # The master keeps what it hears of the encoder.
+                for name in ENCODER:
+                    self.parameters[name]
         except AbortError:
             # It is Operational.
             return True

@@ -1,5 +1,6 @@
 //! The bench.
 
+use crate::description;
 use crate::error;
 use crate::master::Master;
 use crate::motor::{self, Load, Motor};
@@ -222,8 +223,9 @@ fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, f64)>> {
         .map(|item| {
             let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
             let number = number(&key)?;
-            let refused = |_| error::parameter(format!("parameter {key} {value}: must be a number"));
-            Ok((number, value.extract().map_err(refused)?))
+            let unknown = || error::parameter(format!("there is no parameter {number}"));
+            let row = Dictionary::row(number).ok_or_else(unknown)?;
+            Ok((number, description::entered(row.into(), &value)?))
         })
         .collect()
 }

@@ -38,10 +38,22 @@ pub(crate) fn abort(py: Python<'_>, message: String, code: u32) -> PyErr {
 
 /// A parameter that the drive does not read or write.
 pub(crate) fn refusal(refusal: &Refusal) -> PyErr {
-    match refusal.status {
-        ParameterStatus::WrongState | ParameterStatus::Storage => refused(refusal),
-        _ => parameter(refusal),
+    refused_parameter(refusal.status, refusal)
+}
+
+/// The same in other words.
+pub(crate) fn refused_parameter(status: ParameterStatus, message: impl Display) -> PyErr {
+    match status {
+        ParameterStatus::WrongState | ParameterStatus::Storage => refused(message),
+        _ => parameter(message),
     }
+}
+
+/// A request that is done in another way than it was asked for. The caller of the caller of the method that has called is who asked.
+pub(crate) fn warn(py: Python<'_>, class: &str, message: &str) -> PyResult<()> {
+    let class = py.import("narx.errors")?.getattr(class)?;
+    py.import("warnings")?.call_method1("warn", (message, class, 3))?;
+    Ok(())
 }
 
 /// A file that is no image, or not one for this drive.

@@ -4,6 +4,7 @@
 mod bench;
 mod blocks;
 mod can_log;
+mod description;
 mod dictionary;
 mod error;
 mod experiment;
@@ -32,7 +33,9 @@ mod _core {
     #[pymodule_export]
     use crate::can_log::{LogReader, fault_bits, frame_flags, frame_kinds};
     #[pymodule_export]
-    use crate::dictionary::{from_raw, log_records, measurement_signals, parameters, scope_signals, to_raw};
+    use crate::description::Description;
+    #[pymodule_export]
+    use crate::dictionary::log_records;
     #[pymodule_export]
     use crate::experiment::{Experiment, experiment_figures, run_experiments};
     #[pymodule_export]

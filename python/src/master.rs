@@ -1,25 +1,31 @@
 //! The master of a drive: that of a bench, or one whose frames Python carries.
 
+use crate::description::{Description, Signal, Tables, is_truth};
 use crate::error;
 use crate::frame;
 use crate::session::Shared;
 use crate::state;
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{Addresses, DigitalOutputs, StatusWord};
-use narx_core::dictionary::Decimal;
 use narx_core::master::{
-    Answer, Config, Download, Heard, Image, Master as Core, Request, RequestError, UpdateProgress,
+    Answer, Config, Download, Heard, Image, Master as Core, Request, RequestError, SpeedLimits,
+    UpdateProgress,
 };
 use narx_core::motor::{FaultWord, State};
 use narx_sim::session::Session;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use std::collections::HashSet;
+use std::cell::Cell;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The other end of a drive's bus. Times are seconds from any beginning.
 #[pyclass(module = "narx._core", frozen)]
-pub(crate) struct Master(Host);
+pub(crate) struct Master {
+    host: Host,
+    /// What the drive is known to be made of.
+    tables: Mutex<Arc<Tables>>,
+}
 
 /// Where it is.
 enum Host {
@@ -44,17 +50,22 @@ impl Free {
     }
 }
 
-/// A signal of the measurements: name, unit, value and when it was heard.
-type Signal = (&'static str, &'static str, Option<(f64, f64)>);
-
 impl Master {
-    pub(crate) const fn of_bench(session: Shared) -> Self {
-        Self(Host::Bench(session))
+    pub(crate) fn of_bench(session: Shared) -> Self {
+        Self::of(Host::Bench(session))
+    }
+
+    fn of(host: Host) -> Self {
+        Self { host, tables: Mutex::new(Tables::own()) }
+    }
+
+    fn tables(&self) -> Arc<Tables> {
+        Arc::clone(&self.tables.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Does something to the master, at its time.
     fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Core, u64) -> T + Send) -> T {
-        match &self.0 {
+        match &self.host {
             Host::Bench(session) => session.with(py, |session| {
                 let now = session.bench().now_ns() / 1000;
                 act(session.master(), now)
@@ -69,7 +80,7 @@ impl Master {
 
     /// What the bench knows exactly; `None` off a bench.
     fn exact<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Session) -> T + Send) -> Option<T> {
-        match &self.0 {
+        match &self.host {
             Host::Bench(session) => Some(session.with(py, |session| look(session))),
             Host::Free(_) => None,
         }
@@ -109,7 +120,7 @@ impl Master {
             ..Config::default()
         };
         let free = Free { master: Core::new(config), now: 0, image: Vec::new() };
-        Ok(Self(Host::Free(Arc::new(Mutex::new(free)))))
+        Ok(Self::of(Host::Free(Arc::new(Mutex::new(free)))))
     }
 
     /// Takes a frame that arrived at `now`.
@@ -132,7 +143,7 @@ impl Master {
     /// The next frame that is due at `now`: id, extended, remote, data. A bench's master sends its own.
     fn poll_frame<'py>(&self, py: Python<'py>, now: f64) -> Option<frame::Parts<'py>> {
         self.tell(now);
-        let Host::Free(free) = &self.0 else { return None };
+        let Host::Free(free) = &self.host else { return None };
         let frame = py.detach(|| free.lock().unwrap_or_else(PoisonError::into_inner).poll_frame())?;
         Some(frame::parts(py, &frame))
     }
@@ -146,10 +157,52 @@ impl Master {
         }
     }
 
+    /// Checks a set-point, rpm, negative in reverse, by the drive's limits in rpm: values of parameters by number; a bench knows them. Returns the number
+    /// of a parameter that is not among them, `None` when nothing is missing and nothing is wrong. least: 0 where there is no reverse. Warns where the drive turns at one speed
+    /// whatever is asked for.
+    fn check_speed(
+        &self,
+        py: Python<'_>,
+        rpm: &Bound<'_, PyAny>,
+        values: HashMap<u16, i32>,
+        least: Option<i32>,
+    ) -> PyResult<Option<u16>> {
+        let least = least.map_or(-RPM_MAX, f64::from);
+        let rpm = error::whole("rpm", number(rpm, least)?, "", least, RPM_MAX)? as i32;
+        let missing = Cell::new(None);
+        let limits = match &self.host {
+            Host::Bench(session) => session.with(py, |session| {
+                let parameters = session.bench().node().parameters();
+                SpeedLimits::of(|number| parameters.value(number))
+            }),
+            Host::Free(_) => SpeedLimits::of(|number| {
+                let value = values.get(&number).copied();
+                if value.is_none() {
+                    missing.set(Some(number));
+                }
+                value
+            }),
+        };
+        match limits.map(|limits| limits.check(rpm)) {
+            None => Ok(missing.get()),
+            Some(Ok(())) => Ok(None),
+            Some(Err(refused)) if refused.is_fixed() => {
+                error::warn(py, "SpeedWarning", &refused.to_string()).map(|()| None)
+            }
+            Some(Err(refused)) => Err(error::parameter(refused)),
+        }
+    }
+
+    /// What the motor was asked for: the motor mode of the last request word, `None` before the first.
+    #[getter]
+    fn requested(&self, py: Python<'_>) -> Option<u8> {
+        self.with(py, |master, _| master.requested().map(|mode| mode as u8))
+    }
+
     /// Asks for a speed, rpm, negative in reverse. On a bench it waits for the drive's self-tests.
-    fn start(&self, py: Python<'_>, rpm: f64) -> PyResult<()> {
-        let rpm = self::rpm(rpm)?;
-        match &self.0 {
+    fn start(&self, py: Python<'_>, rpm: &Bound<'_, PyAny>) -> PyResult<()> {
+        let rpm = rpm_of(rpm)?;
+        match &self.host {
             Host::Bench(session) => session.with(py, |session| session.start(rpm)),
             Host::Free(_) => self.with(py, |master, _| master.start(rpm)),
         }
@@ -157,9 +210,9 @@ impl Master {
     }
 
     /// Asks for another speed in the same direction, rpm.
-    fn set_speed(&self, py: Python<'_>, rpm: f64) -> PyResult<()> {
-        let rpm = error::whole("rpm", rpm, "", 0.0, RPM_MAX)? as u16;
-        match &self.0 {
+    fn set_speed(&self, py: Python<'_>, rpm: &Bound<'_, PyAny>) -> PyResult<()> {
+        let rpm = error::whole("rpm", number(rpm, 0.0)?, "", 0.0, RPM_MAX)? as u16;
+        match &self.host {
             Host::Bench(session) => session.with(py, |session| session.set_speed(rpm)),
             Host::Free(_) => self.with(py, |master, _| master.set_speed(rpm)),
         }
@@ -168,7 +221,7 @@ impl Master {
 
     /// Asks for Standby.
     fn stop(&self, py: Python<'_>) {
-        match &self.0 {
+        match &self.host {
             Host::Bench(session) => session.with(py, Session::stop),
             Host::Free(_) => self.with(py, |master, _| master.stop()),
         }
@@ -269,12 +322,26 @@ impl Master {
 
     /// Every signal of the measurements: name, unit, and value with the time when it was heard.
     fn measurements(&self, py: Python<'_>) -> Vec<Signal> {
-        self.with(py, |master, _| {
-            let heard = |heard: Option<Heard<Decimal>>| {
-                heard.map(|heard| (frame::float(heard.value), seconds(heard.at)))
-            };
-            master.measurements().iter().map(|(row, value)| (row.name, row.unit, heard(value))).collect()
-        })
+        let tables = self.tables();
+        self.with(py, |master, _| tables.measurements(master.measurements()))
+    }
+
+    /// From now on the drive is what this says.
+    fn describe(&self, description: &Description) {
+        *self.tables.lock().unwrap_or_else(PoisonError::into_inner) = description.tables();
+    }
+
+    /// Length of the drive's description in words, and its CRC-32 (0 where the drive does not tell it); `None` before it was asked for.
+    #[getter]
+    fn description(&self, py: Python<'_>) -> Option<(u16, u32)> {
+        let told = self.with(py, |master, _| master.report().description)?.value;
+        Some((told.words, told.check))
+    }
+
+    /// When the drive last acknowledged a reboot, s.
+    #[getter]
+    fn reboot(&self, py: Python<'_>) -> Option<f64> {
+        self.with(py, |master, _| master.report().reboot).map(seconds)
     }
 
     /// Mechanical speed by what the control mode uses, rpm.
@@ -285,7 +352,8 @@ impl Master {
 
     /// Raw value of a parameter as it was last heard; `None` before.
     fn parameter(&self, py: Python<'_>, number: u16) -> Option<i64> {
-        let row = narx_core::dictionary::Dictionary::row(number)?;
+        let tables = self.tables();
+        let row = tables.row(number)?;
         let heard = self.with(py, |master, _| master.parameters().get(number))?;
         Some(row.kind.widen(heard.value))
     }
@@ -329,10 +397,11 @@ impl Master {
             Request::Run(service) => Some(service as u16),
             _ => None,
         };
-        let row = number.and_then(narx_core::dictionary::Dictionary::row);
+        let tables = self.tables();
+        let row = number.and_then(|number| tables.row(number));
         match result {
             Ok(raw) => Ok(Some(row.map_or(raw.into(), |row| row.kind.widen(raw)))),
-            Err(error) => Err(request_error(request, error)),
+            Err(error) => Err(request_error(&tables, request, error)),
         }
     }
 
@@ -377,7 +446,7 @@ impl Master {
     fn update(&self, py: Python<'_>, image: Vec<u8>) -> PyResult<()> {
         let header = narx_boot::Header::of(&image).map_err(error::image)?;
         let about = Image::new(header.hardware, header.version.into(), &image);
-        let begun = match &self.0 {
+        let begun = match &self.host {
             Host::Bench(session) => session.with(py, |session| session.update(about, image)),
             Host::Free(free) => py.detach(|| {
                 let mut free = free.lock().unwrap_or_else(PoisonError::into_inner);
@@ -408,7 +477,7 @@ impl Master {
 impl Master {
     /// It is `now`; time never runs back.
     fn tell(&self, now: f64) {
-        if let Host::Free(free) = &self.0 {
+        if let Host::Free(free) = &self.host {
             let mut free = free.lock().unwrap_or_else(PoisonError::into_inner);
             free.now = free.now.max(microseconds(now));
         }
@@ -430,7 +499,7 @@ fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
 }
 
 /// A refused reboot has no answer, and for one that is about a parameter the parameter is named.
-fn request_error(request: Request, error: RequestError) -> PyErr {
+fn request_error(tables: &Tables, request: Request, error: RequestError) -> PyErr {
     match error {
         RequestError::NoAnswer => error::no_answer(match request {
             Request::Read { number } | Request::Write { number, .. } => {
@@ -439,7 +508,7 @@ fn request_error(request: Request, error: RequestError) -> PyErr {
             Request::Reboot => format!("{error}: it is off the bus, or driving"),
             _ => error.to_string(),
         }),
-        RequestError::Refused(refusal) => error::refusal(&refusal),
+        RequestError::Refused(refusal) => tables.refusal(&refusal),
         RequestError::NotObeyed => error::refused(error),
     }
 }
@@ -455,6 +524,20 @@ fn microseconds(seconds: f64) -> u64 {
 
 fn seconds(microseconds: u64) -> f64 {
     microseconds as f64 / 1e6
+}
+
+/// A speed that somebody has entered.
+fn rpm_of(rpm: &Bound<'_, PyAny>) -> PyResult<i32> {
+    self::rpm(number(rpm, -RPM_MAX)?)
+}
+
+/// A truth value and a text are no speed.
+fn number(rpm: &Bound<'_, PyAny>, min: f64) -> PyResult<f64> {
+    let entered: Option<f64> = if is_truth(rpm) { None } else { rpm.extract().ok() };
+    entered.ok_or_else(|| {
+        let shown = rpm.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+        error::parameter(format!("rpm {shown}: must be a whole number from {min} to {RPM_MAX}"))
+    })
 }
 
 /// A speed that can be asked for.

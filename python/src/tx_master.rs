@@ -29,8 +29,8 @@ pub(crate) struct Station {
     errors: BTreeSet<u16>,
 }
 
-/// The last positions, mm, the encoder's counts, what has triggered them, and when they came, s.
-type Last = ([f64; 2], u16, String, f64);
+/// The last positions, mm, the encoder's counts, a linear encoder's position, mm, what has triggered them, and when they came, s.
+type Last = ([f64; 2], i32, Option<f64>, String, f64);
 
 impl Station {
     pub(crate) fn handle_frame(&mut self, frame: &Frame, now: u64) {
@@ -49,6 +49,18 @@ impl Station {
         if report.errors != errors {
             self.errors.extend(report.last_error);
         }
+    }
+
+    fn last(&self, (reading, kind, time): (Reading, PdoKind, u64)) -> Last {
+        let encoder = self.master.report().encoder;
+        let position = encoder.position(&reading).map(frame::float);
+        (
+            millimetres(&reading),
+            encoder.counts(&reading),
+            position,
+            crate::state::words(&kind),
+            time as f64 / 1e6,
+        )
     }
 
     pub(crate) fn poll_frame(&mut self, now: u64) -> Option<Frame> {
@@ -128,16 +140,16 @@ impl TxMaster {
         })
     }
 
-    /// The last positions, mm, counts, what has triggered them ("timer", "sync", "remote") and when they came, s.
+    /// The last positions, mm, counts, a linear encoder's position, mm, what has triggered them ("timer", "sync", "remote") and when they came, s.
     #[getter]
     fn reading(&self) -> Option<Last> {
-        self.with(|station| station.master.reading()).map(last)
+        self.with(|station| station.master.reading().map(|reading| station.last(reading)))
     }
 
     /// The same of the last that was asked for.
     #[getter]
     fn asked(&self) -> Option<Last> {
-        self.with(|station| station.asked).map(last)
+        self.with(|station| station.asked.map(|reading| station.last(reading)))
     }
 
     /// Keeps every reading from now on, or no more.
@@ -158,7 +170,13 @@ impl TxMaster {
             columns.set_item("position_2", column(&|(_, reading)| millimetres(reading)[1]))?;
         }
         if layout.encoder {
-            columns.set_item("encoder", column(&|(_, reading)| reading.encoder.into()))?;
+            let encoder = self.with(|station| station.master.report().encoder);
+            columns.set_item("encoder", column(&|(_, reading)| encoder.counts(reading).into()))?;
+            let position =
+                |(_, reading): &(u64, Reading)| encoder.position(reading).map_or(f64::NAN, frame::float);
+            if encoder.position(&Reading::default()).is_some() {
+                columns.set_item("encoder_position", column(&position))?;
+            }
         }
         Ok(columns)
     }
@@ -295,10 +313,6 @@ pub(crate) fn states(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     let members = NmtState::ALL.map(|state| (crate::state::words(&state), state as u8));
     let doc = "States of a TX-Driver, with the numbers of its heartbeats (eddyCAN specification, Table 12).";
     crate::state::enumeration(py, "narx", "NodeState", doc, &members)
-}
-
-fn last((reading, kind, time): (Reading, PdoKind, u64)) -> Last {
-    (millimetres(&reading), reading.encoder, crate::state::words(&kind), time as f64 / 1e6)
 }
 
 fn millimetres(reading: &Reading) -> [f64; 2] {

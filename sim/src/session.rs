@@ -75,7 +75,7 @@ impl SessionConfig {
         };
         let mut commissioning = plate.commission(self.mode)?;
         for (number, value) in &self.parameters {
-            engineering::set(&mut commissioning.parameters, *number, *value)?;
+            engineering::enter(&mut commissioning.parameters, *number, *value)?;
         }
         Ok(commissioning)
     }

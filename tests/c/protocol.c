@@ -182,6 +182,38 @@ static void a_master_downloads(void)
     CHECK(narx_master_poll_download(&master, &words) == NARX_ERROR_ABORTED);
 }
 
+/* A drive with hall sensors says its limits; another set-point is refused. */
+static void set_points_are_checked(void)
+{
+    static const uint16_t said[4][2] = {{83, 1}, {104, 600}, {103, 2191}, {0, 0}};
+    static narx_master_t master;
+    narx_speed_limits_t limits;
+    narx_frame_t frame = {0};
+    int i;
+
+    CHECK(narx_master_init(&master, sizeof master, NULL) == NARX_OK);
+    CHECK(narx_master_speed_limits(&master, &limits) == NARX_NOTHING);
+    CHECK(narx_master_start(&master, 3120) == NARX_OK);
+    frame.id = 0x1552A86E;
+    frame.extended = 1;
+    frame.length = 8;
+    for (i = 0; said[i][0] != 0; i++) {
+        frame.data[1] = (uint8_t)said[i][0];
+        frame.data[4] = (uint8_t)(said[i][1] >> 8);
+        frame.data[5] = (uint8_t)said[i][1];
+        CHECK(narx_master_handle_frame(&master, &frame, 1000) == NARX_OK);
+    }
+    CHECK(narx_master_speed_limits(&master, NULL) == NARX_ERROR_NULL);
+    CHECK(narx_master_speed_limits(&master, &limits) == NARX_OK);
+    CHECK(limits.min == 600 && limits.min_parameter == 104);
+    CHECK(limits.max == 2191 && limits.max_parameter == 103);
+    CHECK(narx_master_start(&master, 3120) == NARX_ERROR_SPEED);
+    CHECK(narx_master_start(&master, -599) == NARX_ERROR_SPEED);
+    CHECK(narx_master_start(&master, -2191) == NARX_OK);
+    CHECK(narx_master_set_speed(&master, 2192) == NARX_ERROR_SPEED);
+    CHECK(narx_master_set_speed(&master, 600) == NARX_OK);
+}
+
 static void masters_are_checked(void)
 {
     static narx_master_t none;
@@ -203,6 +235,7 @@ static void masters_are_checked(void)
     CHECK(narx_master_init(&none, sizeof none, NULL) == NARX_OK);
     /* It holds no pointers: a copy is another one. */
     copy = none;
+    CHECK(narx_master_start(&copy, -65536) == NARX_ERROR_SPEED);
     CHECK(narx_master_start(&copy, -1200) == NARX_OK);
     CHECK(narx_master_poll_frame(&copy, 0, &frame) == NARX_OK);
     CHECK(narx_master_poll_frame(&none, 0, NULL) == NARX_ERROR_NULL);
@@ -473,6 +506,7 @@ int main(void)
     the_board_is_told_and_tells();
     a_master_downloads();
     masters_are_checked();
+    set_points_are_checked();
     every_message_is_packed_and_unpacked();
     a_tx_driver_measures();
     tx_drivers_are_checked();

@@ -124,6 +124,31 @@ fn the_layout_follows_the_register() {
     assert_eq!(pair.master.report().malformed, 0);
 }
 
+/// Counts of a linear encoder have a sign, and its resolution makes a length of them; what was not read or written is not known.
+#[test]
+fn a_linear_encoder_has_a_position() {
+    let mut pair = Pair::new(Channels::Single, &[(Entry::CanConfig, 2), (Entry::EncoderResolution, 250)]);
+    let backwards = Reading { positions: [mm(2); 2], encoder: (-3000_i16) as u16 };
+    let known = |pair: &Pair| {
+        let encoder = pair.master.report().encoder;
+        (encoder.counts(&backwards), encoder.position(&backwards).map(|length| length.to_string()))
+    };
+    assert_eq!(known(&pair), (62_536, None));
+    for (request, expected) in [
+        (Request::Read(Entry::BasicConfig), (-3000, None)),
+        (Request::Read(Entry::EncoderResolution), (-3000, Some("-0.75"))),
+        (Request::Write(Entry::EncoderResolution, 1), (-3000, Some("-0.003"))),
+        (Request::Write(Entry::EncoderResolution, 65_535), (-3000, Some("-196.605"))),
+        (Request::Write(Entry::BasicConfig, 2), (62_536, None)),
+        (Request::Write(Entry::BasicConfig, 4), (-3000, Some("-196.605"))),
+    ] {
+        pair.master.request(request).unwrap();
+        pair.run(5, |_| false);
+        assert!(pair.answers()[0].is_ok());
+        assert_eq!(known(&pair), (expected.0, expected.1.map(str::to_owned)), "{request:?}");
+    }
+}
+
 /// Any two of three attempts may be lost, on the way there or back; the third loss is an error. A reset of the encoder has one attempt.
 #[test]
 fn repeats_what_gets_no_answer() {

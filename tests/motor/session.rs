@@ -80,7 +80,7 @@ fn explicit_parameters_win_and_bad_ones_are_named() {
     let with = |number, value| SessionConfig { parameters: vec![(number, value)], ..config() }.commission();
     let set = with(speed_max.number, 1234.0).unwrap().parameters;
     assert_eq!(engineering::value(&set, speed_max.number), Some(1234.0));
-    for value in [1e9, -1.0, f64::NAN, f64::INFINITY] {
+    for value in [1e9, -1.0, f64::NAN, f64::INFINITY, 1234.5] {
         match with(speed_max.number, value) {
             Err(SessionError::Parameter(ValueError::OutOfRange { parameter, .. })) => {
                 assert_eq!(parameter.number, speed_max.number);
@@ -93,6 +93,8 @@ fn explicit_parameters_win_and_bad_ones_are_named() {
         text.contains(speed_max.name()) && text.contains("1000000000") && text.contains("65535"),
         "{text}"
     );
+    let text = with(number::MOTOR_POLE_PAIRS, 2.5).unwrap_err().to_string();
+    assert_eq!(text, "parameter 78 \"Motor pair poles\": 2.5 is no whole number from 1 to 50");
     assert_eq!(with(999, 1.0).unwrap_err().to_string(), "there is no parameter 999");
 }
 

@@ -2,9 +2,12 @@
 
 use crate::bench::IDENTITY;
 use narx_core::bus::narmotion::Addresses;
+use narx_core::bus::narmotion::{MESSAGES, MessageKind, Words};
 use narx_core::description::Document;
+use narx_core::dictionary::Category;
 use narx_core::dictionary::{Decimal, Dictionary, PARAMETER_COUNT, Parameter};
-use narx_core::master::{DescribedParameter, DescriptionError, DescriptionReader, Reason};
+use narx_core::master::{Described, DescribedParameter, DescriptionError, DescriptionReader, Reason};
+use narx_core::motor::signal::DRIVE_SIGNALS;
 use proptest::prelude::*;
 
 fn text() -> String {
@@ -14,17 +17,17 @@ fn text() -> String {
     text
 }
 
-/// Everything that a text says of parameters, to its end or its error.
-fn read(text: &[u8]) -> (Vec<DescribedParameter>, Result<(), DescriptionError>) {
+/// Everything that a text says, to its end or its error.
+fn rows(text: &[u8]) -> (Vec<Described>, Result<(), DescriptionError>) {
     let mut reader = DescriptionReader::new();
-    let mut parameters = Vec::new();
+    let mut rows = Vec::new();
     for byte in text {
         match reader.handle_byte(*byte) {
-            Ok(parameter) => parameters.extend(parameter),
+            Ok(row) => rows.extend(row),
             Err(error) => {
                 assert_eq!(reader.handle_byte(b'>'), Err(error), "there is no way on");
                 return (
-                    parameters,
+                    rows,
                     reader.finish().map_err(|same| {
                         assert_eq!(same, error);
                         error
@@ -33,7 +36,17 @@ fn read(text: &[u8]) -> (Vec<DescribedParameter>, Result<(), DescriptionError>) 
             }
         }
     }
-    (parameters, reader.finish())
+    (rows, reader.finish())
+}
+
+/// What it says of parameters.
+fn read(text: &[u8]) -> (Vec<DescribedParameter>, Result<(), DescriptionError>) {
+    let (rows, end) = rows(text);
+    (rows.into_iter().filter_map(parameter).collect(), end)
+}
+
+fn parameter(row: Described) -> Option<DescribedParameter> {
+    if let Described::Parameter(parameter) = row { Some(parameter) } else { None }
 }
 
 fn reason(text: &str) -> Reason {
@@ -61,6 +74,44 @@ fn every_parameter_is_read_as_the_dictionary_has_it() {
             assert_eq!(row.accepts(raw), described.accepts(raw), "{} {raw}", row.number);
         }
     }
+}
+
+/// Categories, fields of messages and signals of the scope are those of the tables that the document is made from.
+#[test]
+fn every_other_row_is_read_as_the_tables_have_it() {
+    let (rows, end) = rows(text().as_bytes());
+    assert_eq!(end, Ok(()));
+    let unit = |unit: &'static str| if unit == "-" { "" } else { unit };
+    let words = Words([0x8123, 0x4567, 0x89AB, 0xCDEF]);
+    let (mut categories, mut signals) = (Category::ALL.iter(), DRIVE_SIGNALS.iter().enumerate());
+    let mut fields = MESSAGES.iter().flat_map(|message| message.fields().map(move |field| (message, field)));
+    for row in rows {
+        match row {
+            Described::Parameter(_) => {}
+            Described::Category(read) => {
+                let label = format!("{}-{}", read.number, read.name);
+                assert_eq!(categories.next().unwrap().label(), label);
+            }
+            Described::Field(read) => {
+                let (message, field) = fields.next().unwrap();
+                let from_drive = message.kind == MessageKind::SlaveTx;
+                assert_eq!((message.opcode.raw(), from_drive), (read.opcode, read.from_drive));
+                assert_eq!((field.name, unit(field.unit)), (&*read.name, &*read.unit));
+                assert_eq!(
+                    (field.first_bit, field.bits, field.signed),
+                    (read.first_bit, read.bits, read.signed)
+                );
+                let value = Decimal { digits: field.raw(words), exponent: field.exponent };
+                assert_eq!(read.value(words), value, "{}", field.name);
+            }
+            Described::Signal(read) => {
+                let (bit, signal) = signals.next().unwrap();
+                assert_eq!((bit, signal.name), (read.bit.into(), &*read.name));
+                assert_eq!((unit(signal.unit), signal.base), (&*read.unit, read.base));
+            }
+        }
+    }
+    assert!(categories.next().is_none() && fields.next().is_none() && signals.next().is_none());
 }
 
 #[test]
@@ -93,7 +144,7 @@ fn every_truncation_is_noticed() {
         let error = reader.clone().finish().unwrap_err();
         assert_eq!((error.byte as usize, error.reason), (length, Reason::Incomplete));
         assert_eq!(error.line as usize, text[..floor(&text, length)].matches('\n').count() + 1);
-        if let Some(parameter) = reader.handle_byte(byte).unwrap() {
+        if let Some(parameter) = reader.handle_byte(byte).unwrap().and_then(parameter) {
             assert_eq!(parameter, all[parameters]);
             parameters += 1;
         }
@@ -156,6 +207,10 @@ const HEAD: &str = "<?xml version=\"1.0\"?>\n<description format=\"1\">\n<parame
 const ROW: &str = "<parameter number=\"5\" category=\"01\" name=\"n\" unit=\"V\" type=\"uint16\" scale=\"0.1\" min=\"0\" \
                    max=\"10.5\" factory=\"1\" access=\"live\" acts=\"reboot\">text</parameter>";
 
+const OTHER_ROWS: &str = "<description format=\"1\"><categories><category number=\"01\" name=\"c\"/></categories><messages><message name=\"m\" \
+                          opcode=\"201\" from=\"drive\"><field name=\"f\" bit=\"16\" bits=\"16\" type=\"int\" scale=\"0.1\"/></message></messages>\
+                          <scope><signal bit=\"3\" name=\"s\" base=\"5\"/></scope></description>";
+
 fn with_row(row: &str) -> String {
     format!("{HEAD}{row}\n</parameters>\n</description>\n")
 }
@@ -166,6 +221,8 @@ fn what_is_wrong_is_named() {
     let attribute = Reason::Attribute;
     for (old, new, expected) in [
         (" number=\"5\"", "", attribute("number")),
+        (" category=\"01\"", "", attribute("category")),
+        ("\"01\"", "\"00001\"", attribute("category")),
         (" number=\"5\"", " number=\"65536\"", attribute("number")),
         (" number=\"5\"", " number=\"5\" number=\"5\"", attribute("number")),
         ("uint16", "uint8", attribute("type")),
@@ -193,6 +250,26 @@ fn what_is_wrong_is_named() {
         assert!(ROW.contains(old), "{old}");
         assert_eq!(reason(&with_row(&ROW.replacen(old, new, 1))), expected, "{old} {new}");
     }
+    for (old, new, expected) in [
+        (" opcode=\"201\"", "", attribute("opcode")),
+        ("\"drive\"", "\"nobody\"", attribute("from")),
+        (" bit=\"16\"", "", attribute("bit")),
+        ("bit=\"16\"", "bit=\"64\"", attribute("bit")),
+        ("bits=\"16\"", "bits=\"0\"", attribute("bits")),
+        ("bits=\"16\"", "bits=\"49\"", attribute("bits")),
+        ("bit=\"16\" bits=\"16\"", "bit=\"60\" bits=\"5\"", attribute("bits")),
+        ("\"int\"", "\"float\"", attribute("type")),
+        ("0.1", "0.3", attribute("scale")),
+        ("bit=\"3\"", "bit=\"32\"", attribute("bit")),
+        ("base=\"5\"", "base=\"0\"", attribute("base")),
+        ("base=\"5\"", "base=\"-5\"", attribute("base")),
+        (" base=\"5\"", "", attribute("base")),
+        (" name=\"s\"", "", attribute("name")),
+    ] {
+        assert!(OTHER_ROWS.contains(old), "{old}");
+        assert_eq!(reason(&OTHER_ROWS.replacen(old, new, 1)), expected, "{old} {new}");
+    }
+    assert_eq!(rows(OTHER_ROWS.as_bytes()).1, Ok(()));
     assert_eq!(reason("<description format=\"2\">"), Reason::Format);
     assert_eq!(reason("<description>"), Reason::Format);
     assert_eq!(reason("<other format=\"1\">"), Reason::Format);

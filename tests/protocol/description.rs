@@ -4,7 +4,7 @@ use crate::bench::{Bench, IDENTITY, frame};
 use narx_core::bus::narmotion::{
     Addresses, FromDrive, MESSAGES, MotorMode, NAMES, RequestWord, ToDrive, XmlCommand,
 };
-use narx_core::description::{Cursor, Document, LOG_RECORD};
+use narx_core::description::{Cursor, Document, LOG_RECORD, Measure};
 use narx_core::dictionary::{Dictionary, Parameters, number};
 use narx_core::motor::fault::Cause;
 use narx_core::motor::signal::DRIVE_SIGNALS;
@@ -43,12 +43,26 @@ fn text_of_the_description() {
     insta::assert_snapshot!(text());
 }
 
+/// CRC-32 (ISO-HDLC) of the text in whole words: that of zlib.
+fn crc32(text: &[u8]) -> u32 {
+    let fill: &[u8] = if text.len().is_multiple_of(2) { b"" } else { b"\n" };
+    !text.iter().chain(fill).fold(!0_u32, |check, byte| {
+        (0..8).fold(check ^ u32::from(*byte), |check, _| {
+            if check & 1 == 1 { check >> 1 ^ 0xEDB8_8320 } else { check >> 1 }
+        })
+    })
+}
+
 #[test]
 fn the_length_fits_the_answer() {
-    let lines: usize = (0..).map_while(|line| DOCUMENT.line_length(line)).map(usize::from).sum();
-    assert_eq!(lines, text().len());
-    assert!(lines.div_ceil(2) <= 65_535, "{lines} bytes");
-    let longest = (0..).map_while(|line| DOCUMENT.line_length(line)).max();
+    assert_eq!((crc32(b"1234567890"), crc32(b"123456789")), (0x261D_AEE5, crc32(b"123456789\n")));
+    let mut measure = Measure::default();
+    let lines = (0..).take_while(|line| DOCUMENT.measure_line(*line, &mut measure)).count();
+    // The head has two lines.
+    assert_eq!((lines + 1, measure.words() as usize), (text().lines().count(), text().len().div_ceil(2)));
+    assert_eq!(measure.check(), crc32(text().as_bytes()));
+    assert!(measure.words() <= 65_535, "{measure:?}");
+    let longest = text().lines().map(str::len).max();
     assert!(longest < Some(1024), "one line is the most that is rendered for a frame: {longest:?}");
 }
 
@@ -143,7 +157,10 @@ fn length(bench: &mut Bench) -> u16 {
             .messages()
             .into_iter()
             .filter_map(|message| match message {
-                FromDrive::XmlLength { words } => Some(words),
+                FromDrive::XmlLength { words, check } => {
+                    assert_eq!(check, crc32(text().as_bytes()));
+                    Some(words)
+                }
                 _ => None,
             })
             .collect();

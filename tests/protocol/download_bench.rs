@@ -46,7 +46,8 @@ impl Device {
         match message {
             ToDrive::DownloadXml(XmlCommand::Length) => {
                 self.stream.clear();
-                self.answers.push_back(FromDrive::XmlLength { words: self.description.len() as u16 });
+                self.answers
+                    .push_back(FromDrive::XmlLength { words: self.description.len() as u16, check: 0 });
             }
             ToDrive::DownloadXml(XmlCommand::Start) => {
                 self.stream = frames(&self.description, |address, data| FromDrive::XmlData { address, data });

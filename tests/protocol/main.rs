@@ -19,6 +19,7 @@ mod inputs;
 mod master;
 mod master_bench;
 mod master_downloads;
+mod master_limits;
 mod master_link;
 mod master_log;
 mod master_report;

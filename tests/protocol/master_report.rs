@@ -193,11 +193,42 @@ fn measurements_have_names_units_and_ages() {
     assert_eq!(frame(207), Some(Heard { value: Measurement::M7([1, 2, 3, 4]), at: 6 }));
     assert_eq!(frame(208), Some(Heard { value: Measurement::M8([5, 6, 7, 8]), at: 7 }));
     assert_eq!((frame(206), frame(209), frame(110)), (None, None, None));
-    // Which speed counts depends on the control mode.
-    assert_eq!(master.speed(), Some(Heard { value: -4000, at: 1 }));
-    let hall = StatusWord { mode: MotorMode::Drive, control: ControlMode::Hall, ..StatusWord::default() };
-    master.handle_frame(&said(FromDrive::Status(hall)), 9);
-    assert_eq!(master.speed(), Some(Heard { value: 3999, at: 5 }));
+}
+
+/// The speed by SL and HES in each control mode; the mode that rests says 0.
+#[test]
+fn the_speed_is_that_of_the_control_mode() {
+    use ControlMode::{Hall, Off, OpenLoop, Sensorless};
+    for (control, sensorless, hall, expected) in [
+        (Some(Hall), 0, 3999, 3999),
+        (Some(Hall), -12, 0, 0),
+        (Some(Sensorless), -4000, 0, -4000),
+        (Some(Sensorless), 0, 3, 0),
+        // The field's speed, whatever hall sensors see of the rotor behind it.
+        (Some(OpenLoop), 500, 0, 500),
+        (Some(OpenLoop), 500, 490, 500),
+        // The field of a calibration is not told.
+        (Some(OpenLoop), 0, -60, -60),
+        // A coasting rotor.
+        (Some(Off), 0, 1200, 1200),
+        (Some(Off), 1300, 0, 1300),
+        (Some(Off), 0, 0, 0),
+        (None, -4000, 3999, -4000),
+    ] {
+        let mut master = Master::new(Config::default());
+        if let Some(control) = control {
+            let status = StatusWord { mode: MotorMode::Drive, control, ..StatusWord::default() };
+            master.handle_frame(&said(FromDrive::Status(status)), 0);
+        }
+        assert_eq!(master.speed(), None);
+        let m1 = Measurement::M1 { speed_sensorless: sensorless, position: 0, power: 0 };
+        for measurement in [m1, Measurement::M5 { speed_hall: hall, dsi2: false }] {
+            master.handle_frame(&said(FromDrive::Measurement(measurement)), 9);
+        }
+        let case = format!("{control:?}, {sensorless} rpm by SL, {hall} rpm by HES");
+        assert_eq!(master.speed(), Some(Heard { value: expected, at: 9 }), "{case}");
+        assert_eq!(master.speed(), master.measurements().speed(control), "{case}");
+    }
 }
 
 #[test]

@@ -109,7 +109,7 @@ fn from_drive() -> Vec<(FromDrive, u32, u64)> {
             0x0072_0000_00FA_0003,
         ),
         (F::ScopeData { address: 3, data: [1, 2, 0xFFFF] }, 0x1552_A870, 0x0003_0001_0002_FFFF),
-        (F::XmlLength { words: 4321 }, 0x1552_A882, 0x10E1_0000_0000_0000),
+        (F::XmlLength { words: 4321, check: 0xCBF4_3926 }, 0x1552_A882, 0x10E1_0000_CBF4_3926),
         (F::XmlData { address: 0, data: [0x3C3F, 0x786D, 0x6C20] }, 0x1552_A883, 0x0000_3C3F_786D_6C20),
         (F::LogData { counter: 6, data: [1, 2, 3] }, 0x1552_A88C, 0x0006_0001_0002_0003),
         (m(Measurement::M0 { accel: [-1000, 2, 3], dsi1: true }), 0x1552_A8C8, 0xFC18_0002_0003_0001),

@@ -92,7 +92,7 @@ def test_commands(bench: narx.Bench) -> None:
 
 def test_open_loop_returns_in_open_loop(motor: narx.Motor) -> None:
     bench = narx.Bench(motor, supply_voltage=24.0, mode="open-loop")
-    bench.drive.start(300)
+    bench.drive.start(bench.drive.parameters["Open-loop speed setpoint"])
     assert bench.drive.state is narx.State.OPEN_LOOP
 
 
@@ -112,7 +112,9 @@ def test_explicit_parameters_win(motor: narx.Motor) -> None:
     choices: list[Mapping[str | int, float]] = [{name: 1200}, {name.lower(): 1200.0}, {number: 1200}]
     for parameters in choices:
         bench = narx.Bench(motor, supply_voltage=24.0, mode="hall", parameters=parameters)
-        bench.drive.start(3000)
+        with pytest.raises(narx.ParameterError, match=f'speed 3000 rpm is above parameter 103 "{name}": must be [0-9]+ to 1200 rpm'):
+            bench.drive.start(3000)
+        bench.drive.start(1200)
         assert bench.run(2.0)["speed"][-1] == pytest.approx(1200, rel=0.02)
 
 

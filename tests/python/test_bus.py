@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import can
@@ -123,10 +123,13 @@ def test_a_silent_master_sends_nothing() -> None:
         with narx.Drive(bus, silent=True) as drive:
             tap.send(STATUS)
             assert drive.wait_for(lambda: drive.connected, 1.0) and drive.status["Motor mode"] == "Standby"
-            drive.start(1000, wait=False)
+            commands: list[Callable[[], object]] = [
+                lambda: drive.start(1000, wait=False), lambda: drive.set_speed(1000), drive.stop, drive.shut_down, lambda: drive.parameters[78],
+            ]  # fmt: skip
+            for command in commands:
+                with pytest.raises(narx.RefusedError, match="the master is silent"):
+                    command()
             drive.wait(0.3)
-            with pytest.raises(narx.RefusedError, match="the master is silent"):
-                drive.parameters[78]
         assert tap.recv(0.2) is None
 
 

@@ -1,5 +1,6 @@
 """Every refusal names what, its value and what is allowed."""
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -41,12 +42,24 @@ REFUSALS: list[tuple[Callable[[], object], str]] = [
     (lambda: bench(parameters={999: 1}), "there is no parameter 999"),
     (lambda: bench(parameters={-1: 1}), "there is no parameter -1"),
     (lambda: bench(parameters={78: 51}), 'parameter 78 "Motor pair poles": 51 is outside 1 to 50'),
-    (lambda: bench(parameters={78: "two"}), "parameter 78 two: must be a number"),
+    (lambda: bench(parameters={78: "two"}), "parameter 78 \"Motor pair poles\": 'two' is no whole number from 1 to 50"),
+    (lambda: bench(parameters={78: 2.5}), 'parameter 78 "Motor pair poles": 2.5 is no whole number from 1 to 50'),
+    (lambda: bench(parameters={78: True}), 'parameter 78 "Motor pair poles": True is no whole number from 1 to 50'),
+    (lambda: bench(parameters={266: "24"}), "parameter 266 \"Nominal supply voltage\": '24' is no number from "),
     (lambda: bench().run(-1.0), "seconds -1 s: must be a finite number, 0 or more"),
     (lambda: bench().run(float("nan")), "seconds NaN s: must be a finite number, 0 or more"),
     (lambda: bench().drive.start(70_000), "rpm 70000: must be a whole number from -65535 to 65535"),
     (lambda: bench().drive.start(1500.5), "rpm 1500.5: must be a whole number from -65535 to 65535"),
+    (lambda: bench().drive.start(float("nan")), "rpm NaN: must be a whole number from -65535 to 65535"),
+    (lambda: bench().drive.start(float("-inf")), "rpm -inf: must be a whole number from -65535 to 65535"),
+    (lambda: bench().drive.start(True), "rpm True: must be a whole number from -65535 to 65535"),
+    (lambda: bench().drive.start("1500"), "rpm '1500': must be a whole number from -65535 to 65535"),  # type: ignore[arg-type]
     (lambda: bench().drive.set_speed(-1), "rpm -1: must be a whole number from 0 to 65535"),
+    (lambda: bench().drive.set_speed(1500.5), "rpm 1500.5: must be a whole number from 0 to 65535"),
+    (lambda: bench(parameters={103: 2191}).drive.start(3120), 'speed 3120 rpm is above parameter 103 "Speed setpoint max saturation HES": must be '),
+    (lambda: bench(parameters={103: 2191}).drive.start(-3120), "speed -3120 rpm is above parameter 103 "),
+    (lambda: bench(parameters={104: 700}).drive.start(699), 'speed 699 rpm is below parameter 104 "Speed setpoint min saturation HES": must be 700 to '),
+    (lambda: bench(parameters={101: 2191}, mode="sensorless").drive.set_speed(3120), "speed 3120 rpm is above parameter 101 "),
 ]
 
 
@@ -56,6 +69,24 @@ def test_refusal(call: Callable[[], object], message: str) -> None:
         call()
     assert str(caught.value).startswith(message)
     assert isinstance(caught.value, narx.NarxError) and isinstance(caught.value, ValueError)
+
+
+def test_open_loop_turns_at_its_own_speed() -> None:
+    fixed = bench(mode="open-loop", parameters={"Open-loop speed setpoint": 250})
+    with pytest.warns(narx.SpeedWarning, match='speed 300 rpm is not parameter 88 "Open-loop speed setpoint": must be 250 rpm'):
+        fixed.drive.start(300)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fixed.drive.start(-250)
+
+
+def test_a_speed_without_a_start_is_refused() -> None:
+    stopped = bench()
+    with pytest.raises(narx.RefusedError, match="speed 1500 rpm: the drive is in Initialization; start\\(1500\\) begins with a speed"):
+        stopped.drive.set_speed(1500)
+    stopped.drive.start(1200, wait=False)
+    stopped.drive.set_speed(1500)
+    assert stopped.run(2.0)["speed"][-1] == pytest.approx(1500, rel=0.02)
 
 
 def test_a_fault_is_told() -> None:

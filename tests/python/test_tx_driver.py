@@ -55,7 +55,8 @@ def test_positions_on_demand_by_sync_and_by_itself(tx: narx.TxDriver, request: p
     assert reading.positions == pytest.approx((1.02,), abs=0.01) and reading.encoder is not None
     assert reading.trigger == "remote" and tx.positions == pytest.approx((1.02,), abs=0.01)
     own = tx.record(0.1)
-    assert own.signals == {"time": "s", "position_1": "mm", "encoder": ""}
+    # From the factory the encoder is a linear one.
+    assert own.signals == {"time": "s", "position_1": "mm", "encoder": "", "encoder_position": "mm"}
     assert not simulated or (9 <= len(own) <= 11 and np.diff(own.time) == pytest.approx(0.01, abs=1e-3))
     tx.preoperational()
     tx.parameters["Update Time"] = 0
@@ -189,3 +190,27 @@ def test_canopen_sees_what_was_configured() -> None:
             network.disconnect()
             if bus2 is not None:
                 bus2.shutdown()
+
+
+def test_a_linear_encoder_has_a_position_in_length(bench: narx.Bench) -> None:
+    bench.add_tx_driver(2, encoder=1024)
+    tx = narx.TxDriver(bench, 2)
+    tx.sends_encoder = True
+    tx.parameters["Basic Config Register"] = 0
+    tx.parameters["Encoder Resolution"] = 250
+    tx.parameters["Update Time"] = 2
+    tx.start()
+    assert tx.encoder_position == 0.0
+    bench.drive.start(-1000)
+    tx.wait(0.5)
+    reading = tx.read()
+    assert reading.encoder is not None and reading.encoder < -1000
+    assert reading.encoder_position == pytest.approx(reading.encoder * 250e-6)
+    trace = tx.record(0.1)
+    assert trace.signals["encoder_position"] == "mm"
+    assert trace["encoder_position"] == pytest.approx(trace["encoder"] * 250e-6) and trace["encoder"].max() < 0
+    tx.preoperational()
+    tx.parameters["Basic Config Register"] = 2
+    tx.start()
+    reading = tx.read()
+    assert reading.encoder is not None and 0 <= reading.encoder < 1024 and reading.encoder_position is None

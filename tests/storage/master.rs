@@ -6,7 +6,7 @@ use narx_core::bus::narmotion::{Addresses, FromDrive, ParameterStatus, ToDrive};
 use narx_core::description::Document;
 use narx_core::dictionary::{Dictionary, PARAMETER_COUNT, number};
 use narx_core::master::{
-    Config, DescriptionReader, Download, DownloadError, Master, Reason, Request, Service,
+    Config, Described, DescriptionReader, Download, DownloadError, Master, Reason, Request, Service,
 };
 use narx_core::motor::State;
 use narx_core::storage::{self, Record, Report, Storage};
@@ -107,7 +107,7 @@ impl Rig {
                     *place = Some(*word);
                 }
                 if what == Download::Description
-                    && let Ok(Some(parameter)) = self.reader.handle_chunk(&chunk)
+                    && let Ok(Some(Described::Parameter(parameter))) = self.reader.handle_chunk(&chunk)
                 {
                     let row = Dictionary::rows().nth(self.described).unwrap();
                     assert_eq!((row.number, row.exponent), (parameter.number, parameter.exponent));

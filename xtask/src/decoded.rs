@@ -155,7 +155,7 @@ fn from_drive(message: FromDrive) -> Vec<Value> {
         FromDrive::Parameter { number, value, status } => {
             vec![("Number", number.into()), ("Value", value.into()), ("Status", status as i64)]
         }
-        FromDrive::XmlLength { words } => vec![("Length", words.into())],
+        FromDrive::XmlLength { words, check } => vec![("Length", words.into()), ("CRC-32", check.into())],
         FromDrive::ScopeData { address, data } => {
             let [a, b, c] = data.map(|sample| i64::from(sample as i16));
             vec![("Address", address.into()), ("Sample 1", a), ("Sample 2", b), ("Sample 3", c)]

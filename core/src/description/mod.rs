@@ -17,11 +17,12 @@ mod window;
 
 pub use identity::Identity;
 pub use log::{LOG_RECORD, LogEntry};
+pub use window::Measure;
 
 use crate::bus::narmotion::Addresses;
 use core::fmt;
 use serde::{Deserialize, Serialize};
-use window::{Counter, Window};
+use window::Window;
 
 /// Version of the document's form; another one is for other readers.
 pub const FORMAT: u16 = 1;
@@ -66,15 +67,10 @@ impl Document {
         filled
     }
 
-    /// Length of a line, bytes; `None` behind the last one. The sum over all lines from 0 on is the length of the document.
-    pub fn line_length(&self, line: u16) -> Option<u16> {
-        if usize::from(line) >= sections::LINES {
-            return None;
-        }
-        let mut counter = Counter::default();
+    /// Adds a line to what the lines before it have measured; false behind the last one.
+    pub fn measure_line(&self, line: u16, measure: &mut Measure) -> bool {
         // Counting does not fail.
-        let _ = self.write_line(line, &mut counter);
-        Some(counter.bytes())
+        usize::from(line) < sections::LINES && self.write_line(line, measure).is_ok()
     }
 
     /// Writes the whole document.

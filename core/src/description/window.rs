@@ -1,6 +1,11 @@
-//! Where lines are written to: a piece of them, or only their length.
+//! Where lines are written to: a piece of them, or only their length and check value.
 
 use core::fmt;
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use serde::{Deserialize, Serialize};
+
+/// Without a table: it runs once a power-up, in the background.
+static CRC32: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// Keeps what lies behind the first bytes of a line, as far as there is room; full, it ends the writing.
 pub(super) struct Window<'a> {
@@ -33,19 +38,39 @@ impl fmt::Write for Window<'_> {
     }
 }
 
-/// Counts bytes.
-#[derive(Default)]
-pub(super) struct Counter(u16);
+/// Counts bytes, and computes the CRC-32 of all that were counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Measure {
+    bytes: u32,
+    check: u32,
+}
 
-impl Counter {
-    pub(super) const fn bytes(&self) -> u16 {
-        self.0
+impl Measure {
+    /// Words of two bytes.
+    pub const fn words(&self) -> u32 {
+        self.bytes.div_ceil(2)
+    }
+
+    /// CRC-32 (ISO-HDLC) of the words, high byte first; an odd last byte is filled up with a line's end.
+    pub fn check(mut self) -> u32 {
+        if !self.bytes.is_multiple_of(2) {
+            self.add(b"\n");
+        }
+        self.check
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
+        // The register before the last inversion, in the order of bits that the algorithm starts with.
+        let mut digest = CRC32.digest_with_initial((!self.check).reverse_bits());
+        digest.update(bytes);
+        self.check = digest.finalize();
+        self.bytes = self.bytes.saturating_add(bytes.len() as u32);
     }
 }
 
-impl fmt::Write for Counter {
+impl fmt::Write for Measure {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0 = self.0.saturating_add(text.len() as u16);
+        self.add(text.as_bytes());
         Ok(())
     }
 }

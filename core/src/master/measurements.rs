@@ -41,16 +41,35 @@ impl Measurements {
         }
     }
 
-    /// Estimated mechanical speed, rpm, from what the control mode uses.
-    pub(super) fn speed(&self, control: Option<ControlMode>) -> Option<Heard<i16>> {
-        let [_, sensorless, .., hall, _, _, _] = &self.0;
-        let frame = (*if control == Some(ControlMode::Hall) { hall } else { sensorless })?;
-        let value = match frame.value {
-            Measurement::M1 { speed_sensorless, .. } => speed_sensorless,
-            Measurement::M5 { speed_hall, .. } => speed_hall,
-            _ => return None,
+    /// Mechanical speed, rpm, negative in reverse, by what the control mode of STATUS_WORD uses: the hall sensors in hall closed loop (MEASUREMENT_5), the
+    /// back-EMF in sensorless closed loop (MEASUREMENT_1). In open loop MEASUREMENT_1 carries the speed of the field. With the bridge off, and
+    /// before the control mode is known, it is the one of the two that is not 0: a coasting rotor is seen by its hall sensors or by its back-EMF.
+    pub fn speed(&self, control: Option<ControlMode>) -> Option<Heard<i16>> {
+        let (by_field, by_hall) = (self.speed_sensorless(), self.speed_hall());
+        match control {
+            Some(ControlMode::Hall) => by_hall,
+            Some(ControlMode::Sensorless) => by_field,
+            // A calibration of the hall sensors is open loop whose speed they tell.
+            Some(ControlMode::OpenLoop | ControlMode::Off) | None => {
+                by_field.filter(|heard| heard.value != 0).or(by_hall).or(by_field)
+            }
+        }
+    }
+
+    fn speed_sensorless(&self) -> Option<Heard<i16>> {
+        let [_, Some(Heard { value: Measurement::M1 { speed_sensorless: value, .. }, at }), ..] = self.0
+        else {
+            return None;
         };
-        Some(Heard { value, at: frame.at })
+        Some(Heard { value, at })
+    }
+
+    fn speed_hall(&self) -> Option<Heard<i16>> {
+        let [.., Some(Heard { value: Measurement::M5 { speed_hall: value, .. }, at }), _, _, _] = self.0
+        else {
+            return None;
+        };
+        Some(Heard { value, at })
     }
 }
 

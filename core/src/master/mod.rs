@@ -22,27 +22,32 @@ mod assembly;
 mod commands;
 mod described;
 mod download;
+mod draft;
 pub mod eddycan;
 mod error;
 mod exchange;
+mod limits;
 mod markup;
 mod measurements;
 mod missing;
 mod parameters;
 mod report;
 mod requests;
+mod rows;
 mod stream;
 #[cfg(feature = "update")]
 mod update;
 mod waiting;
 
-pub use described::{DescribedParameter, DescriptionError, DescriptionReader, Reason};
+pub use described::{DescriptionError, DescriptionReader, Reason};
 pub use download::{Chunk, Download, Progress};
 pub use error::{DownloadError, NotTaken, Refusal, RequestError};
+pub use limits::{SpeedError, SpeedLimit, SpeedLimits};
 pub use measurements::Measurements;
 pub use parameters::ParameterMirror;
-pub use report::{BuildInfo, CriticalFault, DeviceInfo, Heard, Report};
+pub use report::{BuildInfo, CriticalFault, DescriptionInfo, DeviceInfo, Heard, Report};
 pub use requests::{Answer, Request, Service};
+pub use rows::{Described, DescribedCategory, DescribedField, DescribedParameter, DescribedSignal};
 #[cfg(feature = "update")]
 pub use update::{Image, PACE, UpdateError, UpdateProgress, UpdateStage};
 
@@ -158,7 +163,7 @@ impl Master {
         self.report.state(exact)
     }
 
-    /// Mechanical speed that the control mode works with, rpm, negative in reverse; that from back-EMF without sensors.
+    /// Mechanical speed by what the drive's control mode uses, rpm, negative in reverse: [`Measurements::speed`].
     pub fn speed(&self) -> Option<Heard<i16>> {
         self.measurements.speed(self.report.status.map(|status| status.value.control))
     }
@@ -173,6 +178,21 @@ impl Master {
 
 /// Commands: what the motor is to do, repeated every period.
 impl Master {
+    /// Set-points that the drive takes as they are; `None` before the parameters that say so were heard: the three enables (81 to 83), and 101 to 104
+    /// or 88.
+    pub fn speed_limits(&self) -> Option<SpeedLimits> {
+        SpeedLimits::of(|number| self.parameters.get(number).map(|heard| heard.value))
+    }
+
+    /// Checks a set-point, rpm, negative in reverse: against what MOTOR_CMD can carry, and against the drive's limits as far as they were heard. Ask
+    /// before [`Master::start`] and [`Master::set_speed`]; what passes unchecked the drive clamps, and [`Report::accepted_speed`] tells.
+    ///
+    /// # Errors
+    /// The drive would clamp it.
+    pub fn check_speed(&self, rpm: i32) -> Result<(), SpeedError> {
+        self.speed_limits().unwrap_or(SpeedLimits::WIRE).check(rpm)
+    }
+
     /// Asks for a speed, mechanical rpm, negative in reverse (Drive or Reverse of the request word). A drive takes a start once it
     /// has seen Standby since it last stopped: [`Master::stop`] first.
     pub fn start(&mut self, rpm: i32) {

@@ -35,6 +35,8 @@ pub struct Report {
     pub build: Option<Heard<BuildInfo>>,
     /// DEVICE_INFO.
     pub device: Option<Heard<DeviceInfo>>,
+    /// XML_DOWNLOAD_ANSWER: the drive's description.
+    pub description: Option<Heard<DescriptionInfo>>,
     /// When the drive last acknowledged a reboot, microseconds.
     pub reboot: Option<u64>,
     /// When anything was last heard of it, microseconds.
@@ -68,6 +70,15 @@ pub struct BuildInfo {
     pub date: u32,
 }
 
+/// XML_DOWNLOAD_ANSWER.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DescriptionInfo {
+    /// Length, words.
+    pub words: u16,
+    /// CRC-32 (ISO-HDLC) of the words, high byte first; 0 from a drive that does not tell it.
+    pub check: u32,
+}
+
 /// DEVICE_INFO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DeviceInfo {
@@ -98,10 +109,12 @@ impl Report {
                 let value = DeviceInfo { hardware, software, device_number, address };
                 self.device = Some(Heard { value, at });
             }
+            FromDrive::XmlLength { words, check } => {
+                self.description = Some(Heard { value: DescriptionInfo { words, check }, at });
+            }
             FromDrive::Reboot => self.reboot = Some(at),
             FromDrive::Parameter { .. }
             | FromDrive::ScopeData { .. }
-            | FromDrive::XmlLength { .. }
             | FromDrive::XmlData { .. }
             | FromDrive::LogData { .. }
             | FromDrive::Measurement(_) => {}

@@ -2,7 +2,7 @@
 
 use super::error::{NotTaken, Refusal, RequestError};
 use super::waiting::Waiting;
-use crate::bus::narmotion::{DigitalOutputs, FromDrive, ParameterStatus, ToDrive};
+use crate::bus::narmotion::{DigitalOutputs, FromDrive, ParameterStatus, ToDrive, XmlCommand};
 use crate::dictionary::{Dictionary, number};
 
 /// Something that is asked of the drive once.
@@ -26,6 +26,8 @@ pub enum Request {
     BuildInfo,
     /// DEVICE_INFO.
     DeviceInfo,
+    /// Length and CRC of the description, so that one that is known need not be downloaded: [`super::Report::description`].
+    DescriptionInfo,
     /// Restart the drive. Asked once: it is not repeated.
     Reboot,
     /// Factory values for everything but what is the board's own.
@@ -86,9 +88,10 @@ pub struct Answer {
 
 impl Request {
     /// Requests that need nothing besides, by the names that programs call them by.
-    pub const NAMED: [(&'static str, Self); 13] = [
+    pub const NAMED: [(&'static str, Self); 14] = [
         ("build info", Self::BuildInfo),
         ("device info", Self::DeviceInfo),
+        ("description info", Self::DescriptionInfo),
         ("reboot", Self::Reboot),
         ("trigger scope", Self::TriggerScope),
         ("disable hall supply", Self::DisableHallSupply(true)),
@@ -208,6 +211,7 @@ impl Current {
             Request::Run(service) => ToDrive::SetParameter { number: service as u16, value: step.into() },
             Request::BuildInfo => ToDrive::RequestBuildInfo,
             Request::DeviceInfo => ToDrive::RequestDeviceInfo,
+            Request::DescriptionInfo => ToDrive::DownloadXml(XmlCommand::Length),
             _ => ToDrive::Reboot,
         })
     }

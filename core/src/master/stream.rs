@@ -148,7 +148,7 @@ impl Stream {
                 return Err(DownloadError::Refused(refusal));
             }
             (Phase::Length, FromDrive::Parameter { value, .. }) => self.set_record(value.unsigned_abs())?,
-            (Phase::Length, FromDrive::XmlLength { words }) => self.set_total(words.into()),
+            (Phase::Length, FromDrive::XmlLength { words, .. }) => self.set_total(words.into()),
             (Phase::First, _) => self.phase = Phase::Count,
             (Phase::Count, _) => self.phase = Phase::Lower,
             (Phase::Lower, _) => self.phase = Phase::Raise,

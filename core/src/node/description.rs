@@ -3,7 +3,7 @@
 use super::Node;
 use crate::bus::Frame;
 use crate::bus::narmotion::{FromDrive, XmlCommand};
-use crate::description::{Cursor, Document};
+use crate::description::{Cursor, Document, Measure};
 use serde::{Deserialize, Serialize};
 
 /// Whether this build has a description to serve.
@@ -22,15 +22,18 @@ pub(super) struct Download {
     stream: Option<Stream>,
 }
 
-/// What is known of the document's length.
+/// What is known of the document's length and check value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Length {
-    /// Bytes of the lines before this one.
+    /// Of the lines before this one.
     Before {
         line: u16,
-        bytes: u32,
+        measure: Measure,
     },
-    Words(u16),
+    Known {
+        words: u16,
+        check: u32,
+    },
 }
 
 /// A download under way.
@@ -43,7 +46,7 @@ struct Stream {
 
 impl Default for Length {
     fn default() -> Self {
-        Self::Before { line: 0, bytes: 0 }
+        Self::Before { line: 0, measure: Measure::default() }
     }
 }
 
@@ -67,11 +70,13 @@ impl Node {
         }
         let document = self.document();
         for _ in 0..LINES_A_POLL {
-            let Length::Before { line, bytes } = self.download.length else { break };
-            self.download.length = match document.line_length(line) {
-                Some(more) => Length::Before { line: line + 1, bytes: bytes.saturating_add(more.into()) },
-                // A word has two bytes; what more than 65 535 of them would be is the business of a test.
-                None => Length::Words(bytes.div_ceil(2).min(u16::MAX.into()) as u16),
+            let Length::Before { line, mut measure } = self.download.length else { break };
+            self.download.length = if document.measure_line(line, &mut measure) {
+                Length::Before { line: line + 1, measure }
+            } else {
+                // What more than 65 535 words would be is the business of a test.
+                let words = measure.words().min(u16::MAX.into()) as u16;
+                Length::Known { words, check: measure.check() }
             };
         }
         self.answer_length();
@@ -95,9 +100,9 @@ impl Node {
     }
 
     fn answer_length(&mut self) {
-        if let Length::Words(words) = self.download.length {
+        if let Length::Known { words, check } = self.download.length {
             for _ in 0..core::mem::take(&mut self.download.asked) {
-                self.send(FromDrive::XmlLength { words });
+                self.send(FromDrive::XmlLength { words, check });
             }
         }
     }

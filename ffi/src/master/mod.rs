@@ -17,10 +17,10 @@ use crate::message::{self, narx_message_t};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use narx_core::bus::narmotion::{Addresses, FromDrive, Opcode};
-use narx_core::master::{Config, Heard, Master};
+use narx_core::master::{Config, Heard, Master, SpeedLimit, SpeedLimits};
 
 /// 64-bit words of a master on any processor.
-pub const NARX_MASTER_WORDS: usize = 520;
+pub const NARX_MASTER_WORDS: usize = 528;
 
 /// The master of one drive: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls.
 /// Calls for one master must not interrupt each other; different masters have nothing in common.
@@ -159,18 +159,70 @@ pub unsafe extern "C" fn narx_master_next_poll(
 }
 
 /// Asks for a speed, mechanical rpm, negative in reverse, and repeats that as long as it holds. A drive takes a start once it has seen Standby since it last
-/// stopped: narx_master_stop first.
+/// stopped: narx_master_stop first. NARX_ERROR_SPEED for what is beyond the limits of narx_master_speed_limits, as far as they were heard; open loop
+/// turns at parameter 88 whatever is asked for. What the drive uses is `accepted_speed` of narx_master_report.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_start(master: *mut narx_master_t, rpm: i32) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    pointer::status(unsafe { handle::object(master) }.map(|master| master.start(rpm)))
+    let run = || unsafe {
+        let master = handle::object(master)?;
+        check_speed(master, rpm)?;
+        master.start(rpm);
+        Ok(())
+    };
+    pointer::status(run())
 }
 
-/// Asks for another speed in the direction that was asked for, rpm.
+/// Asks for another speed in the direction that was asked for, rpm. NARX_ERROR_SPEED as narx_master_start.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_set_speed(master: *mut narx_master_t, rpm: u16) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
-    pointer::status(unsafe { handle::object(master) }.map(|master| master.set_speed(rpm)))
+    let run = || unsafe {
+        let master = handle::object(master)?;
+        check_speed(master, rpm.into())?;
+        master.set_speed(rpm);
+        Ok(())
+    };
+    pointer::status(run())
+}
+
+/// The set-points that the drive takes as they are, and the parameters that say so.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct narx_speed_limits_t {
+    /// Smallest magnitude, rpm.
+    pub min: u16,
+    /// Largest magnitude, rpm.
+    pub max: u16,
+    /// Number of the parameter of `min`: 102, 104, or 88 in open loop; 65 535 while no mode is enabled.
+    pub min_parameter: u16,
+    /// Number of the parameter of `max`: 101, 103, or 88; 65 535 likewise.
+    pub max_parameter: u16,
+}
+
+/// Limits of the set-point in the mode that the drive's parameters enable; NARX_NOTHING before they were heard (81 to 83, and those of
+/// narx_speed_limits_t): narx_master_config_t has `read_parameters` for that.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn narx_master_speed_limits(
+    master: *mut narx_master_t,
+    limits: *mut narx_speed_limits_t,
+) -> narx_status_t {
+    // SAFETY: the rule for pointers at the head of narx.h.
+    let run = || unsafe {
+        let master = handle::object(master)?;
+        pointer::check(limits)?;
+        let SpeedLimits { min, max } = master.speed_limits().ok_or(NARX_NOTHING)?;
+        let number = |limit: SpeedLimit| limit.parameter.unwrap_or(u16::MAX);
+        let (min_parameter, max_parameter) = (number(min), number(max));
+        let found = narx_speed_limits_t { min: min.rpm, max: max.rpm, min_parameter, max_parameter };
+        pointer::write(limits, found)
+    };
+    pointer::status(run())
+}
+
+/// Open loop has a speed of its own, and is started by whatever is asked for.
+fn check_speed(master: &Master, rpm: i32) -> Result<(), narx_status_t> {
+    master.check_speed(rpm).or_else(|error| if error.is_fixed() { Ok(()) } else { Err(NARX_ERROR_SPEED) })
 }
 
 /// Asks for Standby, which also acknowledges a fault.

@@ -31,6 +31,8 @@ pub enum narx_request_kind_t {
     DisableHallSupply = 8,
     /// Arm the scope; when it is armed, force its trigger.
     TriggerScope = 9,
+    /// Length and CRC-32 of the description; they are in the frame that answers: narx_message_decode.
+    DescriptionInfo = 10,
 }
 
 /// A request to a drive.
@@ -111,6 +113,7 @@ impl TryFrom<&narx_request_t> for Request {
             }
             kind if kind == Kind::BuildInfo as u8 => Self::BuildInfo,
             kind if kind == Kind::DeviceInfo as u8 => Self::DeviceInfo,
+            kind if kind == Kind::DescriptionInfo as u8 => Self::DescriptionInfo,
             kind if kind == Kind::Reboot as u8 => Self::Reboot,
             kind if kind == Kind::RestoreFactory as u8 => {
                 Self::RestoreFactory { serial: u16::try_from(value).map_err(|_| NARX_ERROR_REQUEST)? }
@@ -140,6 +143,7 @@ impl From<Request> for narx_request_t {
             Request::Run(service) => (Kind::Run, service as u16, 0),
             Request::BuildInfo => (Kind::BuildInfo, 0, 0),
             Request::DeviceInfo => (Kind::DeviceInfo, 0, 0),
+            Request::DescriptionInfo => (Kind::DescriptionInfo, 0, 0),
             Request::Reboot => (Kind::Reboot, 0, 0),
             Request::RestoreFactory { serial } => (Kind::RestoreFactory, 0, serial.into()),
             Request::DigitalOutputs(DigitalOutputs { enable1, value1, enable2, value2 }) => {

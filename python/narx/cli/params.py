@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.table import Table
@@ -21,6 +22,13 @@ def names(incomplete: str) -> list[str]:
     """Parameters, for completion."""
     folded = incomplete.casefold()
     return [row.name for row in narx.Parameters.rows.values() if row.name.casefold().startswith(folded)]
+
+
+def number(text: str) -> float | str:
+    """The number that a text is in the digits of programs; any other text as it is, for the parameter to refuse with its range."""
+    with suppress(ValueError):
+        return float(text) if text.isascii() and "_" not in text else text
+    return text
 
 
 @params.command("get", epilog=examples('narx params get "Motor pair poles" 266', "narx params get 266 --json"))
@@ -42,7 +50,7 @@ def params_get(
 @params.command("set", epilog=examples('narx params set "Phase current limit" 4.5 --store'))
 def params_set(
     name: Annotated[str, typer.Argument(help="Name or number.", autocompletion=names)],
-    value: Annotated[float, typer.Argument(help="In the parameter's unit.")],
+    value: Annotated[Any, typer.Argument(help="In the parameter's unit.", parser=number, metavar="VALUE")],
     store: Annotated[bool, typer.Option("--store", help="Keep it over a restart.")] = False,
 ) -> None:
     """Writes a parameter; with --store the drive keeps it."""
@@ -110,4 +118,4 @@ def params_diff(path: Path, as_json: Annotated[bool, JSON] = False) -> None:
 
 def key(name: str) -> str | int:
     """A parameter's name, or its number."""
-    return int(name) if name.isdecimal() else name
+    return int(name) if name.isascii() and name.isdecimal() else name

@@ -4,7 +4,7 @@ use crate::program::Program;
 use narx_core::bus::narmotion::Addresses;
 use narx_core::description::Document;
 use narx_core::dictionary::PARAMETER_COUNT;
-use narx_core::master::{DescribedParameter, DescriptionError, DescriptionReader, Reason};
+use narx_core::master::{Described, DescribedParameter, DescriptionError, DescriptionReader, Reason};
 use narx_core::node::Identity;
 use std::sync::LazyLock;
 
@@ -40,13 +40,22 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// Every parameter can be used, an error is the last word, and its place is where the reader was.
+/// Every row can be used, an error is the last word, and its place is where the reader was.
 fn read(text: &[u8]) -> (Vec<DescribedParameter>, Result<(), DescriptionError>) {
     let mut reader = DescriptionReader::new();
     let mut parameters = Vec::new();
     for (place, byte) in text.iter().enumerate() {
         match reader.handle_byte(*byte) {
-            Ok(parameter) => parameters.extend(parameter.inspect(check)),
+            Ok(Some(Described::Parameter(parameter))) => {
+                check(&parameter);
+                parameters.push(parameter);
+            }
+            Ok(Some(Described::Field(field))) => {
+                assert!((1..=48).contains(&field.bits) && field.first_bit + field.bits <= 64);
+                assert!((-18..=18).contains(&field.exponent));
+            }
+            Ok(Some(Described::Signal(signal))) => assert!(signal.bit < 32 && signal.base.digits > 0),
+            Ok(Some(Described::Category(_)) | None) => {}
             Err(error) => {
                 let lines = text[..place].iter().filter(|byte| **byte == b'\n').count();
                 assert_eq!((error.byte as usize, error.line as usize), (place, lines + 1));

@@ -151,7 +151,9 @@ impl Caller {
                 FromDrive::DeviceInfo { hardware: 1, software: 2, device_number: 3, address: value as u16 }
             }
             Some(ToDrive::Reboot) => FromDrive::Reboot,
-            Some(ToDrive::DownloadXml(_)) => FromDrive::XmlLength { words: value as u16 & 0xFF },
+            Some(ToDrive::DownloadXml(_)) => {
+                FromDrive::XmlLength { words: value as u16 & 0xFF, check: value as u32 }
+            }
             _ => return,
         };
         self.hear(message);

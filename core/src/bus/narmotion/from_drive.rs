@@ -73,6 +73,8 @@ pub enum FromDrive {
     XmlLength {
         /// Length of the file in words.
         words: u16,
+        /// CRC-32 (ISO-HDLC) of these words, high byte first; 0 from a drive that does not tell it.
+        check: u32,
     },
     /// XML_DOWNLOAD_DATA.
     XmlData {
@@ -158,7 +160,7 @@ impl FromDrive {
             Self::Parameter { number, value, status } => {
                 Words([number, (value >> 16) as u16, value as u16, status as u16])
             }
-            Self::XmlLength { words } => Words([words, 0, 0, 0]),
+            Self::XmlLength { words, check } => Words([words, 0, (check >> 16) as u16, check as u16]),
             Self::ScopeData { address, data: [a, b, c] }
             | Self::XmlData { address, data: [a, b, c] }
             | Self::LogData { counter: address, data: [a, b, c] } => Words([address, a, b, c]),
@@ -201,7 +203,7 @@ impl FromDrive {
                 status: ParameterStatus::decode(word3)?,
             },
             Opcode::LOG_VIRTUAL_SCOPE => Self::ScopeData { address: word0, data },
-            Opcode::XML_DOWNLOAD_REQUEST => Self::XmlLength { words: word0 },
+            Opcode::XML_DOWNLOAD_REQUEST => Self::XmlLength { words: word0, check: long(word2, word3) },
             Opcode::XML_DOWNLOAD_DATA => Self::XmlData { address: word0, data },
             Opcode::EXT_MEM_LOG_READ_DATA => Self::LogData { counter: word0, data },
             #[cfg(feature = "update")]

@@ -158,7 +158,7 @@ pub static MESSAGES: [Message; if cfg!(feature = "update") { 44 } else { 33 }] =
         "XML_DOWNLOAD_ANSWER",
         Opcode::XML_DOWNLOAD_REQUEST,
         SlaveTx,
-        &[Field { unit: "words", ..word("Length", 0) }],
+        &[Field { unit: "words", ..word("Length", 0) }, long("CRC-32", 32)],
     ),
     message(
         "XML_DOWNLOAD_DATA",

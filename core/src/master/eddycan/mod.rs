@@ -7,7 +7,7 @@
 mod report;
 mod requests;
 
-pub use report::Report;
+pub use report::{Encoder, Report};
 pub use requests::{Answer, Request, RequestError};
 
 use super::NotTaken;
@@ -133,9 +133,12 @@ impl TxMaster {
         };
         self.report.note(&message, now);
         if let FromNode::Sdo(answer) = message
-            && let Some((Entry::CanConfig, register)) = self.requests.take(answer)
+            && let Some((entry, value)) = self.requests.take(answer)
         {
-            self.config.layout.encoder = register & 2 != 0;
+            self.report.encoder.note(entry, value);
+            if entry == Entry::CanConfig {
+                self.config.layout.encoder = value & 2 != 0;
+            }
         }
     }
 

@@ -1,6 +1,8 @@
 //! What the node has said of itself.
 
 use crate::bus::eddycan::{FromNode, NmtState, PdoKind, Reading};
+use crate::dictionary::Decimal;
+use crate::eddycan::Entry;
 
 /// The last of everything, and how often.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,7 +19,47 @@ pub struct Report {
     pub last_error: Option<u16>,
     /// Frames of the node that mean nothing, saturating: PDOs of another layout, above all.
     pub malformed: u32,
+    /// What is known of its encoder.
+    pub encoder: Encoder,
     pub(super) reading: Option<(Reading, PdoKind, u64)>,
+}
+
+/// What a node's encoder is, as far as its entries were read or written here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Encoder {
+    /// Rotary, or else linear (bit 1 of 2005h).
+    pub rotary: Option<bool>,
+    /// Length of a linear encoder's count, nm (2009h).
+    pub resolution: Option<u16>,
+}
+
+impl Encoder {
+    /// Counts with their sign: of a linear encoder two's complement. Unsigned while it is not known to be one.
+    pub const fn counts(&self, reading: &Reading) -> i32 {
+        match self.rotary {
+            Some(false) => reading.encoder as i16 as i32,
+            _ => reading.encoder as i32,
+        }
+    }
+
+    /// Position of a linear encoder, mm: counts times resolution. `None` of a rotary one, and while 2005h or 2009h is not known.
+    pub const fn position(&self, reading: &Reading) -> Option<Decimal> {
+        match (self.rotary, self.resolution) {
+            // 10^-6 mm are 1 nm.
+            (Some(false), Some(resolution)) => {
+                Some(Decimal { digits: self.counts(reading) as i64 * resolution as i64, exponent: -6 })
+            }
+            _ => None,
+        }
+    }
+
+    pub(super) fn note(&mut self, entry: Entry, value: u32) {
+        match entry {
+            Entry::BasicConfig => self.rotary = Some(value & 2 != 0),
+            Entry::EncoderResolution => self.resolution = u16::try_from(value).ok(),
+            _ => {}
+        }
+    }
 }
 
 impl Report {

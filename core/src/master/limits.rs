@@ -1,0 +1,112 @@
+//! Limits of a speed set-point: the one place that knows which parameters bound it.
+
+use crate::dictionary::{Dictionary, number};
+use core::fmt;
+
+/// Set-points that a drive takes as they are, in the control mode that its enables select (Table 6): magnitudes in mechanical rpm. It clamps
+/// every other one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpeedLimits {
+    /// The smallest one.
+    pub min: SpeedLimit,
+    /// The largest one.
+    pub max: SpeedLimit,
+}
+
+/// A limit, and where it stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpeedLimit {
+    /// Magnitude, rpm.
+    pub rpm: u16,
+    /// The parameter that states it: 101 to 104, or 88 in open loop. `None` for what MOTOR_CMD can carry, while no mode is enabled.
+    pub parameter: Option<u16>,
+}
+
+/// A set-point that the drive would clamp.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpeedError {
+    /// What was asked for, rpm, negative in reverse.
+    pub rpm: i32,
+    /// What is allowed.
+    pub limits: SpeedLimits,
+}
+
+impl SpeedLimits {
+    /// What MOTOR_CMD can carry.
+    pub const WIRE: Self = Self {
+        min: SpeedLimit { rpm: 0, parameter: None },
+        max: SpeedLimit { rpm: u16::MAX, parameter: None },
+    };
+
+    /// Limits of a drive with these raw values of parameters; `None` where one is missing.
+    pub fn of(value: impl Fn(u16) -> Option<i32>) -> Option<Self> {
+        let limit = |number| {
+            let rpm = value(number)?.clamp(0, u16::MAX.into()) as u16;
+            Some(SpeedLimit { rpm, parameter: Some(number) })
+        };
+        // A set whose limits cross each other does not build, and the drive names it when it refuses the start.
+        let between = |min, max| {
+            let limits = Self { min: limit(min)?, max: limit(max)? };
+            Some(if limits.min.rpm > limits.max.rpm { Self::WIRE } else { limits })
+        };
+        // Halls have priority over sensorless, that over open loop.
+        if value(number::HALL_ENABLE)? != 0 {
+            between(number::SPEED_MIN_HES, number::SPEED_MAX_HES)
+        } else if value(number::SENSORLESS_ENABLE)? != 0 {
+            between(number::SPEED_MIN_SL, number::SPEED_MAX_SL)
+        } else if value(number::OPEN_LOOP_ENABLE)? != 0 {
+            between(number::OPEN_LOOP_SPEED, number::OPEN_LOOP_SPEED)
+        } else {
+            Some(Self::WIRE)
+        }
+    }
+
+    /// Checks a set-point, rpm, negative in reverse.
+    ///
+    /// # Errors
+    /// Its magnitude is outside the limits.
+    pub const fn check(self, rpm: i32) -> Result<(), SpeedError> {
+        let magnitude = rpm.unsigned_abs();
+        if magnitude < self.min.rpm as u32 || magnitude > self.max.rpm as u32 {
+            return Err(SpeedError { rpm, limits: self });
+        }
+        Ok(())
+    }
+}
+
+impl SpeedError {
+    /// Whether the drive turns at one speed whatever is asked for: open loop at parameter 88. It starts then, and its user should be told.
+    pub fn is_fixed(&self) -> bool {
+        self.limits.min == self.limits.max
+    }
+
+    /// The limit that is passed.
+    pub const fn limit(&self) -> SpeedLimit {
+        let SpeedLimits { min, max } = self.limits;
+        if self.rpm.unsigned_abs() > max.rpm as u32 { max } else { min }
+    }
+}
+
+impl fmt::Display for SpeedError {
+    /// Value, parameter and range: `speed 3120 rpm is above parameter 101 "Speed setpoint max saturation SL": must be 500 to 2191 rpm`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { rpm, limits: SpeedLimits { min, max } } = *self;
+        write!(f, "speed {rpm} rpm")?;
+        if let Some(parameter) = self.limit().parameter.and_then(Dictionary::row) {
+            let side = match (self.is_fixed(), self.limit() == max) {
+                (true, _) => "not",
+                (false, true) => "above",
+                (false, false) => "below",
+            };
+            write!(f, " is {side} {parameter}")?;
+        }
+        let direction = if rpm < 0 { " in either direction" } else { "" };
+        if self.is_fixed() {
+            write!(f, ": must be {} rpm{direction}", max.rpm)
+        } else {
+            write!(f, ": must be {} to {} rpm{direction}", min.rpm, max.rpm)
+        }
+    }
+}
+
+impl core::error::Error for SpeedError {}
