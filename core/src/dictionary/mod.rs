@@ -59,6 +59,19 @@ impl Dictionary {
     }
 }
 
+/// A speed set-point limit (parameters 101 to 104) as it is in force, mechanical rpm, of its raw value and the motor's pole pairs. The factory value is
+/// that of four pole pairs (Table 2): while it stands, the limit follows parameter 78 as 4 / pole pairs.
+pub fn speed_limit(number: u16, raw: i32, pole_pairs: i32) -> i32 {
+    const FIRST: u16 = number::SPEED_MAX_SL;
+    const LAST: u16 = number::SPEED_MIN_HES;
+    match number {
+        FIRST..=LAST if Dictionary::row(number).is_some_and(|row| row.factory_raw() == raw) => {
+            raw.saturating_mul(4) / pole_pairs.max(1)
+        }
+        _ => raw,
+    }
+}
+
 static ROWS: [Parameter; PARAMETER_COUNT] = row::parameters();
 
 const fn stored(rows: &[Parameter]) -> usize {

@@ -62,19 +62,9 @@ impl Parameters {
         self.raw(number) as u32
     }
 
-    /// A speed set-point limit (parameters 101 to 104) as it is in force, mechanical rpm. Its factory value is that of four pole pairs (Table 2):
-    /// while it stands, the limit follows parameter 78 as 4 / pole pairs.
+    /// A speed set-point limit (parameters 101 to 104) as it is in force, mechanical rpm; other parameters as they are.
     pub fn speed_limit(&self, number: u16) -> i32 {
-        const FIRST: u16 = super::number::SPEED_MAX_SL;
-        const LAST: u16 = super::number::SPEED_MIN_HES;
-        let raw = self.raw(number);
-        let factory = Dictionary::row(number).map(Parameter::factory_raw);
-        match number {
-            FIRST..=LAST if factory == Some(raw) => {
-                raw.saturating_mul(4) / self.raw(super::number::MOTOR_POLE_PAIRS).max(1)
-            }
-            _ => raw,
-        }
+        super::speed_limit(number, self.raw(number), self.raw(super::number::MOTOR_POLE_PAIRS))
     }
 
     /// Sets a raw value within its range. Who may write, and when, is the node's business; whether values fit each

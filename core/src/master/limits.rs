@@ -1,6 +1,6 @@
 //! Limits of a speed set-point: the one place that knows which parameters bound it.
 
-use crate::dictionary::{Dictionary, number};
+use crate::dictionary::{Dictionary, number, speed_limit};
 use core::fmt;
 
 /// Set-points that a drive takes as they are, in the control mode that its enables select (Table 6): magnitudes in mechanical rpm. It clamps
@@ -41,7 +41,8 @@ impl SpeedLimits {
     /// Limits of a drive with these raw values of parameters; `None` where one is missing.
     pub fn of(value: impl Fn(u16) -> Option<i32>) -> Option<Self> {
         let limit = |number| {
-            let rpm = value(number)?.clamp(0, u16::MAX.into()) as u16;
+            let rpm = speed_limit(number, value(number)?, value(number::MOTOR_POLE_PAIRS)?);
+            let rpm = rpm.clamp(0, u16::MAX.into()) as u16;
             Some(SpeedLimit { rpm, parameter: Some(number) })
         };
         // A set whose limits cross each other does not build, and the drive names it when it refuses the start.
