@@ -210,6 +210,14 @@ class Drive:
         return self._master.faults or set()
 
     @property
+    def diagnostics(self) -> set[str]:
+        """What is worth knowing and is no fault, asked of the drive (its parameter Diagnostics): `supply_low` (the bus is below 18 V), `position_unknown`
+        (the rotor may have turned unseen since power-up or since its position was set), `wrong_lock_unseen` (sensorless, and the back-EMF constant or the resistance
+        that would show a stable wrong lock is 0)."""
+        word = int(self.parameters["Diagnostics"])
+        return {name for name, bit in _core.diagnostic_bits() if word & bit}
+
+    @property
     def fault(self) -> str | None:
         """What the extended code of the last critical fault means; `None` without a fault."""
         critical = self._master.critical

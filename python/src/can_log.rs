@@ -2,6 +2,7 @@
 
 use crate::error;
 use narx_core::motor::FaultWord;
+use narx_core::node::Diagnostics;
 use narx_host::can_log::{CanLog, Config, Ends, Kind, Logged, Signal, Table, Values, flag};
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -105,6 +106,12 @@ pub(crate) fn frame_kinds() -> (u8, u8, u8) {
 #[pyfunction]
 pub(crate) fn fault_bits() -> Vec<(String, u32)> {
     FaultWord::all().iter_names().map(|(name, flag)| (name.to_ascii_lowercase(), flag.bits())).collect()
+}
+
+/// Every diagnostic with its bit in parameter 304.
+#[pyfunction]
+pub(crate) fn diagnostic_bits() -> Vec<(String, u16)> {
+    Diagnostics::all().iter_names().map(|(name, flag)| (name.to_ascii_lowercase(), flag.bits())).collect()
 }
 
 fn described(signal: &Signal) -> Described {

@@ -31,7 +31,7 @@ mod _core {
     #[pymodule_export]
     use crate::blocks::{Commutation, Hall, HallReading, Pi, Ramp, ZeroCrossing, ZeroCrossingReading};
     #[pymodule_export]
-    use crate::can_log::{LogReader, fault_bits, frame_flags, frame_kinds};
+    use crate::can_log::{LogReader, diagnostic_bits, fault_bits, frame_flags, frame_kinds};
     #[pymodule_export]
     use crate::description::Description;
     #[pymodule_export]

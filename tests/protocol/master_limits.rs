@@ -13,6 +13,18 @@ const LIMITS: [(u16, i32); 5] = [
     (number::OPEN_LOOP_SPEED, 500),
 ];
 
+/// Limits that nobody has set follow the pole pairs for the master as for the drive.
+#[test]
+fn factory_limits_are_those_of_the_pole_pairs() {
+    for (pole_pairs, min, max) in [(2, 1000, 8000), (4, 500, 4000), (8, 250, 2000)] {
+        let mut parameters = Parameters::new();
+        parameters.set(number::HALL_ENABLE, 1).unwrap();
+        parameters.set(number::MOTOR_POLE_PAIRS, pole_pairs).unwrap();
+        let limits = SpeedLimits::of(|number| parameters.value(number)).unwrap();
+        assert_eq!((limits.min.rpm, limits.max.rpm), (min, max), "{pole_pairs}");
+    }
+}
+
 /// A drive with these of its modes enabled: open loop, sensorless, halls.
 fn drive(enabled: [i32; 3]) -> Parameters {
     let mut parameters = Parameters::new();

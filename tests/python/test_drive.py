@@ -278,3 +278,19 @@ def test_a_slow_drive_has_its_time_to_start_and_to_refuse() -> None:
         drive.parameters[enable] = 1
         drive.start(2000)
         assert drive.state is narx.State.HALL_CLOSED_LOOP
+
+
+def test_what_is_no_fault_is_told() -> None:
+    bench = narx.Bench(narx.Motor.preset("bly172s-24v"), supply_voltage=24, mode="sensorless")
+    assert bench.drive.diagnostics == set()
+    bench.drive.parameters["Back-EMF constant"] = 0
+    assert bench.drive.diagnostics == {"wrong_lock_unseen"}
+
+
+def test_open_loop_has_a_speed() -> None:
+    bench = narx.Bench(narx.Motor.preset("bly172s-24v"), supply_voltage=24, mode="open-loop")
+    speed = bench.drive.parameters["Open-loop speed setpoint"]
+    bench.drive.start(int(speed))
+    bench.run(2.0)
+    assert bench.drive.measurements.speed == speed
+    assert bench.run(0.1)["speed_estimated"][-1] == pytest.approx(speed, abs=1)

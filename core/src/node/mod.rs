@@ -37,7 +37,7 @@ mod storage;
 pub mod update;
 
 pub use crate::description::Identity;
-pub use condition::{ResetCause, SelfTests};
+pub use condition::{Diagnostics, ResetCause, SelfTests};
 use inputs::ACCELEROMETER;
 pub use inputs::SlowInputs;
 

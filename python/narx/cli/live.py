@@ -53,6 +53,7 @@ def snapshot(drive: narx.Drive) -> dict[str, Any]:
     return {
         "state": None if drive.state is None else drive.state.name.lower(),
         "faults": sorted(drive.faults),
+        "diagnostics": [] if drive._master.silent else sorted(drive.diagnostics),
         "status": drive.status,
         "speed": drive.measurements.speed,
         "measurements": dict(drive.measurements),
