@@ -38,7 +38,7 @@ impl Bench {
 
     /// The tick reports a state, at standstill and with the master heard.
     pub(crate) fn enter(&mut self, state: State) {
-        self.node.handle_status(Status { state, ..Status::default() });
+        self.node.handle_status(Status { state, standstill: true, ..Status::default() });
     }
 
     pub(crate) fn send(&mut self, message: ToDrive) {

@@ -11,7 +11,7 @@ use narx_core::motor::event::{Event, HallCalibration, HallWiring, Status};
 use narx_core::motor::front_end::Board;
 use narx_core::motor::state::State;
 use narx_core::node::SlowInputs;
-use narx_core::units::{Amps, Celsius, ElectricalSpeed, Volts};
+use narx_core::units::{Amps, Celsius, Volts};
 
 #[test]
 fn writes_and_their_answers() {
@@ -87,17 +87,13 @@ fn every_writable_parameter_takes_its_whole_range() {
 fn state_decides_what_may_be_written() {
     // By category as printed: these are live, the others wait for Standby, or Fault at standstill.
     let live = ["04", "06", "13", "15", "16"];
-    let turning = ElectricalSpeed::from_milli(100);
-    let states = State::ALL
-        .map(|state| (state, ElectricalSpeed::ZERO))
-        .into_iter()
-        .chain([(State::Fault, turning), (State::Standby, turning)]);
-    for (state, speed_hall) in states {
-        let stopped =
-            state == State::Standby || (state == State::Fault && speed_hall == ElectricalSpeed::ZERO);
+    // A rotor that coasts unseen has no speed either, and is not known to stand.
+    let states = State::ALL.into_iter().flat_map(|state| [(state, true), (state, false)]);
+    for (state, standstill) in states {
+        let stopped = state == State::Standby || (state == State::Fault && standstill);
         for row in Dictionary::rows().filter(|row| row.access != Access::ReadOnly) {
             let mut bench = Bench::new();
-            bench.node.handle_status(Status { state, speed_hall, ..Status::default() });
+            bench.node.handle_status(Status { state, standstill, ..Status::default() });
             bench.messages();
             let live = live.iter().any(|category| row.category.label().starts_with(category));
             let special = match row.number {

@@ -110,15 +110,11 @@ impl Drive {
         self
     }
 
-    /// What follows from state and coefficients, and is asked for in every tick. The back-EMF of a coasting motor is listened to with the bridge
-    /// off, too, where no hall sensors tell whether it stands.
+    /// What follows from state and coefficients, and is asked for in every tick. The terminals are listened to with the bridge off, too: they
+    /// tell whether the rotor stands.
     fn settle(&mut self) {
         self.wake_halls();
-        let listens = if self.machine.state().is_driving() {
-            self.machine.is_sensorless()
-        } else {
-            !self.coefficients.machine.hall_enable
-        };
+        let listens = !self.machine.state().is_driving() || self.machine.is_sensorless();
         if listens && !self.listens {
             self.sensorless.begin_listening();
         }

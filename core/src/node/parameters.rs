@@ -118,12 +118,11 @@ impl Node {
         ParameterStatus::Done
     }
 
-    /// Standby, or Fault at standstill.
+    /// Standby, or Fault at standstill: a rotor that nothing sees is not known to stand.
     pub(super) fn is_stopped(&self) -> bool {
-        let still = self.status.speed_hall.to_bits() == 0 && self.status.speed_sensorless.to_bits() == 0;
         match self.status.state {
             State::Standby => true,
-            State::Fault => still,
+            State::Fault => self.status.standstill,
             _ => false,
         }
     }

@@ -39,7 +39,7 @@ impl Drive {
     }
 
     pub(crate) fn set_state(&mut self, state: State) {
-        self.node.handle_status(Status { state, ..Status::default() });
+        self.node.handle_status(Status { state, standstill: true, ..Status::default() });
     }
 
     /// What the bootloader makes of it, and the drive after that.

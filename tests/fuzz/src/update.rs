@@ -89,7 +89,7 @@ impl Drive {
             7 => {
                 self.state =
                     [State::Standby, State::Fault, State::HallClosedLoop][usize::from(what >> 4) % 3];
-                self.node.handle_status(Status { state: self.state, ..Status::default() });
+                self.node.handle_status(Status { state: self.state, standstill: true, ..Status::default() });
             }
             8 => self.drive(),
             _ if what & 0x10 != 0 => {

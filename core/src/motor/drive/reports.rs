@@ -93,14 +93,11 @@ impl Drive {
         }
     }
 
-    /// The rotor is known to stand: no sensor sees it turn, and one would.
+    /// The rotor is known to stand: with the bridge off neither its terminals nor the hall sensors show that it turns.
     fn stands_still(&self) -> bool {
-        let (mute, stopped) = (self.rotor.hall_mute(), self.rotor.hall_stopped(&self.coefficients));
-        if self.listens {
-            self.sensorless.hears_rest(&self.coefficients.sensorless) && (mute || stopped)
-        } else {
-            stopped && !mute
-        }
+        let c = &self.coefficients;
+        let (mute, stopped) = (self.rotor.hall_mute(), self.rotor.hall_stopped(c));
+        self.listens && self.sensorless.hears_rest(&c.sensorless) && (mute || stopped)
     }
 
     /// The rotor may turn while [`Status::sectors`] stands: no hall sensor shows it, and no commutation leads or follows it.
