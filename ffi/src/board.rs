@@ -2,7 +2,7 @@
 
 use crate::pointer;
 use crate::status::narx_status_t;
-use narx_core::motor::{Board, Channel, FrontEnd};
+use narx_core::motor::{Board, Channel, Equipment, FrontEnd};
 
 /// One channel of the converter: value = (code - zero) * micro_per_code / 1 000 000.
 #[repr(C)]
@@ -31,6 +31,9 @@ pub struct narx_board_t {
     pub hall_capture: u8,
     /// Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
     pub comparator_capture: u8,
+    /// Parts that the board has; the drive refuses what needs another. Sum of 1 external temperature sensor, 2 switch for the supply of
+    /// the hall sensors, 4 DSIO1 and DSIO2 as inputs, 8 as outputs, 16 accelerometer, 32 pressure input, 64 memory of the log.
+    pub equipment: u8,
     /// Bus voltage, uV per code.
     pub bus_voltage: narx_channel_t,
     /// Terminal voltages of the three phases against ground, uV per code.
@@ -68,6 +71,7 @@ impl From<&narx_board_t> for Board {
             bridge_milliohm: board.bridge_milliohm,
             hall_capture: board.hall_capture != 0,
             comparator_capture: board.comparator_capture != 0,
+            equipment: Equipment::from_bits_truncate(board.equipment),
             front_end: FrontEnd {
                 bus_voltage: board.bus_voltage.into(),
                 phase_voltage: board.phase_voltage.into(),
@@ -86,6 +90,7 @@ impl From<Board> for narx_board_t {
             bridge_milliohm,
             hall_capture,
             comparator_capture,
+            equipment,
             front_end,
         }: Board,
     ) -> Self {
@@ -97,6 +102,7 @@ impl From<Board> for narx_board_t {
             bridge_milliohm,
             hall_capture: hall_capture.into(),
             comparator_capture: comparator_capture.into(),
+            equipment: equipment.bits(),
             bus_voltage: bus_voltage.into(),
             phase_voltage: phase_voltage.into(),
             bus_current: bus_current.into(),

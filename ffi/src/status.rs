@@ -89,6 +89,8 @@ pub enum narx_status_t {
     NARX_ERROR_ARGUMENT = -37,
     /// The drive would clamp this set-point: narx_master_speed_limits.
     NARX_ERROR_SPEED = -38,
+    /// The board lacks what the value needs (narx_board_t, equipment).
+    NARX_ERROR_NOT_EQUIPPED = -39,
 }
 
 use narx_status_t::*;
@@ -111,7 +113,7 @@ pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
     known.map_or(c"unknown status", |known| text(*known)).as_ptr()
 }
 
-const ALL: [narx_status_t; 40] = [
+const ALL: [narx_status_t; 41] = [
     NARX_OK,
     NARX_NOTHING,
     NARX_ERROR_NULL,
@@ -152,6 +154,7 @@ const ALL: [narx_status_t; 40] = [
     NARX_ERROR_SETTING,
     NARX_ERROR_ARGUMENT,
     NARX_ERROR_SPEED,
+    NARX_ERROR_NOT_EQUIPPED,
 ];
 
 const fn text(status: narx_status_t) -> &'static CStr {
@@ -194,6 +197,7 @@ const fn text(status: narx_status_t) -> &'static CStr {
         NARX_ERROR_ENTRY => c"the node refuses to read or write the entry",
         NARX_ERROR_BUS_STATE => c"no such state of a CAN controller",
         NARX_ERROR_SETTING => c"a setting is out of its range",
+        NARX_ERROR_NOT_EQUIPPED => c"the board lacks what the value needs",
         NARX_ERROR_ARGUMENT => c"an argument has a value that does not exist",
         NARX_ERROR_SPEED => c"the set-point is beyond the drive's limits",
     }
@@ -208,6 +212,7 @@ impl From<ParameterStatus> for narx_status_t {
             ParameterStatus::OutOfRange => NARX_ERROR_OUT_OF_RANGE,
             ParameterStatus::WrongState => NARX_ERROR_WRONG_STATE,
             ParameterStatus::Storage => NARX_ERROR_STORAGE,
+            ParameterStatus::NotEquipped => NARX_ERROR_NOT_EQUIPPED,
         }
     }
 }

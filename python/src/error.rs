@@ -44,7 +44,9 @@ pub(crate) fn refusal(refusal: &Refusal) -> PyErr {
 /// The same in other words.
 pub(crate) fn refused_parameter(status: ParameterStatus, message: impl Display) -> PyErr {
     match status {
-        ParameterStatus::WrongState | ParameterStatus::Storage => refused(message),
+        ParameterStatus::WrongState | ParameterStatus::Storage | ParameterStatus::NotEquipped => {
+            refused(message)
+        }
         _ => parameter(message),
     }
 }

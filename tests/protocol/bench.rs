@@ -29,7 +29,11 @@ impl Bench {
     }
 
     pub(crate) fn with_parameters(parameters: Parameters) -> Self {
-        let mut bench = Self { node: Node::with_parameters(IDENTITY, Board::BENCH, parameters) };
+        Self::on_board(Board::BENCH, parameters)
+    }
+
+    pub(crate) fn on_board(board: Board, parameters: Parameters) -> Self {
+        let mut bench = Self { node: Node::with_parameters(IDENTITY, board, parameters) };
         bench.enter(State::Standby);
         bench.events();
         bench.messages();

@@ -11,6 +11,7 @@ mod diagnostics;
 mod dictionary;
 mod document;
 mod download_bench;
+mod equipment;
 mod fields;
 mod flash_link;
 mod flood;

@@ -29,6 +29,7 @@ fn an_answer_to_a_parameter_is_told_in_words() {
         (ParameterStatus::OutOfRange, "out of range"),
         (ParameterStatus::WrongState, "not in this state of the drive"),
         (ParameterStatus::Storage, "the parameter store or log memory is missing, busy or failed"),
+        (ParameterStatus::NotEquipped, "the board lacks what this value needs"),
     ] {
         assert_eq!(status.to_string(), text);
     }

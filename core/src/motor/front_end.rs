@@ -1,5 +1,6 @@
 //! The board's constants that the control core must know: converter scales, tick rate, gate timing.
 
+use bitflags::bitflags;
 use serde::{Deserialize, Serialize};
 
 /// One channel of the analogue-to-digital converter: value = (code - `zero`) * `micro_per_code` / 1 000 000.
@@ -41,6 +42,27 @@ impl FrontEnd {
     };
 }
 
+bitflags! {
+    /// Parts that a board may lack, and that its drive then refuses to use.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+    pub struct Equipment: u8 {
+        /// Connector for an external temperature sensor.
+        const EXTERNAL_TEMPERATURE = 1 << 0;
+        /// Switch for the supply of the hall sensors; without it they are always supplied.
+        const HALL_SUPPLY_SWITCH = 1 << 1;
+        /// DSIO1 and DSIO2 as inputs.
+        const DIGITAL_INPUTS = 1 << 2;
+        /// DSIO1 and DSIO2 as outputs.
+        const DIGITAL_OUTPUTS = 1 << 3;
+        /// Accelerometer.
+        const ACCELEROMETER = 1 << 4;
+        /// Pressure input.
+        const PRESSURE = 1 << 5;
+        /// Memory of the log.
+        const LOG = 1 << 6;
+    }
+}
+
 /// What a board promises the control core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Board {
@@ -57,6 +79,8 @@ pub struct Board {
     pub hall_capture: bool,
     /// Back-EMF comparators have time-stamping input captures; their edges take the place of the sampled back-EMF.
     pub comparator_capture: bool,
+    /// Parts that not every board has.
+    pub equipment: Equipment,
     /// Scales of the converter.
     pub front_end: FrontEnd,
 }
@@ -84,6 +108,7 @@ impl Board {
         bridge_milliohm: 40,
         hall_capture: true,
         comparator_capture: false,
+        equipment: Equipment::all(),
         front_end: FrontEnd::NARX,
     };
 }

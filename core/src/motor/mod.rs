@@ -52,7 +52,7 @@ pub use commutation::{Direction, Leg, Step};
 pub use drive::Drive;
 pub use event::{Command, Event, Request, Status};
 pub use fault::{Cause, FaultWord};
-pub use front_end::{Board, Channel, FrontEnd};
+pub use front_end::{Board, Channel, Equipment, FrontEnd};
 pub use pwm::{Commutation, Commutations, PwmCommand, Rectification};
 pub use samples::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 pub use state::State;

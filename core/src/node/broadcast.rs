@@ -5,7 +5,7 @@ use crate::bus::narmotion::{ControlMode, FromDrive, Measurement, MotorMode, Stat
 use crate::dictionary::{Parameters, number};
 use crate::motor::commutation::Direction;
 use crate::motor::event::Status;
-use crate::motor::front_end::Board;
+use crate::motor::front_end::{Board, Equipment};
 use crate::motor::state::State;
 use crate::units::{Amps, Celsius, Volts, quotient};
 use serde::{Deserialize, Serialize};
@@ -144,9 +144,11 @@ impl Node {
         let Self { status, parameters, .. } = self;
         let inputs = self.inputs.unwrap_or_default();
         let slow = inputs.calibrated(parameters);
+        let accel =
+            if self.has(Equipment::ACCELEROMETER) { inputs.calibrated_accel(parameters) } else { [0; 3] };
         let [phase_a, phase_b, phase_c] = status.phase_voltage;
         [
-            Measurement::M0 { accel: inputs.calibrated_accel(parameters), dsi1: inputs.dsi1 },
+            Measurement::M0 { accel, dsi1: inputs.dsi1 },
             Measurement::M1 {
                 speed_sensorless: scale::mechanical_rpm(status.speed_sensorless, self.pole_pairs()),
                 position: self.raw_position().wrapping_add(self.position_offset),

@@ -211,7 +211,7 @@ impl Log {
 }
 
 /// Whether this build logs.
-const LOGS: bool = cfg!(feature = "log");
+pub(super) const LOGS: bool = cfg!(feature = "log");
 
 /// Bits 24:16 of the status word.
 #[derive(Clone, Copy, Debug, Default)]

@@ -23,6 +23,7 @@ mod bulk;
 mod commands;
 mod condition;
 mod description;
+mod equipment;
 mod inputs;
 mod link;
 mod log;
@@ -47,13 +48,13 @@ use crate::dictionary::{Parameters, number};
 use crate::motor::coefficients::Coefficients;
 use crate::motor::event::{Event, Health, SlowMeasurements, Status};
 use crate::motor::fault::FaultWord;
-use crate::motor::front_end::Board;
+use crate::motor::front_end::{Board, Equipment};
 use broadcast::Autosend;
 use bulk::Turn;
 use commands::Commands;
 use description::Download;
 use link::Link;
-use log::Log;
+use log::{LOGS, Log};
 use motion::Motion;
 use outbox::Outbox;
 use parameters::Edges;
@@ -176,6 +177,7 @@ impl Node {
             rejected: None,
         };
         node.show_identity();
+        node.drop_what_is_lacking();
         node.commands.select_mode(&node.parameters);
         node
     }
@@ -227,7 +229,7 @@ impl Node {
     #[inline(never)]
     pub fn handle_inputs(&mut self, inputs: SlowInputs) {
         self.inputs = Some(inputs);
-        if ACCELEROMETER {
+        if ACCELEROMETER && self.has(Equipment::ACCELEROMETER) {
             self.motion.note(inputs.calibrated_accel(&self.parameters));
         }
         self.calibrate_inputs();

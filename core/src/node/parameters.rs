@@ -89,7 +89,7 @@ impl Node {
         })
     }
 
-    /// Writes a parameter as the master does: number, access, range, state, then what the value does.
+    /// Writes a parameter as the master does: number, access, range, state, parts of the board, then what the value does.
     pub fn write_parameter(&mut self, number: u16, raw: i32) -> ParameterStatus {
         let Some(row) = Dictionary::row(number) else { return ParameterStatus::UnknownNumber };
         if row.access == Access::ReadOnly {
@@ -98,6 +98,9 @@ impl Node {
         let slot = (number::LOGGING_SLOT_FIRST..=number::LOGGING_SLOT_LAST).contains(&number);
         if !row.accepts(raw) || (slot && !self.can_log(raw)) {
             return ParameterStatus::OutOfRange;
+        }
+        if self.lacks(number, raw) {
+            return ParameterStatus::NotEquipped;
         }
         if !self.is_allowed_now(row, raw) {
             return ParameterStatus::WrongState;

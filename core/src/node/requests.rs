@@ -6,6 +6,7 @@ use crate::blind;
 use crate::bus::Frame;
 use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
 use crate::dictionary::{Category, Dictionary, number};
+use crate::motor::front_end::Equipment;
 use crate::motor::state::State;
 use crate::scope::SCOPE;
 
@@ -121,23 +122,25 @@ impl Node {
         Ok(())
     }
 
-    /// A line that commands a shutdown (parameter 270) stays an input.
+    /// A line that commands a shutdown (parameter 270) stays an input, and so does one that the board cannot drive.
     fn set_digital(&mut self, outputs: DigitalOutputs) -> Result<(), Refused> {
         let taken = match self.parameters.raw(number::SHUTDOWN_INPUT) {
             1 => outputs.enable1,
             2 => outputs.enable2,
             _ => false,
         };
-        if taken {
+        let driven = outputs.enable1 || outputs.enable2;
+        if taken || (driven && !self.has(Equipment::DIGITAL_OUTPUTS)) {
             return Err(Refused);
         }
         self.digital = outputs;
         Ok(())
     }
 
-    /// Not while the hall sensors commutate the motor.
+    /// Not while the hall sensors commutate the motor, nor where there is no switch.
     fn disable_hall_supply(&mut self, disable: bool) -> Result<(), Refused> {
-        if self.status.state == State::HallClosedLoop {
+        if self.status.state == State::HallClosedLoop || (disable && !self.has(Equipment::HALL_SUPPLY_SWITCH))
+        {
             return Err(Refused);
         }
         self.hall_supply_disabled = disable;

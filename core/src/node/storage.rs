@@ -207,6 +207,7 @@ impl Node {
                 self.put(row.number, raw);
             }
         }
+        self.drop_what_is_lacking();
         self.log.restart();
         self.after_change();
         self.calibrate_inputs();

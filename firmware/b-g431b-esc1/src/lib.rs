@@ -23,7 +23,7 @@ pub mod flash_map;
 pub mod pins;
 pub mod timing;
 
-use narx_core::motor::Board;
+use narx_core::motor::{Board, Equipment};
 
 /// What the board promises the control core.
 pub const BOARD: Board = Board {
@@ -33,6 +33,7 @@ pub const BOARD: Board = Board {
     bridge_milliohm: BRIDGE_MILLIOHM,
     hall_capture: true,
     comparator_capture: false,
+    equipment: Equipment::DIGITAL_INPUTS,
     front_end: analog::FRONT_END,
 };
 

@@ -398,3 +398,23 @@ fn every_pin_has_one_use_and_the_ports_say_so() {
     let gates = PINS.iter().filter(|pin| pin.name.starts_with("TIM1"));
     assert!(gates.clone().all(|pin| matches!(pin.function, Function::Alternate(_))) && gates.count() == 6);
 }
+
+/// docs/B-G431B-ESC1.md, "What it cannot do": both digital lines can be read, and that is all.
+#[test]
+fn what_the_board_lacks_is_in_its_table() {
+    use narx_core::bus::narmotion::ParameterStatus;
+    use narx_core::dictionary::number;
+    use narx_core::motor::{Equipment, State, Status};
+    use narx_core::node::{Identity, Node};
+    assert_eq!(BOARD.equipment, Equipment::DIGITAL_INPUTS);
+    let mut node = Node::new(Identity::default(), BOARD);
+    node.handle_status(Status { state: State::Standby, ..Status::default() });
+    for (number, value, status) in [
+        (number::TEMPERATURE_SOURCE, 1, ParameterStatus::NotEquipped),
+        (number::HALL_SUPPLY_ENABLE, 0, ParameterStatus::NotEquipped),
+        (number::LOGGING_SLOT_FIRST, 8, ParameterStatus::NotEquipped),
+        (number::SHUTDOWN_INPUT, 2, ParameterStatus::Done),
+    ] {
+        assert_eq!(node.write_parameter(number, value), status, "{number}");
+    }
+}

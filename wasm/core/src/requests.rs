@@ -135,7 +135,9 @@ fn request_error(request: Request, error: RequestError) -> JsValue {
 
 fn refusal(refusal: &Refusal) -> JsValue {
     match refusal.status {
-        ParameterStatus::WrongState | ParameterStatus::Storage => thrown(REFUSED, refusal),
+        ParameterStatus::WrongState | ParameterStatus::Storage | ParameterStatus::NotEquipped => {
+            thrown(REFUSED, refusal)
+        }
         _ => thrown(PARAMETER, refusal),
     }
 }

@@ -114,6 +114,8 @@ pub enum ParameterStatus {
     WrongState = 4,
     /// 5: the parameter store is missing, busy or failed.
     Storage = 5,
+    /// 6: the board lacks what the value needs.
+    NotEquipped = 6,
 }
 
 impl FromDrive {
@@ -242,6 +244,7 @@ impl ParameterStatus {
             3 => Self::OutOfRange,
             4 => Self::WrongState,
             5 => Self::Storage,
+            6 => Self::NotEquipped,
             _ => return Err(DecodeError::Value),
         })
     }
@@ -256,6 +259,7 @@ impl fmt::Display for ParameterStatus {
             Self::OutOfRange => "out of range",
             Self::WrongState => "not in this state of the drive",
             Self::Storage => "the parameter store or log memory is missing, busy or failed",
+            Self::NotEquipped => "the board lacks what this value needs",
         })
     }
 }

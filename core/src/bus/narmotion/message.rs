@@ -278,6 +278,7 @@ const PARAMETER_STATUS: Names = Names {
         (3, "Out of range"),
         (4, "Wrong state"),
         (5, "Storage"),
+        (6, "Not equipped"),
     ],
 };
 /// Word 0 of XML_DOWNLOAD_REQUEST.
