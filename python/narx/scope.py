@@ -22,6 +22,19 @@ from narx.trace import Trace
 
 CHANNELS, SAMPLES, PRESCALER, SAMPLING_TIME, BEFORE = 22, 23, 24, 25, 26
 STATE, TRIGGER, TRIGGER_SIGNAL, TRIGGER_LEVEL, INPUTS, WORDS = 260, 290, 291, 292, 300, 301
+ROOM, REFUSAL = 305, 306
+
+SIGNALS_A_TICK = 4
+REFUSALS = {
+    1: "there is no record",
+    2: "it records",
+    3: "signals times samples exceed the memory",
+    4: "the prescaler leaves too few ticks to read the signals",
+    5: "no sample is left for what comes after the trigger",
+    6: "the drive has no memory for it",
+    7: "a signal is unknown",
+}
+"""Parameter 306 in words."""
 
 
 class ScopeState(IntEnum):
@@ -124,13 +137,14 @@ class Scope:
     ) -> None:
         """Sets it up and arms it.
 
-        signals: names of `signals`, four in a tick. samples: of each signal, as far as the memory has room. prescaler: control ticks from one
-        sample to the next. trigger: `None` is that of `force` alone. before: samples from before the trigger, fewer than `samples`.
+        signals: names of `signals`, four in a tick. samples: of each signal; all signals together fill at most the drive's memory (parameter
+        305, one word a sample). prescaler: control ticks from one sample to the next, at least one for every four signals. trigger: `None` is that of `force` alone. before: samples from before the trigger, fewer than `samples`.
         Raises ParameterError and SignalError for what cannot be set up, RefusedError while it is armed or recording.
         """
         chosen = [known(name, self._signals) for name in signals]
         if not chosen:
             raise ParameterError("signals: must name at least one")
+        self._expect_room(len(set(chosen)), samples, prescaler, before)
         self._set_up(samples, prescaler, trigger or Trigger.forced(), before, {CHANNELS: sum({1 << self._signals[name][0] for name in chosen})})
 
     def arm_inputs(self, ticks: int = 400, trigger: Trigger | None = None, before: int = 0) -> None:
@@ -140,6 +154,21 @@ class Scope:
         trigger, fewer than `ticks`.
         """
         self._set_up(ticks, 1, trigger or Trigger.forced(), before, {INPUTS: 1})
+
+    def _expect_room(self, wide: int, samples: int, prescaler: int, before: int) -> None:
+        room = int(self._parameters[ROOM])
+        if room == 0:
+            raise RefusedError("the drive has no memory for the scope")
+        most, least = room // wide, -(-wide // SIGNALS_A_TICK)
+        of = f"{wide} signal{'s' if wide > 1 else ''}"
+        if samples > most:
+            raise ParameterError(
+                f"samples {samples}: must be 1 to {most} for {of}, of which a memory of {room} words has no more room; prescaler {least} or more"
+            )
+        if prescaler < least:
+            raise ParameterError(f"prescaler {prescaler}: must be at least {least} for {of}: the drive reads {SIGNALS_A_TICK} in a control tick")
+        if before >= samples:
+            raise ParameterError(f"before {before}: must be 0 to {samples - 1}, fewer than samples {samples}")
 
     def _set_up(self, samples: int, prescaler: int, trigger: Trigger, before: int, what: dict[int, int]) -> None:
         if self.state in (ScopeState.ARMED, ScopeState.RECORDING):
@@ -236,7 +265,11 @@ class Scope:
             raise RefusedError(f"the scope has recorded {kind}: {call}() reads it")
 
     def _press(self) -> None:
-        ask(self._link, lambda: self._link.master.request("trigger scope"))
+        try:
+            ask(self._link, lambda: self._link.master.request("trigger scope"))
+        except RefusedError as error:
+            reason = REFUSALS.get(int(self._parameters[REFUSAL]))
+            raise RefusedError(f"{error}: {reason}" if reason else str(error)) from None
 
 
 def known(name: str, signals: Iterable[str]) -> str:

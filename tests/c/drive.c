@@ -183,6 +183,7 @@ static void a_scope_records(void)
     CHECK(narx_drive_attach_scope(&fresh, &memory, narx_scope_size(0)) == NARX_ERROR_SIZE);
     CHECK(narx_drive_attach_scope(&fresh, (narx_scope_t *)((char *)&memory + 1), small) == NARX_ERROR_ALIGNMENT);
     CHECK(narx_drive_attach_scope(&fresh, &memory, small) == NARX_OK);
+    CHECK(narx_drive_set_parameter(&fresh, NARX_PARAMETER_SCOPE_SAMPLES, 21) == NARX_OK);
     for (tick = 0; tick < 1000; tick++) {
         if (tick == 10 || tick == 20) {
             CHECK(narx_drive_handle_frame(&fresh, &trigger) == NARX_OK);

@@ -121,6 +121,7 @@ int main(int argc, char **argv)
 
     if (narx_drive_init(&drive, sizeof drive, NULL) != NARX_OK
         || narx_drive_attach_scope(&drive, &scope, narx_scope_size(64)) != NARX_OK
+        || narx_drive_set_parameter(&drive, NARX_PARAMETER_SCOPE_SAMPLES, 21) != NARX_OK
         || pthread_create(&thread, NULL, tick_half, &tick) != 0) {
         return 1;
     }

@@ -66,6 +66,8 @@ fn a_scope_works_between_the_halves() {
         if words > 0 {
             background.attach_scope(&mut memory);
         }
+        // As many samples of three signals as 64 words hold.
+        background.node().write_parameter(number::SCOPE_SAMPLES, 21);
         let (mut record, mut states) = (Vec::new(), Vec::new());
         for now in 0..20_000 {
             tick.step(&at_rest(now));
@@ -115,6 +117,7 @@ fn orders_wait_for_the_tick() {
     let mut queues = Queues::new();
     let (mut tick, mut background) = queues.power_up(Identity::default(), Board::BENCH, Parameters::new());
     background.attach_scope(&mut memory);
+    background.node().write_parameter(number::SCOPE_SAMPLES, 21);
     let state = |background: &mut Background<'_, '_>| {
         background.node().read_parameter(number::SCOPE_STATE).map(|raw| raw == ScopeState::Done as i32)
     };

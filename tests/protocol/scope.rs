@@ -8,7 +8,9 @@ use narx_core::dictionary::number;
 use narx_core::master::Request;
 use narx_core::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal};
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State, Status};
-use narx_core::scope::{Block, Report, Request as ScopeRequest, SIGNALS_A_TICK, Setup, State as ScopeState};
+use narx_core::scope::{
+    Block, Refusal, Report, Request as ScopeRequest, SIGNALS_A_TICK, Setup, State as ScopeState,
+};
 use narx_core::scope::{Threshold, Trigger};
 use narx_core::units::ElectricalSpeed;
 use narx_sim::commissioning::Mode;
@@ -77,7 +79,7 @@ fn every_signal_is_what_the_drive_reports() {
     session.bench_mut().plant_mut().set_load(LoadConfig { constant: 0.05, ..LoadConfig::default() });
     session.start(-1500);
     session.run(4.0);
-    set_up(&mut session, &all, 178, 1, 0);
+    set_up(&mut session, &all, 178, 6, 0);
     press(&mut session);
     press(&mut session);
     let (mut reports, mut limits, mut steps) = (Vec::new(), [0.0_f64; 2], [false; 7]);
@@ -156,7 +158,7 @@ fn a_sensorless_motor_tells_why() {
     use Signal::{Angle, Crossing, CrossingMargin, Limiter, SpeedSensorless, TerminalA};
     let signals = [SpeedSensorless, TerminalA, Angle, Limiter, Crossing, CrossingMargin];
     let mut session = running(Mode::Sensorless, 3000);
-    set_up(&mut session, &signals, 400, 1, 0);
+    set_up(&mut session, &signals, 400, 2, 0);
     assert_eq!(session.bench().node().read_parameter(number::SCOPE_SAMPLING_TIME), Some(200), "us");
     press(&mut session);
     press(&mut session);
@@ -290,12 +292,37 @@ fn what_does_not_fit_is_refused() {
     // Changing the parameters does not change what was recorded.
     write(&mut session, number::SCOPE_SAMPLES, 10);
     assert_eq!(download(&mut session, 1, 4096).len(), 4096);
-    // More than the memory holds is cut: 4096 words for 22 signals.
-    set_up(&mut session, &all, 4096, 1, 4096);
-    press(&mut session);
+    // What cannot be kept as it is asked for: the record before stays, and parameter 306 says why. 4096 words for 22 signals are 186 samples
+    // of each, and reading them takes 6 ticks.
+    let read = |session: &Session, number| session.bench().node().read_parameter(number).unwrap();
+    assert_eq!(read(&session, number::SCOPE_ROOM), 4096);
+    for (samples, prescaler, before, reason) in [
+        (187, 6, 0, Refusal::TooLong),
+        (4096, 1, 4096, Refusal::TooLong),
+        (186, 5, 0, Refusal::TooFast),
+        (186, 6, 186, Refusal::TooEarly),
+        (186, 6, 185, Refusal::None),
+    ] {
+        set_up(&mut session, &all, samples, prescaler, before);
+        let before = refused(&session);
+        let taken = press(&mut session).result.is_ok();
+        let counted = refused(&session) - before;
+        assert_eq!((taken, counted), (reason == Refusal::None, i32::from(!taken)), "{samples}, {prescaler}");
+        assert_eq!(read(&session, number::SCOPE_REFUSAL), reason as i32, "{samples}, {prescaler}");
+        if !taken {
+            assert_eq!(scope_state(&session), ScopeState::Done as i32);
+            assert_eq!(download(&mut session, 1, 4096).len(), 4096, "the record before");
+        }
+    }
+    // It is armed: what there was is gone.
+    session.bench_mut().send(ToDrive::DownloadScope.encode(Addresses::FACTORY)).unwrap();
+    session.run(0.01);
+    assert_eq!(read(&session, number::SCOPE_REFUSAL), Refusal::NoRecord as i32);
+    // Forced at once: the samples before the trigger are waited for.
     press(&mut session);
     wait(&mut session, ScopeState::Done);
-    assert_eq!(download(&mut session, 22, 186).len(), 186);
+    let record = download(&mut session, 22, 186);
+    assert!(record.iter().all(|sample| (value(Signal::BusVoltage, sample[3]) - 18.0).abs() < 0.5));
 }
 
 /// Of what 500 kbit/s allow, in stuffed bits, while the drive broadcasts once a minute.
@@ -439,7 +466,7 @@ fn setups() -> impl Strategy<Value = Setup> {
         threshold.prop_map(Trigger::Edge),
     ];
     let signals = prop::collection::vec(signal(), 0..=DRIVE_SIGNALS.len());
-    (signals, any::<u16>(), 0..20_u16, any::<u16>(), trigger).prop_map(
+    (signals, prop_oneof![0..40_u16, any::<u16>()], 0..20_u16, any::<u16>(), trigger).prop_map(
         |(signals, samples, prescaler, before, trigger)| Setup {
             signals: signals.into_iter().collect(),
             samples,
@@ -453,7 +480,7 @@ fn setups() -> impl Strategy<Value = Setup> {
 }
 
 proptest! {
-    /// Any memory, any requests at any time: a record that is done has as many samples as were asked for and fit, and is read whole.
+    /// Any memory, any requests at any time: a record that is done has as many samples as were asked for, and is read whole; more than fit are not begun.
     #[test]
     fn whatever_is_asked(
         small in any::<bool>(),
@@ -469,9 +496,8 @@ proptest! {
             if let ScopeRequest::Arm(setup) = &request
                 && !busy
             {
-                let wide = setup.signals.len();
-                let room = memory.checked_div(wide).unwrap_or(0);
-                length = wide * room.min(setup.samples.into());
+                let asked = setup.signals.len() * usize::from(setup.samples);
+                length = if asked <= memory { asked } else { 0 };
                 reading = false;
             }
             if request == ScopeRequest::Read && scope.state() == ScopeState::Done {
@@ -498,6 +524,7 @@ proptest! {
                             reading = false;
                         }
                     }
+                    Report::Room(_) => {}
                 }
             }
             prop_assert!(length > 0 || scope.state() == ScopeState::Idle);

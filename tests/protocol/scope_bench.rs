@@ -110,7 +110,9 @@ impl Pair {
     /// With a memory of `N` words.
     pub(crate) fn new<const N: usize>() -> Self {
         let memory: Box<Memory> = Box::new(Memory::<[u16; N]>::new());
-        Self { scope: Scope::default(), keeper: Keeper::new(memory) }
+        let mut keeper = Keeper::new(memory);
+        assert_eq!(keeper.poll_report(), Some(Report::Room(N as u16)));
+        Self { scope: Scope::default(), keeper }
     }
 
     pub(crate) fn handle(&mut self, request: ScopeRequest) {

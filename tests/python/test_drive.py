@@ -167,6 +167,21 @@ def test_scope_refuses(drive: narx.Drive) -> None:
         drive.scope.arm([])
     with pytest.raises(narx.RefusedError, match="the scope is idle: it has no record"):
         drive.scope.download()
+    # Nothing is cut or stretched in silence: nine signals have 455 samples in 4096 words, at 0.3 ms.
+    nine = list(drive.scope.signals)[:9]
+    with pytest.raises(narx.ParameterError, match=r"^samples 2000: must be 1 to 455 for 9 signals, .* 4096 words .*; prescaler 3 or more"):
+        drive.scope.capture(nine, samples=2000)
+    with pytest.raises(narx.ParameterError, match=r"^prescaler 1: must be at least 3 for 9 signals: the drive reads 4 in a control tick"):
+        drive.scope.capture(nine, samples=455)
+    with pytest.raises(narx.ParameterError, match=r"^before 10: must be 0 to 9, fewer than samples 10"):
+        drive.scope.capture(["Duty"], samples=10, before=10)
+    seen = drive.scope.capture(nine, samples=455, prescaler=3)
+    assert len(seen) == 455 and np.diff(seen.time) == pytest.approx(3e-4)
+    # A drive that is set up by its parameters alone says why.
+    drive.parameters[23] = 4096
+    with pytest.raises(narx.RefusedError, match="refused the request: signals times samples exceed the memory"):
+        drive.scope._press()
+    assert drive.scope.state is narx.ScopeState.DONE
     drive.scope.arm(["Duty"], trigger=narx.Trigger.rising("HV Voltage", 25.0))
     with pytest.raises(narx.RefusedError, match="the scope is armed: force it"):
         drive.scope.arm(["Duty"])

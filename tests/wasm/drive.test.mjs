@@ -128,6 +128,15 @@ test("the scope records signals around its trigger", async () => {
     const stopped = await pump.run(drive.scope.download());
     assert.ok(Math.abs(stopped.time[0] + 1e-3) < 1e-12);
     await assert.rejects(pump.run(drive.scope.arm(["Dutty"])), { name: "TypeError", message: 'there is no scope signal "Dutty"' });
+    // Nothing is cut or stretched in silence.
+    const nine = drive.scope.signals.slice(0, 9).map(({ name }) => name);
+    for (const [setup, message] of [
+        [{ samples: 2000 }, /^samples 2000: must be 1 to 455 for 9 signals, .* 4096 words .*; prescaler 3 or more$/],
+        [{ samples: 455 }, /^prescaler 1: must be at least 3 for 9 signals: the drive reads 4 in a control tick$/],
+        [{ samples: 10, prescaler: 3, before: 10 }, /^before 10: must be 0 to 9, fewer than samples 10$/],
+    ]) {
+        await assert.rejects(pump.run(drive.scope.capture(nine, setup)), { name: "RangeError", message });
+    }
 });
 
 test("the scope's record of inputs replays to the bits of the drive", async () => {

@@ -9,6 +9,21 @@ import type { Table } from "./table.js";
 const [CHANNELS, SAMPLES, PRESCALER, SAMPLING_TIME, BEFORE] = [22, 23, 24, 25, 26];
 const [STATE, TRIGGER, TRIGGER_SIGNAL, TRIGGER_LEVEL, INPUTS, WORDS] = [260, 290, 291, 292, 300, 301];
 
+const [ROOM, REFUSAL] = [305, 306];
+/** Signals that the drive reads in a control tick. */
+const SIGNALS_A_TICK = 4;
+/** Parameter 306 in words. */
+const REFUSALS: readonly (string | undefined)[] = [
+    undefined,
+    "there is no record",
+    "it records",
+    "signals times samples exceed the memory",
+    "the prescaler leaves too few ticks to read the signals",
+    "no sample is left for what comes after the trigger",
+    "the drive has no memory for it",
+    "a signal is unknown",
+];
+
 /** What the scope does (parameter 260). */
 export type ScopeState = "idle" | "armed" | "recording" | "done";
 const STATES: readonly ScopeState[] = ["idle", "armed", "recording", "done"];
@@ -26,9 +41,9 @@ const KINDS: readonly Trigger["kind"][] = ["forced", "above", "below", "rising",
 
 /** How the scope is set up. */
 export interface ScopeSetup {
-    /** Samples of each signal, as far as the memory has room; default 256. Of inputs: control ticks; default 400. */
+    /** Samples of each signal; all signals together fill at most the drive's memory (parameter 305). Default 256. Of inputs: control ticks, as far as the memory has room; default 400. */
     samples?: number;
-    /** Control ticks from one sample to the next; default 1. */
+    /** Control ticks from one sample to the next, at least one for every four signals; default 1. */
     prescaler?: number;
     /** Default: nothing but `force`. */
     trigger?: Trigger;
@@ -56,13 +71,14 @@ export class Scope {
         return STATES[await this.#parameters.get(STATE)] ?? "idle";
     }
 
-    /** Sets it up and arms it. Rejects with a "RefusedError" while it is armed or recording. */
+    /** Sets it up and arms it. Rejects with a "RefusedError" while it is armed or recording, with a RangeError for what the drive cannot keep. */
     async arm(signals: readonly ScopeSignalName[], setup: ScopeSetup = {}): Promise<void> {
         const known = scopeSignals();
         const bits = signals.map((name) => bit(known, name));
         if (bits.length === 0) {
             throw new TypeError("signals: must name at least one");
         }
+        await this.#expectRoom(new Set(bits).size, setup);
         const channels = bits.reduce((sum, bit) => sum + 2 ** bit, 0);
         await this.#setUp(setup, 256, [[CHANNELS, channels]]);
     }
@@ -70,6 +86,26 @@ export class Scope {
     /** Sets it up to record the inputs of every control tick, and arms it: what `downloadRecording` makes a recording of. 34 to 68 ms have room. */
     async armInputs(setup: Omit<ScopeSetup, "prescaler"> = {}): Promise<void> {
         await this.#setUp(setup, 400, [[INPUTS, 1]]);
+    }
+
+    async #expectRoom(wide: number, { samples = 256, prescaler = 1, before = 0 }: ScopeSetup): Promise<void> {
+        const room = await this.#parameters.get(ROOM);
+        if (room === 0) {
+            throw failure("RefusedError", "the drive has no memory for the scope");
+        }
+        const [most, least] = [Math.floor(room / wide), Math.ceil(wide / SIGNALS_A_TICK)];
+        const of = `${wide} signal${wide > 1 ? "s" : ""}`;
+        if (samples > most) {
+            throw new RangeError(
+                `samples ${samples}: must be 1 to ${most} for ${of}, of which a memory of ${room} words has no more room; prescaler ${least} or more`,
+            );
+        }
+        if (prescaler < least) {
+            throw new RangeError(`prescaler ${prescaler}: must be at least ${least} for ${of}: the drive reads ${SIGNALS_A_TICK} in a control tick`);
+        }
+        if (before >= samples) {
+            throw new RangeError(`before ${before}: must be 0 to ${samples - 1}, fewer than samples ${samples}`);
+        }
     }
 
     async #setUp(setup: ScopeSetup, samples: number, what: [number, number][]): Promise<void> {
@@ -197,7 +233,13 @@ export class Scope {
     }
 
     async #press(): Promise<void> {
-        await this.#link.ask(() => this.#link.master.request("trigger scope"));
+        try {
+            await this.#link.ask(() => this.#link.master.request("trigger scope"));
+        } catch (error) {
+            const refused = error instanceof Error && error.name === "RefusedError";
+            const reason = refused ? REFUSALS[await this.#parameters.get(REFUSAL)] : undefined;
+            throw reason === undefined ? error : failure("RefusedError", `${(error as Error).message}: ${reason}`);
+        }
     }
 }
 

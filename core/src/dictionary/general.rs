@@ -131,11 +131,11 @@ pub(super) const GENERAL: [Row; 78] = [
         .in_unit("samples", 0)
         .range(1, 4096)
         .factory(256)
-        .about("Samples that the scope records of each signal, as far as its memory has room."),
+        .about("Samples that the scope records of each signal; with more than its memory has room for (parameter 305) it refuses to be armed."),
     Row::new(number::SCOPE_PRESCALER, "Virtual Scop Sampling Prescaler", Instrumentation, U16)
         .range(1, 10000)
         .factory(1)
-        .about("Control ticks from one scope sample to the next, at least one for every 4 signals."),
+        .about("Control ticks from one scope sample to the next; with fewer than one for every 4 signals it refuses to be armed."),
     Row::new(number::SCOPE_SAMPLING_TIME, "Virtual Scop Sampling Time", Instrumentation, U32)
         .in_unit("s", -6)
         .range(0, u32::MAX as i64)
@@ -146,7 +146,7 @@ pub(super) const GENERAL: [Row; 78] = [
         .in_unit("samples", 0)
         .range(0, 4096)
         .factory(0)
-        .about("Samples kept from before the trigger."),
+        .about("Samples kept from before the trigger, fewer than parameter 23."),
     Row::new(number::LOGGING_START, "01 - Logging start index", LoggingData, U16)
         .range(0, 65535)
         .factory(43605)

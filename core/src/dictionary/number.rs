@@ -281,3 +281,7 @@ pub const RESET_CAUSE: u16 = 302;
 pub const FAILED_SELF_TESTS: u16 = 303;
 /// Diagnostics.
 pub const DIAGNOSTICS: u16 = 304;
+/// Scope room, words.
+pub const SCOPE_ROOM: u16 = 305;
+/// Scope refusal.
+pub const SCOPE_REFUSAL: u16 = 306;

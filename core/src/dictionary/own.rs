@@ -8,7 +8,7 @@ use super::parameter::Kind::{I32, U16, U32};
 use super::row::Row;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Row; 49] = [
+pub(super) const OWN: [Row; 51] = [
     Row::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -131,7 +131,7 @@ pub(super) const OWN: [Row; 49] = [
         .range(0, 65535)
         .factory(0)
         .read_only()
-        .about("Times that the hall sensors lost their code (000 or 111 instead) since power-up, saturating. 0 without sensors."),
+        .about("Changes from a valid code to 000 or 111 since power-up, saturating; 0 without sensors."),
     Row::new(number::HALL_JUMPS, "Hall jumps", Diagnostics, U16)
         .range(0, 65535)
         .factory(0)
@@ -286,5 +286,19 @@ pub(super) const OWN: [Row; 49] = [
             "What is worth knowing and is no fault: bit 0 the bus is below 18 V, bit 1 the rotor may have turned unseen since power-up \
              or since parameter 17 set the mechanical position, bit 2 sensorless control is enabled and a stable wrong lock would not \
              be found, because parameter 267 or 268 is 0.",
+        ),
+    Row::new(number::SCOPE_ROOM, "Scope room", Diagnostics, U16)
+        .range(0, 65535)
+        .factory(0)
+        .read_only()
+        .about("Words of 16 bits that the scope's memory holds, one for each sample of a signal; 0 without a memory."),
+    Row::new(number::SCOPE_REFUSAL, "Scope refusal", Diagnostics, U16)
+        .range(0, 7)
+        .factory(0)
+        .read_only()
+        .about(
+            "Why the last LOG VIRTUAL SCOPE was refused: 0 it was not, 1 there is no record to download, 2 it records, 3 signals times \
+             samples exceed parameter 305, 4 parameter 24 is below one tick for every 4 signals, 5 parameter 26 is not below \
+             parameter 23, 6 no memory, 7 unknown signal.",
         ),
 ];

@@ -59,6 +59,8 @@ impl Node {
             }
             number::SCOPE_STATE => self.scope.state() as i32,
             number::SCOPE_WORDS => self.scope.words().into(),
+            number::SCOPE_ROOM => self.scope.room().into(),
+            number::SCOPE_REFUSAL => self.scope.refusal() as i32,
             number::DRIVE_STATE => status.state as i32,
             number::REFUSED_FRAMES => self.counters.refused as i32,
             number::MALFORMED_FRAMES => self.counters.malformed as i32,

@@ -6,7 +6,7 @@ use crate::bus::Frame;
 use crate::bus::narmotion::FromDrive;
 use crate::dictionary::{Parameters, number};
 use crate::motor::signal::{ShaftScale, Signal};
-use crate::scope::{Block, Report, Request, SCOPE, Setup, State, Threshold, Trigger, period};
+use crate::scope::{Block, Refusal, Report, Request, SCOPE, Setup, State, Threshold, Trigger, period};
 use crate::units::quotient;
 use heapless::{Deque, Vec};
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,10 @@ pub(super) struct ScopeLink {
     blocks: Deque<Block, BLOCKS>,
     /// Words of the record.
     words: u16,
+    /// Words of the memory, once they are known.
+    room: Option<u16>,
+    /// Why the last request was refused.
+    refusal: Refusal,
 }
 
 impl ScopeLink {
@@ -40,25 +44,47 @@ impl ScopeLink {
         self.words
     }
 
+    /// Words that the memory holds.
+    pub(super) fn room(&self) -> u16 {
+        self.room.unwrap_or(0)
+    }
+
+    /// Why the last request was refused.
+    pub(super) const fn refusal(&self) -> Refusal {
+        self.refusal
+    }
+
+    /// Keeps what became of a request.
+    fn note(&mut self, done: Result<(), Refusal>) -> Result<(), Refused> {
+        self.refusal = done.err().unwrap_or_default();
+        done.map_err(|_| Refused)
+    }
+
     /// The first request arms, the next one forces the trigger.
     pub(super) fn trigger(&mut self, parameters: &Parameters, tick_rate: u32) -> Result<(), Refused> {
+        let done = self.try_trigger(parameters, tick_rate);
+        self.note(done)
+    }
+
+    fn try_trigger(&mut self, parameters: &Parameters, tick_rate: u32) -> Result<(), Refusal> {
         match self.state {
             State::Armed if self.request.is_none() => self.request = Some(Request::Force),
             State::Idle | State::Done => {
-                self.request = Some(Request::Arm(setup(parameters, tick_rate).ok_or(Refused)?));
+                let setup = setup(parameters, tick_rate).ok_or(Refusal::UnknownSignal)?;
+                setup.refusal(self.room)?;
+                self.request = Some(Request::Arm(setup));
                 self.stop_download();
                 (self.state, self.arms, self.words) = (State::Armed, true, 0);
             }
-            State::Armed | State::Recording => return Err(Refused),
+            State::Armed | State::Recording => return Err(Refusal::Busy),
         }
         Ok(())
     }
 
     /// The record from its first word, whatever was sent of it before.
     pub(super) fn download(&mut self) -> Result<(), Refused> {
-        if self.state != State::Done {
-            return Err(Refused);
-        }
+        let done = if self.state == State::Done { Ok(()) } else { Err(Refusal::NoRecord) };
+        self.note(done)?;
         self.blocks.clear();
         (self.expected, self.request) = (Some(0), Some(Request::Read));
         Ok(())
@@ -76,7 +102,14 @@ impl ScopeLink {
             Report::State(state, words) => {
                 let refused = core::mem::take(&mut self.arms) && state == State::Idle;
                 (self.state, self.words) = (state, words);
+                if refused {
+                    self.refusal = Refusal::NoMemory;
+                }
                 refused
+            }
+            Report::Room(room) => {
+                self.room = Some(room);
+                false
             }
             Report::Block(block) => {
                 if self.expected == Some(block.address) && self.blocks.push_back(block).is_ok() {
@@ -90,8 +123,16 @@ impl ScopeLink {
 
 impl PartialEq for ScopeLink {
     fn eq(&self, other: &Self) -> bool {
-        (self.state, &self.request, self.arms, self.expected, self.words)
-            == (other.state, &other.request, other.arms, other.expected, other.words)
+        (self.state, &self.request, self.arms, self.expected, self.words, self.room, self.refusal)
+            == (
+                other.state,
+                &other.request,
+                other.arms,
+                other.expected,
+                other.words,
+                other.room,
+                other.refusal,
+            )
             && self.blocks.iter().eq(other.blocks.iter())
     }
 }

@@ -14,18 +14,21 @@ pub struct Keeper<H> {
     /// What the scope does, and whether the node has been told.
     state: State,
     told: bool,
+    /// Words of the memory, until the node has been told.
+    room: Option<u16>,
 }
 
 impl<H> Default for Keeper<H> {
     fn default() -> Self {
-        Self { memory: None, lent: false, order: None, state: State::Idle, told: true }
+        Self { memory: None, lent: false, order: None, state: State::Idle, told: true, room: None }
     }
 }
 
 impl<H: BorrowMut<Memory>> Keeper<H> {
     /// Without a memory the scope cannot be armed.
     pub fn new(memory: H) -> Self {
-        Self { memory: Some(memory), ..Self::default() }
+        let room = SCOPE.then(|| memory.borrow().room() as u16);
+        Self { memory: Some(memory), room, ..Self::default() }
     }
 
     fn memory(&mut self) -> Option<&mut Memory> {
@@ -89,6 +92,9 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
 
     /// What the node has to hear. Ask only if it takes it.
     pub fn poll_report(&mut self) -> Option<Report> {
+        if let Some(room) = self.room.take() {
+            return Some(Report::Room(room));
+        }
         if !self.told {
             self.told = true;
             return Some(Report::State(self.state, self.memory().map_or(0, |memory| memory.record_words())));

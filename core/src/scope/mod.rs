@@ -49,6 +49,31 @@ pub enum Report {
     State(State, u16),
     /// Part of the record.
     Block(Block),
+    /// Words that the memory holds.
+    Room(u16),
+}
+
+/// Why a request of the master was refused (parameter 306).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Refusal {
+    /// It was not.
+    #[default]
+    None = 0,
+    /// There is no record to download.
+    NoRecord = 1,
+    /// It records, or is about to be armed.
+    Busy = 2,
+    /// Signals times samples exceed the memory.
+    TooLong = 3,
+    /// Reading the signals takes more ticks than the prescaler leaves.
+    TooFast = 4,
+    /// No sample is left for what comes after the trigger.
+    TooEarly = 5,
+    /// There is no memory, or none for a recording of inputs.
+    NoMemory = 6,
+    /// A signal that there is not.
+    UnknownSignal = 7,
 }
 
 /// Three words of the record; zeros follow the last one.

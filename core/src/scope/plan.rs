@@ -47,18 +47,15 @@ impl Plan {
         RECORDER && self.inputs
     }
 
-    /// As much of `setup` as `memory` has room for; `None` if it has none.
+    /// `None` if `memory` has no room for what is asked for: of signals for all samples, of inputs for any.
     pub(super) fn of(setup: &Setup, memory: &Memory) -> Option<Self> {
         let Setup { inputs, tick_rate, speed, .. } = *setup;
         let wide = setup.signals.len();
         let samples = if inputs {
             (RECORDER && memory.half() > 0).then_some(setup.samples)?
         } else {
-            memory.room().checked_div(wide)?.min(setup.samples.into()) as u16
+            setup.fits(memory.room()).then_some(setup.samples)?
         };
-        if samples == 0 && !inputs {
-            return None;
-        }
         let pause = setup.period().saturating_sub(wide.div_ceil(SIGNALS_A_TICK) as u16);
         let before = setup.before.min(samples.saturating_sub(1));
         Some(Self {

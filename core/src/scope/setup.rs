@@ -1,5 +1,6 @@
 //! What the scope is asked to record, and when.
 
+use super::Refusal;
 use crate::motor::signal::{DRIVE_SIGNALS, ShaftScale, Signal};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -17,7 +18,7 @@ pub struct Setup {
     pub inputs: bool,
     /// Control ticks a second, which a recording tells.
     pub tick_rate: u32,
-    /// Samples of each (parameter 23), as far as the memory has room.
+    /// Samples of each (parameter 23).
     pub samples: u16,
     /// Ticks from one to the next (parameter 24), at least as many as reading it takes: [`period`](Self::period).
     pub prescaler: u16,
@@ -57,6 +58,24 @@ pub struct Threshold {
 }
 
 impl Setup {
+    /// Whether all samples of signals have room in a memory of so many words.
+    pub(crate) fn fits(&self, room: usize) -> bool {
+        let words = self.signals.len() * usize::from(self.samples);
+        (1..=room).contains(&words)
+    }
+
+    /// What a drive whose memory holds so many words, if that is known, would not keep of it as it was asked for.
+    pub(crate) fn refusal(&self, room: Option<u16>) -> Result<(), Refusal> {
+        match room {
+            _ if self.inputs => Ok(()),
+            Some(0) => Err(Refusal::NoMemory),
+            Some(room) if !self.fits(room.into()) => Err(Refusal::TooLong),
+            _ if self.period() > self.prescaler => Err(Refusal::TooFast),
+            _ if self.before >= self.samples => Err(Refusal::TooEarly),
+            _ => Ok(()),
+        }
+    }
+
     /// Ticks from one sample to the next.
     pub fn period(&self) -> u16 {
         period(self.signals.len(), self.prescaler)

@@ -17,7 +17,7 @@ use narx_core::units::{Celsius, Volts};
 use watch::Watch;
 
 /// Of the scope: more than a chunk of either kind of record.
-const SCOPE_WORDS: usize = 512;
+const SCOPE_WORDS: usize = 1024;
 /// Ticks of one life: half a second of boot and one and a half more.
 const LIFE: u64 = 20_000;
 /// A drive in Standby, ticks.
