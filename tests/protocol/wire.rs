@@ -242,7 +242,7 @@ fn every_status_and_every_mode() {
             FromDrive::Parameter { number: 114, value: 250, status } => status as u64,
             other => panic!("{other:?}"),
         });
-        assert_eq!(found, if status < 6 { Ok(status) } else { Err(DecodeError::Value) });
+        assert_eq!(found, if status < 7 { Ok(status) } else { Err(DecodeError::Value) });
     }
     for (mode, control) in (0..16_u64).flat_map(|mode| (0..16_u64).map(move |control| (mode, control))) {
         let found = FromDrive::decode(&frame(0x1552_A803, (control << 8 | mode) << 32));
