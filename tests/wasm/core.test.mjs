@@ -11,7 +11,7 @@ const bytes = (text) => new TextEncoder().encode(text);
 const data = (text) => Uint8Array.from(text.match(/../g) ?? [], (pair) => parseInt(pair, 16));
 
 /** A bus on which a drive starts: every frame, the master's among them. */
-function frames() {
+async function frames() {
     const pump = new Pump({}, { readParameters: false });
     const heard = [];
     const take = pump.bench.takeFrames.bind(pump.bench);
@@ -20,11 +20,11 @@ function frames() {
         heard.push(...taken);
         return taken;
     };
-    pump.drive.start(1500).catch(() => undefined);
-    pump.pass(1.5);
+    await pump.run(pump.drive.start(1500));
+    pump.pass(1);
     return heard;
 }
-const BUS = frames();
+const BUS = await frames();
 
 test("every frame of a bus is a message with units for all its fields", () => {
     const names = new Set();
@@ -118,6 +118,36 @@ test("a recording runs again as a trace", () => {
     assert.ok(trace.column("bus_voltage_measured").subarray(100).every((volts) => Math.abs(volts - 24) < 1));
     assert.equal(replayTrace(bench.recording(), 10).length, 10);
     assert.throws(() => scopeRecording(new Uint8Array(20), "none"), { name: "Error" });
+});
+
+test("a linear encoder's position has a length by 2009h", () => {
+    const pump = new Pump();
+    pump.bench.addTxDriver({ nodeId: 2, encoder: 1000 });
+    const master = new TxMaster({ nodeId: 2 });
+    pump.others.push(master);
+    pump.pass(0.5);
+    const ask = (...request) => {
+        master.request(...request);
+        pump.pass(0.05);
+        return master.pollAnswer();
+    };
+    assert.equal(ask(0x2004, 0, ask(0x2004, 0).value | 2).error, undefined);
+    assert.equal(ask(0x2005, 0, ask(0x2005, 0).value & ~2).error, undefined);
+    assert.equal(ask(0x2009, 0, 250).error, undefined);
+    master.command("start");
+    pump.pass(0.1);
+    master.askPositions();
+    pump.pass(0.05);
+    const { encoder, encoderPosition } = master.reading;
+    assert.equal(encoderPosition, (encoder * 250) / 1e6);
+    master.command("pre-operational");
+    pump.pass(0.05);
+    ask(0x2005, 0, ask(0x2005, 0).value | 2);
+    master.command("start");
+    pump.pass(0.05);
+    master.askPositions();
+    pump.pass(0.05);
+    assert.equal(master.reading.encoderPosition, undefined, "a rotary encoder has no length");
 });
 
 test("a TX-Driver is commanded, read and written", () => {

@@ -176,7 +176,7 @@ test("a master without a drive, and a silent one", async () => {
         [() => new Master({ silent: 1 }), "TypeError", "Master: silent 1: must be true or false"],
         [() => new Drive({ master: 85 }), "TypeError", /^Master: no option master; one of slave, monitor/],
         [() => new Master().start(0.5), "RangeError", "start 0.5: must be a whole number from -65535 to 65535"],
-        [() => new Master().request("dance"), "TypeError", /^request "dance": must be one of build info, device info, reboot/],
+        [() => new Master().request("dance"), "TypeError", /^request "dance": must be one of build info, device info, description info, reboot/],
         [() => new Master().handleFrame({ id: 2 ** 29, data: new Uint8Array() }, 0), "RangeError", /^frame: id 536870912: must be/],
         [() => new Master().handleFrame({ id: 1, data: [1] }, 0), "TypeError", "frame: data must be a Uint8Array"],
         [() => new Master().handleFrame({ id: 1, data: new Uint8Array(9) }, 0), "RangeError", "frame: data of 9 bytes: must be at most 8"],
@@ -186,6 +186,62 @@ test("a master without a drive, and a silent one", async () => {
     }
     const pump = new Pump({}, { slave: 7, timeout: 0.01 });
     await assert.rejects(pump.run(pump.drive.parameters.get(1)), { name: "NoAnswerError", message: "parameter 1: the drive does not answer" });
+});
+
+test("the speed in open loop is that of the field, not 0 of a mode that rests", async () => {
+    const pump = new Pump({ mode: "open-loop" });
+    const { drive, bench } = pump;
+    const rpm = await pump.run(drive.parameters.get(88));
+    await pump.run(drive.start(rpm));
+    assert.equal(drive.stateName, "Open-loop");
+    await pump.run(drive.waitFor(() => Math.abs(bench.value("speed") - rpm) < 0.1 * rpm, 5));
+    await pump.run(drive.wait(0.2));
+    assert.ok(Math.abs(drive.speed - rpm) < 0.1 * rpm, `${drive.speed} rpm of ${rpm}`);
+    assert.equal(drive.speedWarning, undefined);
+    drive.setSpeed(rpm + 50);
+    assert.match(drive.speedWarning, /^speed \d+ rpm is not parameter 88 "[^"]+": must be \d+ rpm$/);
+});
+
+test("a set-point beyond the limits is refused with the parameter that says so and the range", async () => {
+    const pump = booted();
+    const { drive } = pump;
+    const [max, min] = await Promise.all([103, 104].map((number) => pump.run(drive.parameters.get(number))));
+    const above = { name: "RangeError", message: new RegExp(`^speed ${max + 1} rpm is above parameter 10\\d "Speed setpoint max saturation HES": must be ${min} to ${max} rpm$`) };
+    const below = { name: "RangeError", message: new RegExp(`^speed -${min - 1} rpm is below parameter 10\\d "Speed setpoint min saturation HES": must be ${min} to ${max} rpm in either direction$`) };
+    await assert.rejects(pump.run(drive.start(max + 1)), above);
+    await assert.rejects(pump.run(drive.start(1 - min)), below);
+    assert.equal(drive.state, 1, "nothing was commanded");
+    await assert.rejects(pump.run(drive.start(NaN)), { name: "RangeError", message: "start NaN: must be a whole number from -65535 to 65535" });
+    assert.throws(() => drive.setSpeed(min), { name: "RefusedError", message: `speed ${min} rpm: the drive is in Standby; start begins with a speed` });
+    await pump.run(drive.start(min));
+    assert.throws(() => drive.setSpeed(max + 1), above);
+    assert.throws(() => drive.setSpeed(1000.5), { name: "RangeError", message: "setSpeed 1000.5: must be a whole number from 0 to 65535" });
+    assert.equal(drive.master.setpoint, min);
+    const silent = new Drive({ silent: true });
+    await assert.rejects(silent.start(1000), { name: "RefusedError", message: "start: the master is silent" });
+    assert.throws(() => silent.setSpeed(1000), { name: "RefusedError", message: "setSpeed: the master is silent" });
+});
+
+test("a fraction of a whole parameter, and what is no number, is refused", async () => {
+    const pump = booted();
+    const { parameters: table } = pump.drive;
+    const before = await pump.run(table.get(78));
+    const { min, max } = table.row(78);
+    const message = `parameter 78 "Motor pair poles": 4.5 is no whole number from ${min} to ${max}`;
+    await assert.rejects(pump.run(table.set(78, 4.5)), { name: "RangeError", message });
+    await assert.rejects(pump.run(table.load({ "Motor pair poles": 4.5 })), { name: "RangeError", message });
+    await assert.rejects(pump.run(table.set(78, NaN)), { name: "RangeError", message: /NaN is outside/ });
+    assert.equal(await pump.run(table.get(78)), before);
+    assert.equal(await pump.run(table.set("Over-voltage HV threshold", 55.54321)), 55.543);
+});
+
+test("a start that is stopped while it is checked does not turn the motor", async () => {
+    const pump = booted();
+    const start = pump.drive.start(1500);
+    pump.drive.stop();
+    await assert.rejects(pump.run(start), { name: "StartError", message: "the start was ended by another command" });
+    await pump.run(pump.drive.wait(0.5));
+    assert.equal(pump.drive.state, 1);
 });
 
 /** One whose drive has done its self-tests. */

@@ -1,7 +1,6 @@
 // A drive as its master sees it: on a bench, or on a real bus.
 
 import {
-    measurementSignals,
     type BuildInfo,
     type DeviceInfo,
     type DriveValues,
@@ -10,6 +9,7 @@ import {
     type Master,
     type MasterOptions,
     type Measurement,
+    type MeasurementSignal,
     type MeasurementName,
     type Outputs,
     type Progress,
@@ -17,11 +17,14 @@ import {
     type StateName,
     type UpdateProgress,
 } from "./core.js";
+import { Describer, type Descriptions, type DescriptionState } from "./description.js";
 import { failure, Link } from "./link.js";
 import { Log } from "./log.js";
 import { Parameters, type ParameterKey } from "./parameters.js";
 import { Scope } from "./scope.js";
 
+export type { Descriptions, DescriptionState } from "./description.js";
+export { misfit } from "./parameters.js";
 export type { Keep, LogName } from "./log.js";
 export type { ParameterKey } from "./parameters.js";
 export type { ScopeSetup, ScopeState, Trigger } from "./scope.js";
@@ -35,12 +38,26 @@ const ANSWER = 0.05;
 /** Longest waits for a hall calibration to begin and to end, s. */
 const [CALIBRATION_BEGIN, CALIBRATION_MAX] = [3, 60];
 const [CALIBRATION_REQUEST, CALIBRATION_STATE, CALIBRATION_DONE] = ["Hall calibration request", "Hall calibration state", 2] as const;
+/** What MOTOR_CMD can carry, rpm. */
+const SPEED_MAX = 65_535;
 const [INITIALIZATION, STANDBY, ROTOR_LOCK, OPEN_LOOP, SENSORLESS, HALL, FAULT] = [0, 1, 2, 3, 4, 5, 6];
+const TURNING: ReadonlySet<number> = new Set([OPEN_LOOP, SENSORLESS, HALL]);
 const REFUSALS = new Map([
     [1, "no mode is enabled"],
     [2, "parameters do not fit together"],
     [4, "it was not asked for Standby before"],
 ]);
+
+/** What decides the range of set-points: the three enables, the speed of open loop, and the limits of both closed loops. */
+const SPEED_PARAMETERS = [81, 82, 83, 88, 101, 102, 103, 104];
+
+/** A master, and how its drive is known. */
+export interface DriveOptions extends MasterOptions {
+    /** Reads the drive's description (XML) when the drive is first heard, and shows the drive by it; default true. */
+    readDescription?: boolean;
+    /** Where descriptions are kept beside this program's memory. */
+    descriptions?: Descriptions;
+}
 
 /** What a drive says of itself. */
 export interface Info {
@@ -55,10 +72,20 @@ export class Drive {
     readonly parameters: Parameters;
     readonly scope: Scope;
     readonly log: Log;
+    #describer: Describer;
+    #describes: boolean;
+    /** Starts and stops so far: a stop ends a start that is still being checked. */
+    #commands = 0;
+    /** The last set-point, rpm, negative in reverse. */
+    #asked: number | undefined;
+    /** When, s. */
+    #askedAt = 0;
 
     /** Throws where an option cannot be. */
-    constructor(options: MasterOptions = {}) {
+    constructor({ readDescription = true, descriptions, ...options }: DriveOptions = {}) {
         this.#link = new Link(options);
+        this.#describer = new Describer(this.#link, descriptions);
+        this.#describes = readDescription;
         this.parameters = new Parameters(this.#link);
         this.scope = new Scope(this.#link);
         this.log = new Log(this.#link);
@@ -76,6 +103,9 @@ export class Drive {
 
     /** What is to be sent at `now`, s. */
     poll(now: number): Frame[] {
+        if (this.#describes) {
+            this.#describer.poll();
+        }
         return this.#link.poll(now);
     }
 
@@ -84,31 +114,76 @@ export class Drive {
         return this.master.nextPoll(now);
     }
 
-    /** Asks for a speed, mechanical rpm, negative in reverse, and waits until the motor is in open or closed loop, as the mode has it. Without that a "StartError"
-     * says why not. A drive in Fault does not start: `stop` acknowledges the fault. */
+    /** Asks for a speed, mechanical rpm, negative in reverse, and waits until the motor is in open or closed loop, as the mode has it. A "RangeError" that names
+     * parameter and range refuses a speed beyond the limits of the enabled mode (101 to 104), which the drive would clamp; open loop turns at parameter 88 whatever
+     * is asked for, and `speedWarning` says so. A "StartError" says why a motor does not start. A drive in Fault does not start: `stop` acknowledges the fault. */
     async start(rpm: number): Promise<void> {
+        const mine = ++this.#commands;
+        this.#link.expectVoice("start");
+        this.master.checkSpeed(whole("start", rpm, -SPEED_MAX));
+        if (await this.#link.wait(() => this.state !== undefined, START_MAX)) {
+            // What does not answer leaves what is known; the wait below ends by its time.
+            await Promise.allSettled(SPEED_PARAMETERS.map((number) => this.parameters.get(number)));
+        }
+        this.#expectSpeed(rpm);
+        if (mine !== this.#commands) {
+            throw failure("StartError", "the start was ended by another command");
+        }
+        [this.#asked, this.#askedAt] = [rpm, this.#link.now];
         this.#link.start(rpm);
         const attempt = { asked: undefined as number | undefined, idle: false };
         const ends = this.#endsInClosedLoop();
-        if (!(await this.#link.wait(() => this.#started(attempt, rpm < 0, ends), START_MAX))) {
+        if (!(await this.#link.wait(() => this.#started(attempt, rpm < 0, ends), this.state === undefined ? 0 : START_MAX))) {
             const known = this.stateName === undefined ? "nothing was heard of the drive" : `the drive is in ${this.stateName}`;
             throw failure("StartError", `no start within ${START_MAX} s: ${known}`);
         }
         await this.#judge(attempt.idle);
     }
 
-    /** Asks for another speed in the same direction, mechanical rpm. */
+    /** Asks for another speed in the same direction, mechanical rpm. Throws as `start` does for one that the drive would clamp, and a "RefusedError" while nothing
+     * was started. */
     setSpeed(rpm: number): void {
+        this.#link.expectVoice("setSpeed");
+        this.#expectSpeed(whole("setSpeed", rpm, 0));
+        const stands = this.state === STANDBY || this.state === INITIALIZATION;
+        if (this.state === FAULT || (stands && !this.#link.startPending && !this.master.asksToTurn)) {
+            throw failure("RefusedError", `speed ${rpm} rpm: the drive is in ${this.stateName}; start begins with a speed`);
+        }
+        [this.#asked, this.#askedAt] = [rpm, this.#link.now];
         this.master.setSpeed(rpm);
+    }
+
+    /** Why the motor turns at another speed than was asked for: the drive has clamped it, or open loop has its own; `undefined` if it does not. */
+    get speedWarning(): string | undefined {
+        const { acceptedSpeed, asksToTurn, setpoint, setpointPeriod, speedLimits } = this.master;
+        if (this.#asked === undefined || !asksToTurn || !TURNING.has(this.state ?? STANDBY)) {
+            return undefined;
+        }
+        if (speedLimits?.fixed) {
+            return refusal(() => this.master.checkSpeed(this.#asked!));
+        }
+        // The drive answers the next MOTOR_CMD, not this instant.
+        const answered = this.#link.now > this.#askedAt + 3 * setpointPeriod;
+        return answered && acceptedSpeed !== undefined && acceptedSpeed !== setpoint ? `speed ${setpoint} rpm: the drive uses ${acceptedSpeed} rpm` : undefined;
+    }
+
+    #expectSpeed(rpm: number): void {
+        // Open loop starts all the same, and its user is told.
+        if (!this.master.speedLimits?.fixed) {
+            this.master.checkSpeed(rpm);
+        }
     }
 
     /** Asks for Standby, which also acknowledges a fault. */
     stop(): void {
+        this.#commands += 1;
         this.#link.stop();
     }
 
     /** Asks for a shutdown: the drive goes into Fault with bit 28. */
     shutDown(): void {
+        this.#commands += 1;
+        this.#link.expectVoice("shutDown");
         this.master.shutDown();
     }
 
@@ -154,13 +229,28 @@ export class Drive {
     /** One of them, in its unit; `undefined` before it was heard. */
     measurement(name: MeasurementName): number | undefined {
         const found = this.measurements.find((measurement) => measurement.name === name);
-        if (found === undefined && !measurementSignals().some((signal) => signal.name === name)) {
+        if (found === undefined && !this.#link.tables.measurements.some((signal) => signal.name === name)) {
             throw new TypeError(`there is no measurement "${name}"`);
         }
         return found?.value;
     }
 
-    /** Mechanical speed by what the control mode uses, rpm. */
+    /** What can be measured. */
+    get measurementSignals(): readonly MeasurementSignal[] {
+        return this.#link.tables.measurements;
+    }
+
+    /** Whose names, units, scales and ranges these are: the drive's own ("read"), or this package's. */
+    get descriptionState(): DescriptionState {
+        return this.#describer.state;
+    }
+
+    /** Why the drive's description was refused. */
+    get descriptionProblem(): string | undefined {
+        return this.#describer.problem;
+    }
+
+    /** Mechanical speed by what the control mode uses, rpm: that of the hall sensors, by back-EMF, or in open loop that of the field. */
     get speed(): number | undefined {
         return this.master.speed;
     }
@@ -185,12 +275,14 @@ export class Drive {
      * standstill, and takes no start until the end. Whatever goes wrong, `master.abortUpdate` among it, the drive runs what it ran before: an "ImageError" for what is
      * no image for it, a "RefusedError" where drive or bootloader does not want it, a "NoAnswerError" from a drive without a bootloader, and from one that is lost. */
     update(image: Uint8Array, progress?: (progress: UpdateProgress) => void): Promise<void> {
+        this.#describer.forget();
         return this.#link.update(image, progress);
     }
 
     /** Restarts a stopped drive, and waits until it is in Standby or Fault again: what is not stored is lost. */
     async reboot(): Promise<void> {
         await this.#request("reboot");
+        this.#describer.forget();
         // Its self-tests take half a second.
         await this.#link.wait(() => this.state === INITIALIZATION, 0.2);
         if (!(await this.#link.wait(() => this.state === STANDBY || this.state === FAULT, 5))) {
@@ -325,3 +417,20 @@ export class Drive {
     }
 }
 
+/** A speed that a MOTOR_CMD can carry. */
+function whole(call: string, rpm: number, min: number): number {
+    if (!Number.isInteger(rpm) || rpm < min || rpm > SPEED_MAX) {
+        throw new RangeError(`${call} ${rpm}: must be a whole number from ${min} to ${SPEED_MAX}`);
+    }
+    return rpm;
+}
+
+/** What a check says against; `undefined` if nothing. */
+function refusal(check: () => void): string | undefined {
+    try {
+        check();
+        return undefined;
+    } catch (error) {
+        return (error as Error).message;
+    }
+}

@@ -1,7 +1,9 @@
 // A master and its time: what is waited for. Nobody blocks and nothing has a clock: whoever owns a drive gives it frames and times,
 // and promises settle on the way.
 
-import { Master, type Chunk, type Frame, type MasterError, type MasterOptions, type Progress, type UpdateProgress } from "./core.js";
+import { Master, parameters, type Chunk, type Frame, type MasterError, type MasterOptions, type Progress, type UpdateProgress } from "./core.js";
+
+import { tablesOf, type Tables } from "./description.js";
 
 /** An error that its name tells from others: that of a master, or "StartError". */
 export function failure(name: MasterError["name"] | "StartError", message: string): Error {
@@ -89,9 +91,30 @@ export class Link {
     #downloads: Download[] = [];
     #download: Download | undefined;
     #update: Update | undefined;
+    #tables: Tables;
+    /** Numbers of this package's own tables. */
+    #own: ReadonlySet<number>;
 
     constructor(options: MasterOptions) {
         this.master = new Master(options);
+        this.#tables = tablesOf(this.master);
+        this.#own = new Set(parameters().map(({ number }) => number));
+    }
+
+    /** What the drive is made of, as far as it is known. */
+    get tables(): Tables {
+        return this.#tables;
+    }
+
+    /** Whether this package's own tables have a parameter. */
+    isOwn(number: number): boolean {
+        return this.#own.has(number);
+    }
+
+    /** The drive is what this text says from now on, or without one what this package's tables say. */
+    describe(text: Uint8Array | undefined, check: number): void {
+        this.master.describe(text, check);
+        this.#tables = tablesOf(this.master);
     }
 
     /** The last time that it was told, s. */
@@ -123,6 +146,13 @@ export class Link {
             throw new RangeError(`start ${rpm}: must be a whole number from -65535 to 65535`);
         }
         this.#starter.start(rpm);
+    }
+
+    /** Throws for a master that transmits nothing: a command of it would be lost without a word. */
+    expectVoice(command: string): void {
+        if (this.master.silent) {
+            throw failure("RefusedError", `${command}: the master is silent`);
+        }
     }
 
     stop(): void {

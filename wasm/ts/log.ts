@@ -2,8 +2,6 @@
 
 import {
     logRecords,
-    measurementSignals,
-    parameters,
     type LogRecord,
     type MeasurementName,
     type ParameterName,
@@ -11,6 +9,7 @@ import {
 } from "./core.js";
 import { failure, type Link } from "./link.js";
 import { Parameters } from "./parameters.js";
+import type { Tables } from "./description.js";
 import type { Table } from "./table.js";
 
 const [SLOT_FIRST, SLOT_LAST, NOTHING] = [29, 65, 0xffff];
@@ -31,18 +30,18 @@ interface What {
 }
 
 /** What a slot can name: number there, unit, and what the raw value is worth. A parameter that is a signal, too, is the same value under another number. */
-function what(): Map<string, What> {
-    const rows = parameters().map(({ name, number, unit, scale }) => [name, { number, unit, scale }] as const);
-    const signals = measurementSignals().map(
+function what({ parameters, measurements }: Tables): Map<string, What> {
+    const rows = parameters.map(({ name, number, unit, scale }) => [name, { number, unit, scale }] as const);
+    const signals = measurements.map(
         ({ name, opcode, word, unit, scale }) => [name, { number: SIGNAL_FIRST + 4 * opcode + word, unit, scale }] as const,
     );
     return new Map<string, What>([...rows, ...signals]);
 }
 
 /** The name of every number, those of parameters that are signals, too, among them. */
-function names(): Map<number, string> {
-    const known = [...what()].map(([name, { number }]) => [number, name] as const);
-    return new Map([...parameters().map(({ number, name }) => [number, name] as const), ...known]);
+function names(tables: Tables): Map<number, string> {
+    const known = [...what(tables)].map(([name, { number }]) => [number, name] as const);
+    return new Map([...tables.parameters.map(({ number, name }) => [number, name] as const), ...known]);
 }
 
 /** Sets up, reads and erases the log. */
@@ -77,7 +76,7 @@ export class Log {
 
     /** What is logged. */
     async slots(): Promise<Partial<Record<LogName, Keep>>> {
-        const known = names();
+        const known = names(this.#link.tables);
         const found: Record<string, Keep> = {};
         for (let number = SLOT_FIRST; number <= SLOT_LAST; number++) {
             const slot = await this.#parameters.get(number);
@@ -91,7 +90,7 @@ export class Log {
     /** Chooses what is logged (up to 37 values), and every how many seconds, 0.001 to 3600. `parameters.store` keeps it. */
     async configure(values: readonly LogName[] | Partial<Record<LogName, Keep>>, period: number): Promise<void> {
         const chosen = Array.isArray(values) ? values.map((name) => [name, "live"] as const) : Object.entries(values);
-        const known = what();
+        const known = what(this.#link.tables);
         const slots = chosen.map(([name, keep]) => {
             const found = [...known].find(([other]) => other.toLowerCase() === name.toLowerCase())?.[1];
             if (found === undefined) {
@@ -122,11 +121,11 @@ export class Log {
             throw new RangeError(`records ${first} to ${first + records}: the log has ${length}`);
         }
         if (records === 0) {
-            return table([]);
+            return table([], this.#link.tables);
         }
         const size = await this.#parameters.get(RECORD_BYTES);
         const bytes = await this.#link.download(() => this.#link.master.download("log", records, first), progress);
-        return table(logRecords(bytes, size));
+        return table(logRecords(bytes, size), this.#link.tables);
     }
 
     /** Erases every record; refused while driving. With `wait`, until that is done: minutes for a full memory. */
@@ -143,9 +142,9 @@ export class Log {
     }
 }
 
-function table(records: LogRecord[]): Table {
-    const known = names();
-    const worth = what();
+function table(records: LogRecord[], tables: Tables): Table {
+    const known = names(tables);
+    const worth = what(tables);
     const columns: Record<string, Float64Array> = { index: Float64Array.from(records, ({ index }) => index) };
     const units: Record<string, string> = { index: "" };
     records.forEach(({ values }, row) => {

@@ -1,6 +1,6 @@
 // The parameters of a drive.
 
-import { parameters, type Parameter, type ParameterName } from "./core.js";
+import type { Parameter, ParameterName } from "./core.js";
 import type { Link } from "./link.js";
 
 /** A parameter by its name (case does not matter) or number. */
@@ -12,15 +12,14 @@ const DEVICE_NUMBER = 1;
  * value and range. */
 export class Parameters {
     #link: Link;
-    #rows: Parameter[] | undefined;
 
     constructor(link: Link) {
         this.#link = link;
     }
 
-    /** What they are, in the order of the numbers. */
+    /** What they are, by the drive's own description once that was read. */
     get rows(): readonly Parameter[] {
-        return (this.#rows ??= parameters());
+        return this.#link.tables.parameters;
     }
 
     /** What one is; `undefined` if there is no such parameter. */
@@ -47,7 +46,7 @@ export class Parameters {
         return this.#link.ask(() => this.#link.master.read(key));
     }
 
-    /** Writes a value, to the nearest step of its scale, and returns what the drive has now. */
+    /** Writes a value, to the nearest step of its scale, and returns what the drive has now. NaN, and a fraction of a parameter without decimals, are refused. */
     set(key: ParameterKey, value: number): Promise<number> {
         return this.#link.ask(() => this.#link.master.write(key, value));
     }
@@ -70,10 +69,9 @@ export class Parameters {
             if (row.access === "read-only") {
                 throw new TypeError(`parameter ${row.number} "${row.name}": read-only`);
             }
-            if (!(value >= row.min && value <= row.max)) {
-                throw new RangeError(
-                    `parameter ${row.number} "${row.name}": ${value} ${row.unit} is outside ${row.min} to ${row.max} ${row.unit}`,
-                );
+            const problem = misfit(row, value);
+            if (problem !== undefined) {
+                throw new RangeError(problem);
             }
             return { row, value };
         });
@@ -88,7 +86,7 @@ export class Parameters {
         return changed;
     }
 
-    /** Stores every parameter but the device number and the calibration in the drive's memory. */
+    /** Stores every parameter but the device number and the calibration in the drive's memory now. */
     async store(): Promise<void> {
         await this.#link.ask(() => this.#link.master.request("store"));
     }
@@ -103,9 +101,19 @@ export class Parameters {
         await this.#link.ask(() => this.#link.master.request("reset calibration"));
     }
 
-    /** Sets and stores factory values for everything but what is the board's own. */
+    /** Stores factory values for everything but the device number and the calibration (category 02). At any moment, while driving too: they act after the next reboot. */
     async restoreFactory(): Promise<void> {
         const serial = await this.get(DEVICE_NUMBER);
         await this.#link.ask(() => this.#link.master.restoreFactory(serial));
     }
+}
+
+/** Why a parameter cannot have a value, with its range; `undefined` if it can. */
+export function misfit({ number, name, unit, scale, min, max }: Parameter, value: number): string | undefined {
+    const [steps, space] = [value / scale, unit && ` ${unit}`];
+    const inside = value >= min && value <= max;
+    if (inside && (scale < 1 || Math.abs(steps - Math.round(steps)) < 1e-6)) {
+        return undefined;
+    }
+    return `parameter ${number} "${name}": ${value}${space} is ${inside ? "no whole number from" : "outside"} ${min} to ${max}${space}`;
 }

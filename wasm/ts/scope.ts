@@ -1,6 +1,6 @@
 // The virtual scope of a drive: it records signals of the control tick, tick by tick.
 
-import { scopeSignals, type Progress, type ScopeSignal, type ScopeSignalName } from "./core.js";
+import type { Progress, ScopeSignal, ScopeSignalName } from "./core.js";
 import type { ScopeRecording } from "./lab.js";
 import { failure, type Link } from "./link.js";
 import { Parameters } from "./parameters.js";
@@ -63,7 +63,7 @@ export class Scope {
 
     /** What can be recorded. */
     get signals(): readonly ScopeSignal[] {
-        return scopeSignals();
+        return this.#link.tables.signals;
     }
 
     /** What it does now. */
@@ -73,13 +73,13 @@ export class Scope {
 
     /** Sets it up and arms it. Rejects with a "RefusedError" while it is armed or recording, with a RangeError for what the drive cannot keep. */
     async arm(signals: readonly ScopeSignalName[], setup: ScopeSetup = {}): Promise<void> {
-        const known = scopeSignals();
-        const bits = signals.map((name) => bit(known, name));
-        if (bits.length === 0) {
+        const known = this.signals;
+        const bits = new Set(signals.map((name) => find(known, name).bit));
+        if (bits.size === 0) {
             throw new TypeError("signals: must name at least one");
         }
-        await this.#expectRoom(new Set(bits).size, setup);
-        const channels = bits.reduce((sum, bit) => sum + 2 ** bit, 0);
+        await this.#expectRoom(bits.size, setup);
+        const channels = [...bits].reduce((sum, bit) => sum + 2 ** bit, 0);
         await this.#setUp(setup, 256, [[CHANNELS, channels]]);
     }
 
@@ -126,9 +126,8 @@ export class Scope {
             ...what,
         ];
         if ("signal" in trigger) {
-            const known = scopeSignals();
-            const at = bit(known, trigger.signal);
-            writes.push([TRIGGER_SIGNAL, at], [TRIGGER_LEVEL, trigger.value / known[at]!.base]);
+            const { bit, base } = find(this.signals, trigger.signal);
+            writes.push([TRIGGER_SIGNAL, bit], [TRIGGER_LEVEL, trigger.value / base]);
         }
         writes.push([TRIGGER, kind]);
         for (const [number, value] of writes) {
@@ -161,7 +160,7 @@ export class Scope {
     async download(progress?: (progress: Progress) => void): Promise<Table<ScopeSignalName>> {
         await this.#expectRecord(false);
         const channels = await this.#parameters.get(CHANNELS);
-        const chosen = scopeSignals().filter((_, bit) => Math.floor(channels / 2 ** bit) % 2 === 1);
+        const chosen = this.signals.filter(({ bit }) => Math.floor(channels / 2 ** bit) % 2 === 1);
         const step = await this.#parameters.get(SAMPLING_TIME);
         const before = await this.#parameters.get(BEFORE);
         const bytes = await this.#read(progress);
@@ -243,10 +242,10 @@ export class Scope {
     }
 }
 
-function bit(known: readonly ScopeSignal[], name: ScopeSignalName): number {
-    const at = known.findIndex((signal) => signal.name.toLowerCase() === name.toLowerCase());
-    if (at < 0) {
+function find(known: readonly ScopeSignal[], name: ScopeSignalName): ScopeSignal {
+    const found = known.find((signal) => signal.name.toLowerCase() === name.toLowerCase());
+    if (found === undefined) {
         throw new TypeError(`there is no scope signal "${name}"`);
     }
-    return at;
+    return found;
 }

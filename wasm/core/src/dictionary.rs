@@ -1,11 +1,12 @@
 //! Tables: parameters, signals of scope and measurements, and what records of the log hold.
 
+use crate::description::{self, Shape};
 use crate::messages::{float, unit};
 use js_sys::{Array, Object};
-use narx_core::bus::narmotion::SIGNALS;
+use narx_core::bus::narmotion::{SIGNALS, Signal};
 use narx_core::dictionary::{Decimal, Dictionary, Parameter};
-use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_core::storage::Record;
+use narx_sim::engineering::Scale;
 use narx_wasm_values::error::{list, shown, type_error};
 use narx_wasm_values::options::set;
 use wasm_bindgen::prelude::*;
@@ -34,8 +35,10 @@ export interface Parameter {
     readonly description: string;
 }
 
-/** A signal of the virtual scope; its number is its bit in parameter 22. */
+/** A signal of the virtual scope. */
 export interface ScopeSignal {
+    /** Its bit in parameter 22. */
+    readonly bit: number;
     readonly name: ScopeSignalName;
     readonly unit: string;
     /** Value of a sample of 4096. */
@@ -66,25 +69,40 @@ export interface LogRecord {
 /// Every parameter in the order of the numbers.
 #[wasm_bindgen(unchecked_return_type = "Parameter[]")]
 pub fn parameters() -> Array {
-    Dictionary::rows().map(parameter).collect()
+    Dictionary::rows().map(|row| object(&shape(row))).collect()
 }
 
-fn parameter(row: &Parameter) -> Object {
-    let value = |digits| float(Decimal { digits, exponent: row.exponent });
+/// A row of this package's tables.
+pub(crate) fn shape(row: &'static Parameter) -> Shape<'static> {
+    Shape {
+        scale: row.into(),
+        kind: row.kind,
+        category: row.category.label(),
+        default: row.default(),
+        access: row.access,
+        command: row.command,
+        effect: row.effect,
+        about: row.description(),
+    }
+}
+
+pub(crate) fn object(row: &Shape<'_>) -> Object {
+    let Scale { number, name, unit, min, max, .. } = row.scale;
+    let value = |raw| row.scale.to_unit(raw);
     let shaped = Object::new();
-    set(&shaped, "number", row.number);
-    set(&shaped, "name", row.name());
-    set(&shaped, "category", row.category.label());
-    set(&shaped, "unit", unit(row.unit()));
+    set(&shaped, "number", number);
+    set(&shaped, "name", name);
+    set(&shaped, "category", row.category);
+    set(&shaped, "unit", unit);
     set(&shaped, "type", row.kind.label());
     set(&shaped, "scale", value(1));
-    set(&shaped, "min", value(row.min()));
-    set(&shaped, "max", value(row.max()));
-    set(&shaped, "factory", value(row.default()));
+    set(&shaped, "min", value(min));
+    set(&shaped, "max", value(max));
+    set(&shaped, "factory", value(row.default));
     set(&shaped, "access", row.access.label());
     set(&shaped, "command", row.command);
     set(&shaped, "acts", row.effect.label());
-    set(&shaped, "description", row.description());
+    set(&shaped, "description", row.about);
     shaped
 }
 
@@ -101,29 +119,27 @@ pub(crate) fn row(key: &JsValue) -> Result<&'static Parameter, JsValue> {
 /// Signals of the virtual scope in the order of their bits.
 #[wasm_bindgen(js_name = scopeSignals, unchecked_return_type = "ScopeSignal[]")]
 pub fn scope_signals() -> Array {
-    let shape = |row: &narx_core::motor::signal::SignalRow| {
-        let shaped = Object::new();
-        set(&shaped, "name", row.name);
-        set(&shaped, "unit", unit(row.unit));
-        set(&shaped, "base", float(row.base));
-        shaped
-    };
-    DRIVE_SIGNALS.iter().map(shape).collect()
+    description::scope_signals(None)
 }
 
 /// Signals of the measurements in the order of Figure 14.
 #[wasm_bindgen(js_name = measurementSignals, unchecked_return_type = "MeasurementSignal[]")]
 pub fn measurement_signals() -> Array {
-    let shape = |row: &narx_core::bus::narmotion::Signal| {
-        let shaped = Object::new();
-        set(&shaped, "name", row.name);
-        set(&shaped, "unit", unit(row.unit));
-        set(&shaped, "opcode", row.opcode.raw());
-        set(&shaped, "word", row.word);
-        set(&shaped, "scale", float(Decimal { digits: 1, exponent: row.exponent }));
-        shaped
+    let shape = |row: &Signal| {
+        let scale = Decimal { digits: 1, exponent: row.exponent };
+        measured(row.name, unit(row.unit), row.opcode.raw(), row.word, scale)
     };
     SIGNALS.iter().map(shape).collect()
+}
+
+pub(crate) fn measured(name: &str, unit: &str, opcode: u16, word: u8, scale: Decimal) -> Object {
+    let shaped = Object::new();
+    set(&shaped, "name", name);
+    set(&shaped, "unit", unit);
+    set(&shaped, "opcode", opcode);
+    set(&shaped, "word", word);
+    set(&shaped, "scale", float(scale));
+    shaped
 }
 
 /// The records of a log download, each of `size` bytes (parameter 69); those that the drive could not read are left out.

@@ -4,6 +4,7 @@
 //! | file | JavaScript | Rust |
 //! |---|---|---|
 //! | `master.rs`, `requests.rs`, `update.rs` | `Master`, `imageInfo` | [`narx_core::master`] |
+//! | `description.rs` | `Master.describe` | [`narx_core::master::DescriptionReader`] |
 //! | `tx_master.rs` | `TxMaster`, `txObjects` | [`narx_core::master::eddycan`] |
 //! | `messages.rs` | `decode` | [`narx_core::bus`] |
 //! | `dictionary.rs` | `parameters`, `scopeSignals`, `measurementSignals`, `logRecords` | [`narx_core::dictionary`] |
@@ -12,6 +13,7 @@
 //! Names mirror Python's in camel case. Values are SI units, speeds mechanical rpm, times seconds from any beginning.
 #![forbid(unsafe_code)]
 
+mod description;
 mod dictionary;
 mod master;
 mod messages;

@@ -1,16 +1,17 @@
 //! The master of a drive: frames and times in, frames out.
 
-use crate::dictionary::{choice, row};
-use crate::messages::{faults, float, status, unit};
+use crate::description::{self, Tables};
+use crate::dictionary::choice;
+use crate::messages::{faults, status};
 use crate::requests;
 use js_sys::{Array, Object, Uint8Array};
 use narx_core::bus::Frame;
-use narx_core::bus::narmotion::{Addresses, StatusWord};
-use narx_core::master::{Config, Download, Heard, Master as Core};
-use narx_sim::engineering;
+use narx_core::bus::narmotion::{Addresses, MotorMode, StatusWord};
+use narx_core::master::{Config, Download, Heard, Master as Core, SpeedLimits};
 use narx_wasm_values::error::{range_error, shown, whole};
 use narx_wasm_values::frame;
 use narx_wasm_values::options::{Options, set};
+use std::collections::BTreeMap;
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
@@ -58,6 +59,21 @@ export interface BuildInfo {
     readonly date: number;
 }
 
+/** What the drive tells of its description before that is downloaded. */
+export interface DescriptionInfo {
+    readonly words: number;
+    /** CRC-32 of the words; 0 from a drive that does not tell it. */
+    readonly check: number;
+}
+
+/** Set-points that the drive takes as they are, in the control mode that its enables select: magnitudes, rpm. It clamps every other one. */
+export interface SpeedLimits {
+    readonly min: number;
+    readonly max: number;
+    /** The drive turns at one speed whatever is asked for: open loop at parameter 88. */
+    readonly fixed: boolean;
+}
+
 /** DEVICE_INFO. */
 export interface DeviceInfo {
     /** Release of the board. */
@@ -98,6 +114,10 @@ pub struct Master {
     now: u64,
     /// The image of the update.
     pub(crate) image: Vec<u8>,
+    /// What the drive says of itself; `None`: this package's tables serve.
+    pub(crate) tables: Option<Tables>,
+    /// Raw values of parameters that this package's tables do not have, as they were last heard.
+    pub(crate) others: BTreeMap<u16, i32>,
 }
 
 #[wasm_bindgen]
@@ -129,7 +149,8 @@ impl Master {
             read_parameters: options.flag("readParameters")?.unwrap_or(factory.read_parameters),
             ..factory
         };
-        Ok(Self { core: Core::new(config), now: 0, image: Vec::new() })
+        let core = Core::new(config);
+        Ok(Self { core, now: 0, image: Vec::new(), tables: None, others: BTreeMap::new() })
     }
 
     /// Takes a frame that arrived at `now`, s. Only messages of its drive to this master are heard.
@@ -181,6 +202,30 @@ impl Master {
     pub fn set_speed(&mut self, rpm: f64) -> Result<(), JsValue> {
         self.core.set_speed(whole("setSpeed", rpm, 0.0, RPM_MAX)? as u16);
         Ok(())
+    }
+
+    /// Set-points that the drive takes as they are; `undefined` before the parameters that say so were heard: 81 to 83, and 88 or 101 to 104.
+    #[wasm_bindgen(getter, js_name = speedLimits, unchecked_return_type = "SpeedLimits | undefined")]
+    pub fn speed_limits(&self) -> JsValue {
+        let Some(SpeedLimits { min, max }) = self.limits() else { return JsValue::UNDEFINED };
+        let shaped = Object::new();
+        set(&shaped, "min", min.rpm);
+        set(&shaped, "max", max.rpm);
+        set(&shaped, "fixed", min == max);
+        shaped.into()
+    }
+
+    /// Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp, as far as its limits were heard. It names the limit's parameter and the range.
+    #[wasm_bindgen(js_name = checkSpeed)]
+    pub fn check_speed(&self, rpm: f64) -> Result<(), JsValue> {
+        let rpm = whole("speed", rpm, -RPM_MAX, RPM_MAX)? as i32;
+        self.limits().unwrap_or(SpeedLimits::WIRE).check(rpm).map_err(|refused| range_error(&refused))
+    }
+
+    /// Whether the last request was for a turning motor.
+    #[wasm_bindgen(getter, js_name = asksToTurn)]
+    pub fn asks_to_turn(&self) -> bool {
+        matches!(self.core.requested(), Some(MotorMode::Drive | MotorMode::Reverse))
     }
 
     /// Asks for Standby, which also acknowledges a fault.
@@ -295,17 +340,7 @@ impl Master {
     /// What the drive measures, as far as it was heard, in the order of Figure 14.
     #[wasm_bindgen(unchecked_return_type = "Measurement[]")]
     pub fn measurements(&self) -> Array {
-        let known = self.core.measurements().iter();
-        let shape = |(row, heard): (&narx_core::bus::narmotion::Signal, Option<Heard<_>>)| {
-            let Heard { value, at } = heard?;
-            let shaped = Object::new();
-            set(&shaped, "name", row.name);
-            set(&shaped, "unit", unit(row.unit));
-            set(&shaped, "value", float(value));
-            set(&shaped, "time", seconds(at));
-            Some(shaped)
-        };
-        known.filter_map(shape).collect()
+        description::measurements(self.tables.as_ref(), self.core.measurements())
     }
 
     /// Mechanical speed by what the control mode uses, rpm.
@@ -319,9 +354,45 @@ impl Master {
         &self,
         #[wasm_bindgen(unchecked_param_type = "ParameterName | number")] key: &JsValue,
     ) -> Result<Option<f64>, JsValue> {
-        let row = row(key)?;
-        let heard = self.core.parameters().get(row.number);
-        Ok(heard.map(|heard| engineering::to_unit(row, row.kind.widen(heard.value))))
+        let number = description::number(self.tables.as_ref(), key)?;
+        let known = self.core.parameters().get(number).map(|heard| heard.value);
+        let raw = known.or_else(|| self.others.get(&number).copied());
+        Ok(raw.map(|raw| self.value(number, raw)))
+    }
+
+    /// From now on the drive is what its description says, the bytes of its download; without one it is this package's own. `check`: the CRC-32 that the drive tells
+    /// of it. Throws for a text that cannot be read, and has the tables of before then.
+    pub fn describe(&mut self, text: Option<Vec<u8>>, check: Option<u32>) -> Result<(), JsValue> {
+        self.tables = text.map(|text| Tables::read(&text, check.unwrap_or(0))).transpose()?;
+        Ok(())
+    }
+
+    /// What the drive tells of its description, as it was last heard.
+    #[wasm_bindgen(getter, js_name = descriptionInfo, unchecked_return_type = "DescriptionInfo | undefined")]
+    pub fn description_info(&self) -> JsValue {
+        let Some(Heard { value, .. }) = self.core.report().description else { return JsValue::UNDEFINED };
+        let shaped = Object::new();
+        set(&shaped, "words", value.words);
+        set(&shaped, "check", value.check);
+        shaped.into()
+    }
+
+    /// Every parameter of the drive in the order of its description.
+    #[wasm_bindgen(unchecked_return_type = "Parameter[]")]
+    pub fn parameters(&self) -> Array {
+        description::parameters(self.tables.as_ref())
+    }
+
+    /// Signals of the drive's scope in the order of its description.
+    #[wasm_bindgen(js_name = scopeSignals, unchecked_return_type = "ScopeSignal[]")]
+    pub fn scope_signals(&self) -> Array {
+        description::scope_signals(self.tables.as_ref())
+    }
+
+    /// Signals of the drive's measurements in the order of its description.
+    #[wasm_bindgen(js_name = measurementSignals, unchecked_return_type = "MeasurementSignal[]")]
+    pub fn measurement_signals(&self) -> Array {
+        description::measurement_signals(self.tables.as_ref())
     }
 
     /// Reads every parameter anew in the background.
@@ -391,13 +462,26 @@ impl Master {
 }
 
 impl Master {
+    /// A parameter's raw value in its unit, by the drive's own scale.
+    pub(crate) fn value(&self, number: u16, raw: i32) -> f64 {
+        let shape = description::shape(self.tables.as_ref(), number);
+        shape.map_or(0.0, |shape| shape.scale.to_unit(shape.kind.widen(raw)))
+    }
+
+    fn limits(&self) -> Option<SpeedLimits> {
+        SpeedLimits::of(|number| {
+            let heard = self.core.parameters().get(number)?;
+            Some(self.value(number, heard.value).round() as i32)
+        })
+    }
+
     /// It is `now`; time never runs back.
     fn tell(&mut self, now: f64) {
         self.now = self.now.max(microseconds(now));
     }
 
     fn next_frame(&mut self) -> Option<Frame> {
-        let Self { core, now, image } = self;
+        let Self { core, now, image, .. } = self;
         core.poll_frame(*now).or_else(|| core.poll_update_frame(*now, image))
     }
 }

@@ -1,12 +1,12 @@
 //! What a drive is asked for, and its answers.
 
-use crate::dictionary::{choice, row};
+use crate::description;
+use crate::dictionary::choice;
 use crate::master::Master;
 use js_sys::{Error, Object};
 use narx_core::bus::narmotion::{DigitalOutputs, ParameterStatus};
-use narx_core::dictionary::Dictionary;
 use narx_core::master::{Answer, DownloadError, Refusal, Request, RequestError};
-use narx_sim::engineering;
+use narx_sim::engineering::Misfit;
 use narx_wasm_values::error::{range_error, whole};
 use narx_wasm_values::options::{Options, set};
 use std::fmt::Display;
@@ -52,17 +52,20 @@ impl Master {
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ParameterName | number")] key: &JsValue,
     ) -> Result<(), JsValue> {
-        self.take(Request::Read { number: row(key)?.number })
+        let number = description::number(self.tables.as_ref(), key)?;
+        self.take(Request::Read { number })
     }
 
-    /// Asks the drive to give a parameter a value, in its unit, to the nearest step of its scale. Throws a `RangeError` for one that it cannot have.
+    /// Asks the drive to give a parameter a value, in its unit, to the nearest step of its scale. Throws a `RangeError` for one that it cannot have: outside the range,
+    /// not a number, a fraction of a whole parameter.
     pub fn write(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ParameterName | number")] key: &JsValue,
         value: f64,
     ) -> Result<(), JsValue> {
-        let number = row(key)?.number;
-        let raw = engineering::raw(number, value).map_err(|refused| range_error(&refused))?;
+        let number = description::number(self.tables.as_ref(), key)?;
+        let shape = description::shape(self.tables.as_ref(), number).ok_or(JsValue::UNDEFINED)?;
+        let raw = shape.scale.entered(value).map_err(|refused| range_error(&refused))?;
         // A value of any kind has 32 bits.
         self.take(Request::Write { number, raw: raw as i32 })
     }
@@ -96,8 +99,8 @@ impl Master {
         let Some(Answer { request, result }) = self.core.poll_answer() else { return JsValue::UNDEFINED };
         let shaped = Object::new();
         match result {
-            Ok(raw) => set(&shaped, "value", value(request, raw)),
-            Err(error) => set(&shaped, "error", request_error(request, error)),
+            Ok(raw) => set(&shaped, "value", self.answered(request, raw)),
+            Err(error) => set(&shaped, "error", self.request_error(request, error)),
         }
         shaped.into()
     }
@@ -107,38 +110,54 @@ impl Master {
     fn take(&mut self, request: Request) -> Result<(), JsValue> {
         self.core.request(request).map_err(|refused| thrown(REFUSED, &refused))
     }
-}
 
-fn value(request: Request, raw: i32) -> f64 {
-    let number = match request {
-        Request::Read { number } | Request::Write { number, .. } => Some(number),
-        _ => None,
-    };
-    let row = number.and_then(Dictionary::row);
-    row.map_or(0.0, |row| engineering::to_unit(row, row.kind.widen(raw)))
-}
+    fn answered(&mut self, request: Request, raw: i32) -> f64 {
+        let (Request::Read { number } | Request::Write { number, .. }) = request else { return 0.0 };
+        if self.core.parameters().get(number).is_none() {
+            self.others.insert(number, raw);
+        }
+        self.value(number, raw)
+    }
 
-/// A refused reboot has no answer, and for one that is about a parameter the parameter is named.
-fn request_error(request: Request, error: RequestError) -> JsValue {
-    match error {
-        RequestError::NoAnswer => match request {
-            Request::Read { number } | Request::Write { number, .. } => {
-                thrown(NO_ANSWER, &format!("parameter {number}: {error}"))
+    /// A refused reboot has no answer, and for one that is about a parameter the parameter is named.
+    fn request_error(&self, request: Request, error: RequestError) -> JsValue {
+        match error {
+            RequestError::NoAnswer => match request {
+                Request::Read { number } | Request::Write { number, .. } => {
+                    thrown(NO_ANSWER, &format!("parameter {number}: {error}"))
+                }
+                Request::Reboot => thrown(NO_ANSWER, &format!("{error}: it is off the bus, or driving")),
+                _ => thrown(NO_ANSWER, &error),
+            },
+            RequestError::Refused(refused) => self.refusal(&refused),
+            RequestError::NotObeyed => thrown(REFUSED, &error),
+        }
+    }
+
+    /// A parameter that the drive does not read or write, by its own name and range.
+    fn refusal(&self, refused: &Refusal) -> JsValue {
+        let described =
+            self.tables.as_ref().and_then(|tables| description::shape(Some(tables), refused.number));
+        let Some(shape) = described else { return refusal(refused) };
+        let raw = refused.offered.map(|raw| shape.kind.widen(raw)).unwrap_or_default();
+        let value = shape.scale.to_unit(raw);
+        match refused.status {
+            ParameterStatus::OutOfRange if !(shape.scale.min..=shape.scale.max).contains(&raw) => {
+                thrown(PARAMETER, &Misfit { scale: shape.scale, value })
             }
-            Request::Reboot => thrown(NO_ANSWER, &format!("{error}: it is off the bus, or driving")),
-            _ => thrown(NO_ANSWER, &error),
-        },
-        RequestError::Refused(refused) => refusal(&refused),
-        RequestError::NotObeyed => thrown(REFUSED, &error),
+            status => thrown(kind(status), &format!("{}: {status}", shape.scale)),
+        }
     }
 }
 
 fn refusal(refusal: &Refusal) -> JsValue {
-    match refusal.status {
-        ParameterStatus::WrongState | ParameterStatus::Storage | ParameterStatus::NotEquipped => {
-            thrown(REFUSED, refusal)
-        }
-        _ => thrown(PARAMETER, refusal),
+    thrown(kind(refusal.status), refusal)
+}
+
+const fn kind(status: ParameterStatus) -> &'static str {
+    match status {
+        ParameterStatus::WrongState | ParameterStatus::Storage | ParameterStatus::NotEquipped => REFUSED,
+        _ => PARAMETER,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::dictionary::choice;
 use crate::master::{microseconds, seconds};
+use crate::messages::float;
 use crate::requests::{NO_ANSWER, REFUSED, thrown};
 use js_sys::{Array, Object};
 use narx_core::bus::eddycan::{Channels, ErrorCode, Layout, NmtCommand, NmtState, NodeId, PdoKind};
@@ -29,8 +30,10 @@ export interface TxMasterOptions {
 export interface Reading {
     /** From the start of the measuring range, mm; of as many channels as it has. */
     readonly positions: readonly number[];
-    /** Counts; absent where PDOs do not carry the encoder. */
+    /** Counts, of a linear encoder with their sign once 2005h was read; absent where PDOs do not carry the encoder. */
     readonly encoder?: number;
+    /** Position of a linear encoder, mm: counts times resolution; absent before 2005h and 2009h were read, and of a rotary one. */
+    readonly encoderPosition?: number;
     readonly trigger: "timer" | "sync" | "remote";
     /** When they came, s. */
     readonly time: number;
@@ -195,7 +198,11 @@ impl TxMaster {
         let positions = positions.into_iter().take(count).map(JsValue::from).collect::<Array>();
         set(&shaped, "positions", positions);
         if layout.encoder {
-            set(&shaped, "encoder", reading.encoder);
+            let encoder = self.core.report().encoder;
+            set(&shaped, "encoder", encoder.counts(&reading));
+            if let Some(position) = encoder.position(&reading) {
+                set(&shaped, "encoderPosition", float(position));
+            }
         }
         let trigger = match kind {
             PdoKind::Timer => "timer",

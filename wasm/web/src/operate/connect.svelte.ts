@@ -61,7 +61,7 @@ export function connectFirst(): Promise<void> {
 
 /** A run that somebody has passed on. */
 export function connectRun(run: Run): Promise<void> {
-    return session.connect((listener) => virtualDrive.reproduce(run, listener), { ...master(), readParameters: false });
+    return session.connect((listener) => virtualDrive.reproduce(run, listener), { ...master(), readParameters: false, readDescription: false });
 }
 
 /** A bus log: the master hears what was heard then, and sends nothing. */

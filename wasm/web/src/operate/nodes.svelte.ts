@@ -1,7 +1,10 @@
 // TX-Drivers on the drive's bus: a master for each.
 
 import type { Frame } from "narx";
-import { TxMaster, type TxObject } from "narx/core";
+import { TxMaster, txObjects, type TxObject } from "narx/core";
+
+/** CAN configuration, basic configuration and encoder resolution. */
+const ENCODER = txObjects().filter(({ index }) => [0x2004, 0x2005, 0x2009].includes(index));
 
 interface Question {
     begin: () => void;
@@ -29,6 +32,11 @@ export class Node {
     /** Writes an entry, in its unit. */
     async write({ index, subindex, scale }: TxObject, value: number): Promise<void> {
         await this.#ask(() => this.master.request(index, subindex, Math.round(value / scale)));
+    }
+
+    /** Reads what positions of its encoder need: whether PDOs carry it, whether it is linear, and the length of a count. */
+    async learn(): Promise<void> {
+        await Promise.all(ENCODER.map((entry) => this.read(entry)));
     }
 
     handleFrame(frame: Frame, now: number): void {

@@ -2,8 +2,8 @@
 
 import { untrack } from "svelte";
 import type { BusFrame } from "narx";
-import type { MasterOptions } from "narx/core";
-import { Drive } from "narx/drive";
+import { Drive, type DriveOptions } from "narx/drive";
+import { descriptions } from "./descriptions";
 import { chart } from "./heard.svelte";
 import type { Link, Listener } from "./link/link";
 import { nodes } from "./nodes.svelte";
@@ -19,7 +19,7 @@ class Session {
     link = $state.raw<Link>();
     drive = $state.raw<Drive>();
     view = $state.raw<View>(NOTHING);
-    options = $state.raw<MasterOptions>({});
+    options = $state.raw<DriveOptions>({});
     /** Why there is no link, or none any more. */
     problem = $state<string>();
     connecting = $state(false);
@@ -52,7 +52,7 @@ class Session {
     isFresh = true;
 
     /** Opens a link and puts a master on it; the one before is let go. `problem` tells what went wrong. */
-    async connect(open: (listener: Listener) => Promise<Link>, options: MasterOptions): Promise<void> {
+    async connect(open: (listener: Listener) => Promise<Link>, options: DriveOptions): Promise<void> {
         this.isFresh = false;
         this.disconnect();
         this.connecting = true;
@@ -125,8 +125,8 @@ class Session {
     }
 
     /** A master that has heard of nothing yet. */
-    #begin(options: MasterOptions): Drive {
-        const drive = new Drive(options);
+    #begin(options: DriveOptions): Drive {
+        const drive = new Drive({ ...options, descriptions });
         this.#over = new Promise((_, reject) => (this.#gone = reject));
         this.#over.catch(() => undefined);
         this.drive = drive;
@@ -134,7 +134,7 @@ class Session {
     }
 
     /** A master at an earlier instant, who has heard what came just before it and goes on asking for the same speed. */
-    #return(options: MasterOptions, time: number, frames: readonly BusFrame[]): Drive {
+    #return(options: DriveOptions, time: number, frames: readonly BusFrame[]): Drive {
         this.#forget("time has returned to an earlier instant meanwhile");
         const drive = this.#begin(options);
         this.#opened = time;
@@ -211,7 +211,7 @@ class Session {
     #draw(): void {
         if (this.#changed && this.drive && this.link) {
             this.#changed = false;
-            this.view = look(this.drive.master, this.link.now);
+            this.view = look(this.drive, this.link.now);
         }
         requestAnimationFrame(() => this.#draw());
     }

@@ -1,6 +1,8 @@
 // What the master knows at one instant, as the panels show it.
 
-import type { Master, Measurement, ParameterName } from "narx/core";
+import type { Master, Measurement, MeasurementSignal, Parameter, ParameterName, ScopeSignal, SpeedLimits } from "narx/core";
+import { measurementSignals, parameters, scopeSignals } from "narx/core";
+import type { DescriptionState, Drive } from "narx/drive";
 import { FAULT } from "./states";
 
 export interface View {
@@ -22,6 +24,17 @@ export interface View {
     speed?: number;
     /** What the drive is asked for and has accepted, rpm, negative in reverse. */
     setpoint: number;
+    /** Why the motor turns at another speed than was asked for. */
+    speedWarning?: string;
+    /** Set-points that the drive takes as they are, as far as that was heard. */
+    speedLimits?: SpeedLimits;
+    /** What the drive is made of: by its own description, or by this page's tables. */
+    parameters: readonly Parameter[];
+    scopeSignals: readonly ScopeSignal[];
+    measurementSignals: readonly MeasurementSignal[];
+    description: DescriptionState;
+    /** Why its description was refused. */
+    descriptionProblem?: string;
     /** Parameters that are still to be read of those that are read in the background. */
     toRead: number;
     /** The value of a parameter as it was last heard, in its unit. */
@@ -37,11 +50,16 @@ export const NOTHING: View = {
     status: {},
     measurements: [],
     setpoint: 0,
+    parameters: parameters(),
+    scopeSignals: scopeSignals(),
+    measurementSignals: measurementSignals(),
+    description: "own",
     toRead: 0,
     parameter: () => undefined,
 };
 
-export function look(master: Master, time: number): View {
+export function look(drive: Drive, time: number): View {
+    const { master } = drive;
     const { state, critical } = master;
     const status = master.status ?? {};
     return {
@@ -55,8 +73,22 @@ export function look(master: Master, time: number): View {
         measurements: master.measurements(),
         speed: master.speed,
         setpoint: setpointOf(master),
+        speedWarning: drive.speedWarning,
+        speedLimits: master.speedLimits,
+        parameters: drive.parameters.rows,
+        scopeSignals: drive.scope.signals,
+        measurementSignals: drive.measurementSignals,
+        description: drive.descriptionState,
+        descriptionProblem: drive.descriptionProblem,
         toRead: master.parametersToRead,
-        parameter: (key) => master.parameter(key),
+        parameter: (key) => {
+            try {
+                return master.parameter(key);
+            } catch {
+                // A drive of another description does not have it.
+                return undefined;
+            }
+        },
     };
 }
 

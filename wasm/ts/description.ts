@@ -1,0 +1,122 @@
+// What a drive is made of, by the description that it serves itself (XML). The tables of this package serve until that was read, and where a drive has none.
+
+import type { Master, MeasurementSignal, Parameter, ScopeSignal } from "./core.js";
+import type { Link } from "./link.js";
+
+/** The tables of a drive. */
+export interface Tables {
+    readonly parameters: readonly Parameter[];
+    readonly signals: readonly ScopeSignal[];
+    readonly measurements: readonly MeasurementSignal[];
+}
+
+/** Where descriptions are kept, by build number and CRC. */
+export interface Descriptions {
+    get(key: string): Uint8Array | undefined;
+    set(key: string, text: Uint8Array): void;
+}
+
+/** Whose tables serve: this package's own before the drive's description was asked for, and of a drive without one. */
+export type DescriptionState = "own" | "reading" | "read" | "refused";
+
+/** Between two looks whether the drive is there, s. */
+const LOOK = 0.05;
+
+/** Those that were read since this program began. */
+const KEPT: Descriptions = new Map<string, Uint8Array>();
+
+export function tablesOf(master: Master): Tables {
+    return { parameters: master.parameters(), signals: master.scopeSignals(), measurements: master.measurementSignals() };
+}
+
+/** Reads descriptions when a drive is first heard, and again when it comes back: it may be another one then. */
+export class Describer {
+    #link: Link;
+    #kept: Descriptions;
+    #asked = false;
+    /** The next look, s. */
+    #due = 0;
+    state: DescriptionState = "own";
+    /** Why the description was refused. */
+    problem: string | undefined;
+
+    constructor(link: Link, kept: Descriptions = KEPT) {
+        this.#link = link;
+        this.#kept = kept;
+    }
+
+    /** What runs from now on may have other tables. */
+    forget(): void {
+        this.#asked = false;
+    }
+
+    poll(): void {
+        const now = this.#link.now;
+        if (now < this.#due) {
+            return;
+        }
+        this.#due = now + LOOK;
+        const { connected, silent } = this.#link.master;
+        if (!connected) {
+            this.#asked = false;
+        } else if (!this.#asked && !silent) {
+            this.#asked = true;
+            void this.#read();
+        }
+    }
+
+    async #read(): Promise<void> {
+        this.#enter("reading");
+        let tells = false;
+        try {
+            await this.#link.ask(() => this.#link.master.request("build info"));
+            const text = await this.#text(() => (tells = true));
+            this.#link.describe(text, this.#link.master.descriptionInfo?.check ?? 0);
+            this.#enter("read");
+        } catch (error) {
+            this.#link.describe(undefined, 0);
+            // A drive that does not even tell a length has no description.
+            this.#enter(tells ? "refused" : "own", error instanceof Error ? error.message : String(error));
+        }
+        // Parameters of this drive alone are not among those that the master reads in the background.
+        const { master, tables } = this.#link;
+        for (const { number } of tables.parameters) {
+            if (master.parameter(number) === undefined && !this.#link.isOwn(number)) {
+                await this.#link.ask(() => master.read(number)).catch(() => undefined);
+            }
+        }
+    }
+
+    /** One that is kept, or else the download's. */
+    async #text(tells: () => void): Promise<Uint8Array> {
+        const { master } = this.#link;
+        let found: Uint8Array | undefined;
+        const key = () => `${master.build?.number ?? 0}-${(master.descriptionInfo?.check ?? 0).toString(16)}`;
+        const known = () => (master.descriptionInfo?.check ? this.#kept.get(key()) : undefined);
+        try {
+            const text = await this.#link.download(
+                () => master.download("description"),
+                () => {
+                    tells();
+                    found = known();
+                    if (found !== undefined) {
+                        master.abortDownload();
+                    }
+                },
+            );
+            if (master.descriptionInfo?.check) {
+                this.#kept.set(key(), text);
+            }
+            return text;
+        } catch (error) {
+            if (found !== undefined) {
+                return found;
+            }
+            throw error;
+        }
+    }
+
+    #enter(state: DescriptionState, problem?: string): void {
+        [this.state, this.problem] = [state, state === "refused" ? problem : undefined];
+    }
+}
