@@ -94,6 +94,9 @@ impl Drive {
         {
             return lock;
         }
+        if !self.machine.state().is_driving() && !self.rotor.hall_mute() {
+            return self.rotor.hall_position().angle;
+        }
         let (angle, speed) = self.place();
         angle.wrapping_add((speed as u32).wrapping_mul(self.calm.slept()))
     }
