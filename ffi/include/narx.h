@@ -481,6 +481,15 @@
 // Failed self-tests.
 #define NARX_PARAMETER_FAILED_SELF_TESTS 303
 
+// Diagnostics.
+#define NARX_PARAMETER_DIAGNOSTICS 304
+
+// Scope room, words.
+#define NARX_PARAMETER_SCOPE_ROOM 305
+
+// Scope refusal.
+#define NARX_PARAMETER_SCOPE_REFUSAL 306
+
 // Values of the field "motor mode".
 typedef enum narx_motor_mode_t {
     NARX_MOTOR_MODE_STANDBY = 0,
@@ -520,6 +529,7 @@ typedef enum narx_parameter_status_t {
     NARX_PARAMETER_STATUS_OUT_OF_RANGE = 3,
     NARX_PARAMETER_STATUS_WRONG_STATE = 4,
     NARX_PARAMETER_STATUS_STORAGE = 5,
+    NARX_PARAMETER_STATUS_NOT_EQUIPPED = 6,
 } narx_parameter_status_t;
 
 // Bit of the fault word (Table 9).
@@ -1003,6 +1013,8 @@ enum narx_status_t
     NARX_ERROR_ARGUMENT = -37,
     // The drive would clamp this set-point: narx_master_speed_limits.
     NARX_ERROR_SPEED = -38,
+    // The board lacks what the value needs (narx_board_t, equipment).
+    NARX_ERROR_NOT_EQUIPPED = -39,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1680,10 +1692,15 @@ typedef struct narx_board_t {
     uint16_t earliest;
     // Both switches of a leg stay off this long between one and the other, ns.
     uint16_t dead_time_ns;
+    // Resistance of the two switches that conduct in a step, milliohm: what the drive knows of its losses (output power, Table 1).
+    uint16_t bridge_milliohm;
     // Not 0: the hall lines have time-stamping input captures.
     uint8_t hall_capture;
     // Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
     uint8_t comparator_capture;
+    // Parts that the board has; the drive refuses what needs another. Sum of 1 external temperature sensor, 2 switch for the supply of
+    // the hall sensors, 4 DSIO1 and DSIO2 as inputs, 8 as outputs, 16 accelerometer, 32 pressure input, 64 memory of the log.
+    uint8_t equipment;
     // Bus voltage, uV per code.
     struct narx_channel_t bus_voltage;
     // Terminal voltages of the three phases against ground, uV per code.

@@ -292,16 +292,16 @@ fn what_does_not_fit_is_refused() {
     // Changing the parameters does not change what was recorded.
     write(&mut session, number::SCOPE_SAMPLES, 10);
     assert_eq!(download(&mut session, 1, 4096).len(), 4096);
-    // What cannot be kept as it is asked for: the record before stays, and parameter 306 says why. 4096 words for 22 signals are 186 samples
+    // What cannot be kept as it is asked for: the record before stays, and parameter 306 says why. 4096 words for 23 signals are 178 samples
     // of each, and reading them takes 6 ticks.
     let read = |session: &Session, number| session.bench().node().read_parameter(number).unwrap();
     assert_eq!(read(&session, number::SCOPE_ROOM), 4096);
     for (samples, prescaler, before, reason) in [
-        (187, 6, 0, Refusal::TooLong),
+        (179, 6, 0, Refusal::TooLong),
         (4096, 1, 4096, Refusal::TooLong),
-        (186, 5, 0, Refusal::TooFast),
-        (186, 6, 186, Refusal::TooEarly),
-        (186, 6, 185, Refusal::None),
+        (178, 5, 0, Refusal::TooFast),
+        (178, 6, 178, Refusal::TooEarly),
+        (178, 6, 177, Refusal::None),
     ] {
         set_up(&mut session, &all, samples, prescaler, before);
         let before = refused(&session);
@@ -321,7 +321,7 @@ fn what_does_not_fit_is_refused() {
     // Forced at once: the samples before the trigger are waited for.
     press(&mut session);
     wait(&mut session, ScopeState::Done);
-    let record = download(&mut session, 22, 186);
+    let record = download(&mut session, 23, 178);
     assert!(record.iter().all(|sample| (value(Signal::BusVoltage, sample[3]) - 18.0).abs() < 0.5));
 }
 
