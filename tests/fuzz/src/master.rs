@@ -152,7 +152,7 @@ impl Caller {
             }
             Some(ToDrive::Reboot) => FromDrive::Reboot,
             Some(ToDrive::DownloadXml(_)) => {
-                FromDrive::XmlLength { words: value as u16 & 0xFF, check: value as u32 }
+                FromDrive::XmlLength { words: value as u16 & 0xFF, check: value }
             }
             _ => return,
         };
