@@ -7,6 +7,7 @@
 use narx_core::bus::eddycan::{Channels, FromNode, NmtCommand, NmtState, Position, Target, ToNode};
 use narx_core::bus::narmotion::{Addresses, FromDrive, ToDrive, XmlCommand};
 use narx_core::bus::{Frame, Id};
+use narx_core::dictionary::number;
 use narx_core::eddycan::{Configuration, MeasuringRange, Sample, TxDriver, Variant};
 use narx_core::motor::{Board, State, Status};
 use narx_core::node::{Identity, Node};
@@ -32,6 +33,8 @@ enum Fate {
     Malformed,
     /// Parameter 274.
     Refused,
+    /// Parameter 274, and parameter 306 says why.
+    Explained,
     /// Obeyed, in silence.
     Obeyed,
     /// Obeyed, and answered with this opcode.
@@ -52,7 +55,7 @@ const MESSAGES: [(u32, u32, Fate); 24] = [
     (2, 0, Fate::Answered(0)),
     (2, 1, Fate::Answered(1)),
     (2, 110, Fate::Answered(110)),
-    (2, 112, Fate::Refused),
+    (2, 112, Fate::Explained),
     (2, 130, Fate::Answered(130)),
     // Programming a drive that has no slots.
     (2, 160, Fate::Refused),
@@ -112,7 +115,7 @@ fn sweep_drive(node: &mut Node, ids: impl Iterator<Item = Id>) -> u64 {
     let malformed = Frame::full(Id::standard(0x123).unwrap(), [0; 8]);
     let refused = ToDrive::RequestBuildInfo.encode(Addresses { master: !MASTER, drive: DRIVE });
     let mut twin = node.clone();
-    let mut given = 0;
+    let (mut given, mut explained) = (0, false);
     for id in ids {
         for shape in 0..SHAPES {
             let (frame, dlc, remote) = frame(id, shape);
@@ -121,6 +124,10 @@ fn sweep_drive(node: &mut Node, ids: impl Iterator<Item = Id>) -> u64 {
                 Fate::Ignored => {}
                 Fate::Malformed => twin.handle_frame(&malformed),
                 Fate::Refused => twin.handle_frame(&refused),
+                Fate::Explained => {
+                    twin.handle_frame(&frame);
+                    explained = true;
+                }
                 fate => {
                     obeys(node, &frame, fate);
                     continue;
@@ -131,6 +138,8 @@ fn sweep_drive(node: &mut Node, ids: impl Iterator<Item = Id>) -> u64 {
     }
     assert!(*node == twin, "a frame that is not obeyed has changed more than its counter");
     assert!(node.poll_frame().is_none(), "it has said something");
+    let reason = node.read_parameter(number::SCOPE_REFUSAL);
+    assert!(!explained || reason == Some(1), "a download without a record: {reason:?}");
     given
 }
 
