@@ -125,7 +125,7 @@ impl Hall {
         Ok(columns)
     }
 
-    /// Codes 000 and 111, and skipped sectors, since it was made.
+    /// Times that the code was lost (000 or 111), and skipped sectors, since it was made.
     #[getter]
     fn glitches(&self) -> (u16, u16) {
         let counts = self.core.diagnostics();
