@@ -37,6 +37,7 @@ class Peer:
             number = int(row.attrib["number"])
             self.rows[number] = row.attrib
             self.raw[number] = round(float(row.attrib["factory"]) / float(row.attrib["scale"]))
+        self.raw[305] = 4096  # words of the scope's memory
         self.raw |= {83: 1, 261: 1, 260: 0}
 
     def say(self, opcode: int, *words: int) -> None:

@@ -297,6 +297,7 @@ def test_a_slow_drive_has_its_time_to_start_and_to_refuse() -> None:
 
 def test_what_is_no_fault_is_told() -> None:
     bench = narx.Bench(narx.Motor.preset("bly172s-24v"), supply_voltage=24, mode="sensorless")
+    bench.run(0.6)
     assert bench.drive.diagnostics == set()
     bench.drive.parameters["Back-EMF constant"] = 0
     assert bench.drive.diagnostics == {"wrong_lock_unseen"}
