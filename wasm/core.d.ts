@@ -81,8 +81,10 @@ export interface TxMasterOptions {
 export interface Reading {
     /** From the start of the measuring range, mm; of as many channels as it has. */
     readonly positions: readonly number[];
-    /** Counts; absent where PDOs do not carry the encoder. */
+    /** Counts, of a linear encoder with their sign once 2005h was read; absent where PDOs do not carry the encoder. */
     readonly encoder?: number;
+    /** Position of a linear encoder, mm: counts times resolution; absent before 2005h and 2009h were read, and of a rotary one. */
+    readonly encoderPosition?: number;
     readonly trigger: "timer" | "sync" | "remote";
     /** When they came, s. */
     readonly time: number;
@@ -156,8 +158,10 @@ export interface Parameter {
     readonly description: string;
 }
 
-/** A signal of the virtual scope; its number is its bit in parameter 22. */
+/** A signal of the virtual scope. */
 export interface ScopeSignal {
+    /** Its bit in parameter 22. */
+    readonly bit: number;
     readonly name: ScopeSignalName;
     readonly unit: string;
     /** Value of a sample of 4096. */
@@ -229,6 +233,21 @@ export interface BuildInfo {
     readonly date: number;
 }
 
+/** What the drive tells of its description before that is downloaded. */
+export interface DescriptionInfo {
+    readonly words: number;
+    /** CRC-32 of the words; 0 from a drive that does not tell it. */
+    readonly check: number;
+}
+
+/** Set-points that the drive takes as they are, in the control mode that its enables select: magnitudes, rpm. It clamps every other one. */
+export interface SpeedLimits {
+    readonly min: number;
+    readonly max: number;
+    /** The drive turns at one speed whatever is asked for: open loop at parameter 88. */
+    readonly fixed: boolean;
+}
+
 /** DEVICE_INFO. */
 export interface DeviceInfo {
     /** Release of the board. */
@@ -272,6 +291,15 @@ export class Master {
      */
     abortUpdate(): void;
     /**
+     * Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp, as far as its limits were heard. It names the limit's parameter and the range.
+     */
+    checkSpeed(rpm: number): void;
+    /**
+     * From now on the drive is what its description says, the bytes of its download; without one it is this package's own. `check`: the CRC-32 that the drive tells
+     * of it. Throws for a text that cannot be read, and has the tables of before then.
+     */
+    describe(text?: Uint8Array | number[] | null, check?: number | null): void;
+    /**
      * Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first` on. Throws for a silent master, and while
      * another one goes on.
      */
@@ -280,6 +308,10 @@ export class Master {
      * Takes a frame that arrived at `now`, s. Only messages of its drive to this master are heard.
      */
     handleFrame(frame: Frame, now: number): void;
+    /**
+     * Signals of the drive's measurements in the order of its description.
+     */
+    measurementSignals(): MeasurementSignal[];
     /**
      * What the drive measures, as far as it was heard, in the order of Figure 14.
      */
@@ -296,6 +328,10 @@ export class Master {
      * Value of a parameter as it was last heard, in its unit; `undefined` before.
      */
     parameter(key: ParameterName | number): number | undefined;
+    /**
+     * Every parameter of the drive in the order of its description.
+     */
+    parameters(): Parameter[];
     /**
      * The next answer; `undefined` before it is there.
      */
@@ -339,6 +375,10 @@ export class Master {
      */
     restoreFactory(serial: number): void;
     /**
+     * Signals of the drive's scope in the order of its description.
+     */
+    scopeSignals(): ScopeSignal[];
+    /**
      * Asks for the digital lines to be inputs, or outputs of a level.
      */
     setOutputs(outputs: Outputs): void;
@@ -364,13 +404,18 @@ export class Master {
      */
     update(image: Uint8Array | number[]): void;
     /**
-     * Asks the drive to give a parameter a value, in its unit, to the nearest step of its scale. Throws a `RangeError` for one that it cannot have.
+     * Asks the drive to give a parameter a value, in its unit, to the nearest step of its scale. Throws a `RangeError` for one that it cannot have: outside the range,
+     * not a number, a fraction of a whole parameter.
      */
     write(key: ParameterName | number, value: number): void;
     /**
      * The set-point that the drive has accepted, rpm.
      */
     readonly acceptedSpeed: number | undefined;
+    /**
+     * Whether the last request was for a turning motor.
+     */
+    readonly asksToTurn: boolean;
     /**
      * BUILD_INFO as it was last heard.
      */
@@ -383,6 +428,10 @@ export class Master {
      * CRITICAL_FAULT as it was last heard. Whether it still holds, `faults` says.
      */
     readonly critical: CriticalFault | undefined;
+    /**
+     * What the drive tells of its description, as it was last heard.
+     */
+    readonly descriptionInfo: DescriptionInfo | undefined;
     /**
      * DEVICE_INFO as it was last heard.
      */
@@ -415,6 +464,10 @@ export class Master {
      * Transmits nothing.
      */
     readonly silent: boolean;
+    /**
+     * Set-points that the drive takes as they are; `undefined` before the parameters that say so were heard: 81 to 83, and 88 or 101 to 104.
+     */
+    readonly speedLimits: SpeedLimits | undefined;
     /**
      * Mechanical speed by what the control mode uses, rpm.
      */
@@ -595,19 +648,25 @@ export interface InitOutput {
     readonly master_abortDownload: (a: number) => void;
     readonly master_abortUpdate: (a: number) => void;
     readonly master_acceptedSpeed: (a: number) => number;
+    readonly master_asksToTurn: (a: number) => number;
     readonly master_build: (a: number) => any;
+    readonly master_checkSpeed: (a: number, b: number) => [number, number];
     readonly master_connected: (a: number) => number;
     readonly master_critical: (a: number) => any;
+    readonly master_describe: (a: number, b: number, c: number, d: number) => [number, number];
+    readonly master_descriptionInfo: (a: number) => any;
     readonly master_device: (a: number) => any;
     readonly master_download: (a: number, b: any, c: number, d: number) => [number, number];
     readonly master_downloadProgress: (a: number) => any;
     readonly master_faults: (a: number) => any;
     readonly master_handleFrame: (a: number, b: any, c: number) => [number, number];
     readonly master_lastHeard: (a: number) => [number, number];
+    readonly master_measurementSignals: (a: number) => any;
     readonly master_measurements: (a: number) => any;
     readonly master_new: (a: any) => [number, number, number];
     readonly master_nextPoll: (a: number, b: number) => number;
     readonly master_parameter: (a: number, b: any) => [number, number, number, number];
+    readonly master_parameters: (a: number) => any;
     readonly master_parametersToRead: (a: number) => number;
     readonly master_poll: (a: number, b: number) => any;
     readonly master_pollAnswer: (a: number) => any;
@@ -619,6 +678,7 @@ export interface InitOutput {
     readonly master_readParameters: (a: number) => void;
     readonly master_request: (a: number, b: any) => [number, number];
     readonly master_restoreFactory: (a: number, b: number) => [number, number];
+    readonly master_scopeSignals: (a: number) => any;
     readonly master_setOutputs: (a: number, b: any) => [number, number];
     readonly master_setSpeed: (a: number, b: number) => [number, number];
     readonly master_setpoint: (a: number) => number;
@@ -626,6 +686,7 @@ export interface InitOutput {
     readonly master_shutDown: (a: number) => void;
     readonly master_silent: (a: number) => number;
     readonly master_speed: (a: number) => number;
+    readonly master_speedLimits: (a: number) => any;
     readonly master_start: (a: number, b: number) => [number, number];
     readonly master_state: (a: number) => number;
     readonly master_stateName: (a: number) => [number, number];
@@ -722,6 +783,7 @@ export type StateName =
 export type RequestName =
     | "build info"
     | "device info"
+    | "description info"
     | "reboot"
     | "trigger scope"
     | "disable hall supply"
@@ -913,7 +975,10 @@ export type ParameterName =
     | "Scope inputs"
     | "Scope words"
     | "Reset cause"
-    | "Failed self-tests";
+    | "Failed self-tests"
+    | "Diagnostics"
+    | "Scope room"
+    | "Scope refusal";
 
 /** Signals of the measurements. */
 export type MeasurementName =
@@ -962,7 +1027,8 @@ export type ScopeSignalName =
     | "Phase current"
     | "HV Current of one period"
     | "Fault bit"
-    | "Digital inputs";
+    | "Digital inputs"
+    | "Mechanical position";
 
 /** What is in the drive's messages, by their names in the CAN database. */
 export interface DriveValues {
@@ -1027,7 +1093,7 @@ export interface DriveValues {
     readonly PARAMETER: {
         readonly "Number": number;
         readonly "Value": number;
-        readonly "Status": "Done" | "Unknown number" | "Read-only" | "Out of range" | "Wrong state" | "Storage" | number;
+        readonly "Status": "Done" | "Unknown number" | "Read-only" | "Out of range" | "Wrong state" | "Storage" | "Not equipped" | number;
     };
     readonly LOG_VIRTUAL_SCOPE_SET: {};
     readonly LOG_VIRTUAL_SCOPE_REQUEST: {};
@@ -1045,6 +1111,7 @@ export interface DriveValues {
     };
     readonly XML_DOWNLOAD_ANSWER: {
         readonly "Length": number;
+        readonly "CRC-32": number;
     };
     readonly XML_DOWNLOAD_DATA: {
         readonly "Address": number;
