@@ -119,11 +119,12 @@ class Parameters(MutableMapping[str | int, float]):
         return {name: pair for name, pair in pairs.items() if self._differs(self.row(name).number, pair)}
 
     def store(self) -> None:
-        """Stores every parameter but the device number and the calibration in the drive's memory."""
+        """Stores every parameter but the device number and the calibration in the drive's memory, now: without it what was written is stored within 2 s
+        (parameter 307 "Automatic store")."""
         self._ask("store")
 
     def store_once(self) -> None:
-        """Stores the device number and the calibration (category 02)."""
+        """Stores the device number and the calibration (category 02), which nothing else stores. A new device number is used from the next reboot on."""
         self._ask("store once")
 
     def reset_calibration(self) -> None:
@@ -131,7 +132,8 @@ class Parameters(MutableMapping[str | int, float]):
         self._ask("reset calibration")
 
     def restore_factory(self) -> None:
-        """Sets and stores factory values for everything but what is the board's own."""
+        """Stores factory values for everything but the device number and the calibration (category 02). At any moment, while driving too: they are in
+        force after the next reboot."""
         self._ask("restore factory", self._ask("read", DEVICE_NUMBER))
 
     def _ask(self, what: str, number: int = 0, raw: int = 0) -> int:

@@ -273,7 +273,7 @@ fn slow_inputs_are_calibrated() {
 }
 
 #[test]
-fn restore_wants_the_serial_number_and_a_stopped_drive() {
+fn restore_wants_the_serial_number_and_changes_nothing_before_the_reboot() {
     let mut parameters = Parameters::new();
     parameters.set(number::DEVICE_NUMBER, 77).unwrap();
     parameters.set(number::HV_CURRENT_OFFSET, 12).unwrap();
@@ -283,34 +283,30 @@ fn restore_wants_the_serial_number_and_a_stopped_drive() {
     for serial in [0, 1, 76, 78, u16::MAX] {
         bench.send(ToDrive::RestoreFactory { serial });
     }
-    bench.enter(State::HallClosedLoop);
-    bench.send(ToDrive::RestoreFactory { serial: 77 });
-    assert_eq!(bench.refused(), 6);
-    assert_eq!(bench.node.parameters(), &before);
-    assert_eq!(bench.events(), []);
-    bench.enter(State::Standby);
-    bench.send(ToDrive::RestoreFactory { serial: 77 });
-    assert_eq!(bench.refused(), 6);
-    assert_eq!(bench.messages(), [], "Figure 14 prints no answer");
-    assert!(matches!(bench.events()[..], [Event::Coefficients(_)]));
-    assert_eq!(bench.read(number::SPEED_RATE), (2000, Done));
-    assert_eq!(bench.read(number::DEVICE_NUMBER), (77, Done), "who the board is stays");
-    assert_eq!(bench.read(number::HV_CURRENT_OFFSET), (12, Done), "and so does its calibration");
-    assert_eq!(bench.read(number::BUILD_NUMBER), (42, Done));
+    assert_eq!(bench.refused(), 5);
+    for state in [State::Standby, State::HallClosedLoop, State::Fault] {
+        bench.enter(state);
+        bench.send(ToDrive::RestoreFactory { serial: 77 });
+        assert_eq!(bench.refused(), 5, "{state:?}: at any moment");
+        assert_eq!(bench.node.parameters(), &before);
+        assert_eq!((bench.events(), bench.messages()), (vec![], vec![]), "Figure 14 prints no answer");
+    }
 }
 
-/// A calibration that was asked for and has not begun is not part of the factory's set.
+/// The device number that counts is the one of power-up, as with the addresses.
 #[test]
-fn restore_withdraws_a_hall_calibration() {
+fn a_new_device_number_waits_for_the_reboot() {
     let mut bench = Bench::new();
-    bench.write(number::HALL_CALIBRATE, 0);
-    bench.write(number::HALL_CALIBRATE, 1);
-    assert_eq!(bench.events(), [Event::CalibrateHall(true)]);
-    bench.send(ToDrive::RestoreFactory { serial: 1 });
-    assert!(matches!(bench.events()[..], [Event::Coefficients(_), Event::CalibrateHall(false)]));
-    assert_eq!(bench.read(number::HALL_CALIBRATE), (0, Done));
-    bench.send(ToDrive::RestoreFactory { serial: 1 });
-    assert!(matches!(bench.events()[..], [Event::Coefficients(_)]), "there is none to withdraw");
+    assert_eq!(bench.write(number::DEVICE_NUMBER, 77), (77, Done));
+    for (serial, refused) in [(77, 1), (1, 1)] {
+        bench.send(ToDrive::RestoreFactory { serial });
+        assert_eq!(bench.refused(), refused, "{serial}");
+    }
+    bench.send(ToDrive::RequestDeviceInfo);
+    assert!(matches!(bench.messages()[..], [FromDrive::DeviceInfo { device_number: 1, .. }]));
+    let mut rebooted = Bench::with_parameters(bench.node.parameters().clone());
+    rebooted.send(ToDrive::RequestDeviceInfo);
+    assert!(matches!(rebooted.messages()[..], [FromDrive::DeviceInfo { device_number: 77, .. }]));
 }
 
 #[test]

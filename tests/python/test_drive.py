@@ -72,13 +72,25 @@ def test_parameters(drive: narx.Drive, tmp_path: Path) -> None:
 def test_what_is_stored_survives_a_reboot(drive: narx.Drive) -> None:
     assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
     drive.parameters["Winding resistance"] = 1.234
-    drive.parameters["Winding inductance"] = 0.000321
     drive.parameters.store()
-    drive.parameters["Winding resistance"] = 2.0
+    drive.parameters["Winding inductance"] = 0.000321
     drive.reboot()
     assert drive.parameters["Winding resistance"] == 1.234 and drive.parameters["Winding inductance"] == 0.000321
+    drive.parameters["Automatic store"] = 0
+    drive.parameters["Winding inductance"] = 0.000432
+    drive.reboot()
+    assert drive.parameters["Winding inductance"] == 0.000321
+
+
+def test_a_restore_is_in_force_after_the_reboot(drive: narx.Drive) -> None:
+    drive.parameters["Hall effect offset angle"] = 12.0
+    drive.start(2000)
     drive.parameters.restore_factory()
-    assert drive.parameters["Winding resistance"] == drive.parameters.row("Winding resistance").factory
+    assert drive.parameters["Hall effect offset angle"] == 12.0 and drive.state is narx.State.HALL_CLOSED_LOOP
+    drive.stop()
+    drive.reboot()
+    offset = drive.parameters.row("Hall effect offset angle")
+    assert drive.parameters[offset.number] == offset.factory
 
 
 REFUSED: list[tuple[Callable[[narx.Parameters], object], type[narx.NarxError], str]] = [

@@ -83,14 +83,32 @@ fn a_drive_keeps_what_it_stored_and_its_flash_can_change_drives() {
     assert_eq!(status, ParameterStatus::Done);
     // About eight pages of 120 us, and reading back.
     assert!((1_000_000..50_000_000).contains(&time), "{time} ns");
+    // This one is stored by itself, before the drive restarts.
     assert_eq!(host.write(number::SPEED_RATE, 99).0, ParameterStatus::Done);
     host.send(ToDrive::Reboot);
     host.run(600);
-    assert_eq!(host.bench.node().parameters().value(number::SPEED_RATE).unwrap(), 1234);
+    assert_eq!(host.bench.node().parameters().value(number::SPEED_RATE).unwrap(), 99);
     let flash = host.bench.into_flash();
     let other = Host::new(Bench::with_flash(&config(Some(Parameters::new())), flash));
-    assert_eq!(other.bench.node().parameters().value(number::SPEED_RATE).unwrap(), 1234);
+    assert_eq!(other.bench.node().parameters().value(number::SPEED_RATE).unwrap(), 99);
     assert_eq!(other.bench.node().parameters().value(number::HALL_ENABLE).unwrap(), 1);
+}
+
+#[test]
+fn what_is_written_while_the_motor_turns_lasts() {
+    let mut host = Host::new(Bench::new(&config(None)));
+    for turn in 0..25 {
+        host.send(ToDrive::RequestWord(RequestWord { mode: MotorMode::Drive }));
+        host.send(ToDrive::MotorCommand { speed: 2000 });
+        if turn == 4 {
+            assert_eq!(host.write(number::SPEED_RATE, 1234).0, ParameterStatus::Done);
+        }
+        host.run(100);
+        assert!(turn == 0 || host.bench.status().state == State::HallClosedLoop);
+    }
+    // Power is cut under way.
+    let other = Host::new(Bench::with_flash(&config(None), host.bench.into_flash()));
+    assert_eq!(other.bench.node().parameters().value(number::SPEED_RATE).unwrap(), 1234);
 }
 
 #[test]

@@ -7,8 +7,8 @@ use narx_core::bus::narmotion::{
 use narx_core::dictionary::number;
 use narx_core::motor::fault::FaultWord;
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State};
-use narx_core::node::{Identity, Node};
-use narx_core::storage::{Record, Report, Storage};
+use narx_core::node::{Action, Identity, Node};
+use narx_core::storage::{Record, Report, Request, Storage};
 
 pub(crate) struct Device {
     pub(crate) node: Node,
@@ -18,6 +18,8 @@ pub(crate) struct Device {
     /// Reports of the flash are held back, as if it took for ever.
     pub(crate) hold: bool,
     held: Option<Report>,
+    /// Stores that the drive has asked for.
+    pub(crate) stores: u32,
     /// Download frames taken in one tick.
     pub(crate) download_rate: usize,
     pub(crate) received: Vec<FromDrive>,
@@ -33,7 +35,17 @@ impl Device {
         let drive = Drive::new(Coefficients::build(&opened.parameters, &board).unwrap());
         let mut node = Node::with_parameters(Identity::default(), board, opened.parameters.clone());
         node.attach_storage(&opened);
-        Self { node, storage, drive, now: 0, hold: false, held: None, download_rate: 3, received: Vec::new() }
+        Self {
+            node,
+            storage,
+            drive,
+            now: 0,
+            hold: false,
+            held: None,
+            stores: 0,
+            download_rate: 3,
+            received: Vec::new(),
+        }
     }
 
     /// Powered up and in Standby, or where a fault keeps it.
@@ -43,7 +55,20 @@ impl Device {
         device
     }
 
-    pub(crate) fn reboot(self) -> Self {
+    /// The request on the bus: what waits to be stored is stored first.
+    pub(crate) fn reboot(mut self) -> Self {
+        self.send(ToDrive::Reboot);
+        for _ in 0..1000 {
+            self.tick();
+            if self.node.poll_action() == Some(Action::Reboot) {
+                return self.power_cut();
+            }
+        }
+        panic!("no reboot within 100 ms");
+    }
+
+    /// Without warning: off, and on again.
+    pub(crate) fn power_cut(self) -> Self {
         Self::booted(self.storage.into_flash())
     }
 
@@ -84,6 +109,7 @@ impl Device {
     fn serve(&mut self) {
         if let Some(request) = self.node.poll_storage() {
             assert!(self.held.is_none(), "one request at a time");
+            self.stores += u32::from(matches!(request, Request::Store(..)));
             self.held = Some(now(self.storage.execute(request)));
         }
         if !self.hold

@@ -8,6 +8,7 @@ mod cuts;
 mod device;
 mod flash;
 mod flips;
+mod lasts;
 mod log;
 mod log_memory;
 mod mailbox;

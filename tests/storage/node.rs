@@ -19,13 +19,10 @@ pub(crate) fn signal(opcode: i32, word: i32, keep: i32) -> i32 {
     (0x2000 + opcode * 4 + word) | keep << 16
 }
 
+/// Device number and category 02 are kept by 257 alone; 256 answers when it is done.
 #[test]
 fn what_is_stored_is_there_after_a_reboot_and_what_is_not_is_gone() {
     let mut device = device();
-    device.set(number::SPEED_RATE, 1234);
-    device.set(number::HV_CURRENT_OFFSET, 56);
-    device = device.reboot();
-    assert_eq!((device.get(number::SPEED_RATE), device.get(number::HV_CURRENT_OFFSET)), (2000, 0));
     device.set(number::SPEED_RATE, 1234);
     device.set(number::HV_CURRENT_OFFSET, 56);
     device.set(number::DEVICE_NUMBER, 9);
@@ -35,7 +32,6 @@ fn what_is_stored_is_there_after_a_reboot_and_what_is_not_is_gone() {
     assert_eq!(device.get(number::DEVICE_NUMBER), 1, "256 does not store it");
     device.set(number::HV_CURRENT_OFFSET, 56);
     device.set(number::DEVICE_NUMBER, 9);
-    device.set(number::SPEED_RATE, 1);
     assert_eq!(device.command(number::STORE_ONCE), Some(Done));
     device = device.reboot();
     assert_eq!((device.get(number::SPEED_RATE), device.get(number::HV_CURRENT_OFFSET)), (1234, 56));
@@ -83,6 +79,8 @@ fn where_code_and_parameters_share_a_flash_no_motor_starts_while_it_is_written()
     let mut device = device();
     device.node.store_at_rest_only();
     device.set(number::HALL_ENABLE, 1);
+    device.set(number::AUTOMATIC_STORE, 0);
+    device.run(1000);
     device.request(MotorMode::Standby);
     device.run(10);
     // From the command on, before the flash has even been asked.
@@ -91,70 +89,46 @@ fn where_code_and_parameters_share_a_flash_no_motor_starts_while_it_is_written()
     device.send(ToDrive::SetParameter { number: number::STORE, value: 1 });
     device.tick();
     let refused = device.get(number::REFUSED_FRAMES);
-    for pass in 1..=3 {
-        device.request(MotorMode::Drive);
-        device.run(10);
-        assert_eq!((device.state(), device.get(number::REFUSED_FRAMES)), (State::Standby, refused + pass));
-    }
-    // A request for Standby is heard, and what was refused is forgotten: when the flash has answered, Drive starts.
-    device.request(MotorMode::Standby);
+    device.request(MotorMode::Drive);
+    device.run(100);
+    assert_eq!((device.state(), device.get(number::REFUSED_FRAMES)), (State::Standby, refused));
+    // The command has waited.
     device.received.clear();
     device.hold = false;
     assert_eq!(device.answer(number::STORE), Some((1, Done)));
-    device.request(MotorMode::Drive);
     device.run(10);
     assert_eq!(device.state(), State::HallClosedLoop);
 }
 
+/// A flash that the code runs from is written at rest: a write while the motor turns is stored when it has stopped.
 #[test]
 fn where_code_and_parameters_share_a_flash_what_waits_to_be_stored_waits_for_the_motor() {
-    let mut device = device();
-    device.node.store_at_rest_only();
-    assert_eq!(device.command(number::STORE), Some(Done));
-    // The next store is allowed a second later; until then the factory set waits, and so does the motor.
-    device.send(ToDrive::RestoreFactory { serial: 1 });
-    device.run(10);
-    let programs = device.storage.flash().counts().programs;
-    device.set(number::HALL_ENABLE, 1);
-    device.request(MotorMode::Drive);
-    device.run(10);
-    assert_eq!(device.state(), State::Standby);
-    device.run(1100);
-    assert!(device.storage.flash().counts().programs > programs);
-    device.request(MotorMode::Drive);
-    device.run(10);
-    assert_eq!(device.state(), State::HallClosedLoop);
-}
-
-#[test]
-fn restoring_stores_the_factory_set_and_keeps_the_boards_own_facts() {
-    let mut device = Device::booted(small(&Parameters::new()));
-    device.set(number::SPEED_RATE, 1234);
-    device.set(number::HV_CURRENT_OFFSET, 56);
-    device.set(number::DEVICE_NUMBER, 77);
-    assert_eq!(device.command(number::STORE), Some(Done));
-    device.run(1000);
-    assert_eq!(device.command(number::STORE_ONCE), Some(Done));
-    // Restoring keeps the distance between two stores.
-    let programs = device.storage.flash().counts().programs;
-    device.send(ToDrive::RestoreFactory { serial: 77 });
-    device.run(500);
-    assert_eq!(device.storage.flash().counts().programs, programs);
-    device.send(ToDrive::RestoreFactory { serial: 77 });
-    device.run(600);
-    assert!(device.storage.flash().counts().programs > programs);
-    device.set(number::SPEED_RATE, 1234);
-    device.run(1000);
-    assert_eq!(device.command(number::STORE), Some(Done));
-    device = device.reboot();
-    device.send(ToDrive::RestoreFactory { serial: 76 });
-    device.run(10);
-    assert_eq!(device.get(number::SPEED_RATE), 1234);
-    device.send(ToDrive::RestoreFactory { serial: 77 });
-    device.run(10);
-    let device = device.reboot();
-    assert_eq!(device.get(number::SPEED_RATE), 2000);
-    assert_eq!((device.get(number::HV_CURRENT_OFFSET), device.get(number::DEVICE_NUMBER)), (56, 77));
+    for restore in [false, true] {
+        let mut device = device();
+        device.node.store_at_rest_only();
+        device.set(number::HALL_ENABLE, 1);
+        device.set(number::SPEED_RATE, 1234);
+        device.run(900);
+        device.request(MotorMode::Drive);
+        device.run(10);
+        if restore {
+            device.send(ToDrive::RestoreFactory { serial: 1 });
+        }
+        let stores = device.stores;
+        device.run(200);
+        device.request(MotorMode::Drive);
+        device.run(100);
+        assert_eq!((device.state(), device.stores), (State::HallClosedLoop, stores));
+        device.request(MotorMode::Standby);
+        device.run(50);
+        assert_eq!(device.stores, stores + 1);
+        device.request(MotorMode::Drive);
+        device.run(10);
+        assert_eq!(device.state(), State::HallClosedLoop, "and the drive starts again");
+        let device = device.power_cut();
+        let expected = if restore { (2000, 0) } else { (1234, 1) };
+        assert_eq!((device.get(number::SPEED_RATE), device.get(number::HALL_ENABLE)), expected);
+    }
 }
 
 /// Faults of the store keep the drive in Fault from boot on, and storing cures them: no reboot.

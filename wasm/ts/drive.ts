@@ -279,7 +279,7 @@ export class Drive {
         return this.#link.update(image, progress);
     }
 
-    /** Restarts a stopped drive, and waits until it is in Standby or Fault again: what is not stored is lost. */
+    /** Restarts a stopped drive, and waits until it is in Standby or Fault again. It stores first what was written (parameter 307). */
     async reboot(): Promise<void> {
         await this.#request("reboot");
         this.#describer.forget();

@@ -285,3 +285,5 @@ pub const DIAGNOSTICS: u16 = 304;
 pub const SCOPE_ROOM: u16 = 305;
 /// Scope refusal.
 pub const SCOPE_REFUSAL: u16 = 306;
+/// Automatic store.
+pub const AUTOMATIC_STORE: u16 = 307;

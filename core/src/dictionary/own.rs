@@ -8,7 +8,7 @@ use super::parameter::Kind::{I32, U16, U32};
 use super::row::Row;
 
 /// Our own parameters, from number 256 on.
-pub(super) const OWN: [Row; 51] = [
+pub(super) const OWN: [Row; 52] = [
     Row::new(number::STORE, "Store parameters", Services, U16)
         .range(0, 1)
         .factory(0)
@@ -300,5 +300,11 @@ pub(super) const OWN: [Row; 51] = [
             "Why the last LOG VIRTUAL SCOPE was refused: 0 it was not, 1 there is no record to download, 2 it records, 3 signals times \
              samples exceed parameter 305, 4 parameter 24 is below one tick for every 4 signals, 5 parameter 26 is not below \
              parameter 23, 6 no memory, 7 unknown signal.",
+        ),
+    Row::new(number::AUTOMATIC_STORE, "Automatic store", Services, U16)
+        .range(0, 1)
+        .factory(1)
+        .about(
+            "With 1 a written parameter of category 01, 03 to 10, 13 to 16 or 20 is stored within 2 s, as 256 does it; with 0 parameter 256 alone stores.",
         ),
 ];

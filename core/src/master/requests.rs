@@ -128,10 +128,7 @@ impl Request {
 
     /// Whether many parameters have another value when this is done.
     const fn changes_parameters(self) -> bool {
-        matches!(
-            self,
-            Self::RestoreFactory { .. } | Self::Run(Service::ResetCalibration | Service::AutoCalibrate)
-        )
+        matches!(self, Self::Run(Service::ResetCalibration | Service::AutoCalibrate))
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{LOGS, Node};
 use crate::dictionary::{Dictionary, number};
 use crate::motor::front_end::Equipment;
+use crate::motor::machine::CALIBRATES;
 
 /// Parameters, first to last, that need a part. Where it is missing each keeps its factory value, which asks nothing of the part.
 const NEEDS: [(u16, u16, Equipment); 9] = [
@@ -30,9 +31,11 @@ impl Node {
         BUILT.contains(part) && self.board.equipment.contains(part)
     }
 
-    /// Whether a value of a parameter asks for a part that is missing.
+    /// Whether a value of a parameter asks for a part that is missing, or for code that this build leaves out.
     pub(super) fn lacks(&self, number: u16, raw: i32) -> bool {
-        NEEDS.iter().any(|(first, last, part)| (*first..=*last).contains(&number) && !self.has(*part))
+        let lacks_part =
+            NEEDS.iter().any(|(first, last, part)| (*first..=*last).contains(&number) && !self.has(*part));
+        (lacks_part || number == number::HALL_CALIBRATE && !CALIBRATES)
             && Dictionary::row(number).is_some_and(|row| row.factory_raw() != raw)
     }
 

@@ -65,7 +65,7 @@ use storage::Flash;
 /// What the shell does for the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Action {
-    /// Restart the device. Every frame queued before has been polled by then.
+    /// Restart the device. Every frame queued before has been polled by then, and what was written is stored.
     Reboot,
 }
 
@@ -84,6 +84,8 @@ pub struct Node {
     identity: Identity,
     board: Board,
     addresses: Addresses,
+    /// The device number in force.
+    device_number: u16,
     parameters: Parameters,
     edges: Edges,
     commands: Commands,
@@ -140,7 +142,7 @@ impl Node {
         Self::with_parameters(identity, board, Parameters::new())
     }
 
-    /// A device at power-up with a stored parameter set. Addresses are taken from it now and kept until reboot.
+    /// A device at power-up with a stored parameter set. Addresses and device number are taken from it now and kept until reboot.
     #[inline(never)]
     pub fn with_parameters(identity: Identity, board: Board, parameters: Parameters) -> Self {
         let addresses = Addresses {
@@ -151,6 +153,7 @@ impl Node {
             identity,
             board,
             addresses,
+            device_number: parameters.raw(number::DEVICE_NUMBER) as u16,
             parameters,
             edges: Edges::default(),
             commands: Commands::default(),
@@ -280,14 +283,15 @@ impl Node {
         if let Some(run) = self.pending.calibrate.take() {
             return Some(Event::CalibrateHall(run));
         }
-        self.commands.pop()
+        if self.holds_commands() { None } else { self.commands.pop() }
     }
 
     /// The next thing that only the shell can do.
     #[inline(never)]
     pub fn poll_action(&mut self) -> Option<Action> {
         // Who is off the bus waits for nobody.
-        let due = self.pending.reboot && (self.outbox.is_empty() || self.link.state.is_off());
+        let is_told = self.outbox.is_empty() || self.link.state.is_off();
+        let due = self.pending.reboot && is_told && self.flash.is_idle();
         self.pending.reboot &= !due;
         due.then_some(Action::Reboot)
     }

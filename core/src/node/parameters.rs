@@ -6,7 +6,6 @@ use crate::blind;
 use crate::bus::narmotion::{FromDrive, ParameterStatus};
 use crate::dictionary::{Access, Category, Dictionary, Parameter, ParameterError, number};
 use crate::motor::event::{HallCalibration, HallWiring};
-use crate::motor::machine::CALIBRATES;
 use crate::motor::state::State;
 use serde::{Deserialize, Serialize};
 
@@ -110,7 +109,7 @@ impl Node {
         if row.command {
             return self.write_command(number, raw != 0);
         }
-        self.put(number, raw);
+        self.keep(row, raw);
         if slot || number == number::LOG_PERIOD {
             self.log.restart();
         }
@@ -145,6 +144,15 @@ impl Node {
         let _ = self.parameters.set(number, raw);
     }
 
+    /// Sets a value that lasts.
+    fn keep(&mut self, row: &Parameter, raw: i32) {
+        let before = self.parameters.value(row.number);
+        let was_automatic = self.parameters.raw(number::AUTOMATIC_STORE) != 0;
+        self.put(row.number, raw);
+        let automatic = was_automatic || self.parameters.raw(number::AUTOMATIC_STORE) != 0;
+        self.note_written(row, automatic, before != Some(raw));
+    }
+
     /// Answers PARAMETER, type 2.
     pub(super) fn answer_read(&mut self, number: u16) {
         let (value, status) = match self.read_parameter(number) {
@@ -161,10 +169,17 @@ impl Node {
             return;
         }
         if let HallCalibration::Done(HallWiring { order, polarity, offset }) = now {
-            self.put(number::HALL_ORDER, order.into());
-            self.put(number::HALL_POLARITY, polarity.into());
-            self.put(number::STANDARD_HALL_SEQUENCE, 0);
-            self.put(number::HALL_OFFSET_ANGLE, scale::centidegrees(offset));
+            let found = [
+                (number::HALL_ORDER, order.into()),
+                (number::HALL_POLARITY, polarity.into()),
+                (number::STANDARD_HALL_SEQUENCE, 0),
+                (number::HALL_OFFSET_ANGLE, scale::centidegrees(offset)),
+            ];
+            for (number, raw) in found {
+                if let Some(row) = Dictionary::row(number) {
+                    self.keep(row, raw);
+                }
+            }
             self.after_change();
         }
         if matches!(now, HallCalibration::Done(_) | HallCalibration::Failed) {
@@ -186,7 +201,6 @@ impl Node {
             // A line that is an output cannot command a shutdown.
             number::SHUTDOWN_INPUT => !input(raw),
             // The bridge must be off and the next start not yet begun.
-            number::HALL_CALIBRATE if !CALIBRATES => raw == 0,
             number::HALL_CALIBRATE | number::AUTO_CALIBRATE => self.status.state == State::Standby,
             number::LOG_ERASE_REQUEST => !self.status.state.is_driving(),
             _ => true,

@@ -5,7 +5,7 @@ use super::description::SERVES;
 use crate::blind;
 use crate::bus::Frame;
 use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
-use crate::dictionary::{Category, Dictionary, number};
+use crate::dictionary::number;
 use crate::motor::front_end::Equipment;
 use crate::motor::state::State;
 use crate::scope::SCOPE;
@@ -51,7 +51,6 @@ impl Node {
             return Err(Refused);
         }
         match message {
-            ToDrive::RequestWord(word) if self.storing_forbids(word.mode) => return Err(Refused),
             #[cfg(feature = "update")]
             ToDrive::RequestWord(word) if self.update.forbids(word.mode) => return Err(Refused),
             ToDrive::RequestWord(word) => self.commands.request(word.mode, &self.parameters),
@@ -76,12 +75,13 @@ impl Node {
             ToDrive::RequestDeviceInfo => self.send(FromDrive::DeviceInfo {
                 hardware: self.identity.hardware_release,
                 software: self.identity.software_release,
-                device_number: self.parameters.raw(number::DEVICE_NUMBER) as u16,
+                device_number: self.device_number,
                 address: self.addresses.drive.into(),
             }),
             ToDrive::Reboot => {
                 self.require_stopped()?;
                 self.send(FromDrive::Reboot);
+                self.flash.hurry();
                 self.pending.reboot = true;
             }
             ToDrive::RestoreFactory { serial } => self.restore_factory(serial)?,
@@ -98,28 +98,10 @@ impl Node {
         Ok(())
     }
 
-    /// Factory values of everything but the board's own facts: device number and calibration (category 02, which
-    /// parameter 258 resets), in force and stored. Addresses follow at the next boot.
+    /// Factory values of everything that parameter 256 stores, in the store: at any moment, and in force after the next reboot. Device number
+    /// and calibration (category 02, which parameter 258 resets) stay.
     fn restore_factory(&mut self, serial: u16) -> Result<(), Refused> {
-        self.require_stopped()?;
-        if self.parameters.raw(number::DEVICE_NUMBER) != i32::from(serial) || !self.can_store_factory() {
-            return Err(Refused);
-        }
-        if self.parameters.raw(number::HALL_CALIBRATE) != 0 {
-            self.pending.calibrate = Some(false);
-        }
-        // In its place: a second set would be most of the stack that a frame takes.
-        for row in Dictionary::rows() {
-            let own_fact = row.category == Category::Calibration || row.category == Category::Identification;
-            let own_number = [number::DEVICE_NUMBER, number::HARDWARE_RELEASE, number::MEMORY_MAPPING_FLAG];
-            if !own_fact && !own_number.contains(&row.number) {
-                self.put(row.number, row.factory_raw());
-            }
-        }
-        self.after_change();
-        self.log.restart();
-        self.store_factory();
-        Ok(())
+        if serial == self.device_number { self.store_factory() } else { Err(Refused) }
     }
 
     /// A line that commands a shutdown (parameter 270) stays an input, and so does one that the board cannot drive.

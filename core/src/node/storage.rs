@@ -1,16 +1,19 @@
 //! What the node asks of the flash, and what it makes of the answers.
 
 use super::Node;
-use crate::bus::narmotion::{FromDrive, MotorMode, ParameterStatus};
-use crate::dictionary::number;
+use super::requests::Refused;
+use crate::bus::narmotion::{FromDrive, ParameterStatus};
+use crate::dictionary::{Dictionary, PARAMETER_COUNT, Parameter, Parameters, number};
 use crate::motor::event::Health;
 use crate::motor::fault::FaultWord;
 use crate::motor::state::State;
 use crate::storage::{Opened, Part, Report, Request};
 use serde::{Deserialize, Serialize};
 
-/// Least time from one store to the next, ms: bounds the wear of the flash.
+/// Least time from one store that a command asks for to the next, ms: bounds the wear of the flash.
 const STORE_MS: u64 = 1000;
+/// A written value is stored by itself after this time, ms, together with all that were written meanwhile. So there is at most one such store a second.
+const AUTOMATIC_MS: u64 = 1000;
 /// A start that was asked for before the flash is written is in the status by then, ms.
 pub(super) const SETTLE_MS: u64 = 5;
 /// A flash that does not answer is looked for this often, ms.
@@ -28,12 +31,22 @@ pub(super) struct Flash {
     health: Health,
     /// A request has been handed out and not been answered.
     asked: bool,
-    /// A part waits to be stored, or is being stored.
+    /// The store that waits because somebody asked for it.
+    wanted: Option<Storing>,
+    /// The store that is under way.
     storing: Option<Storing>,
+    /// The set in force is not what is stored: it is stored by itself from this tick on.
+    due: Option<u64>,
+    /// Parameters that were written since power-up, or since the restore.
+    written: Written,
+    /// Factory values were restored: the rest of the set in force is not what is stored.
+    restored: bool,
     /// Tick of the last `poll`.
     now: u64,
-    /// No store before this tick.
+    /// No store that a command asks for before this tick.
     store_from: u64,
+    /// Where the code runs from this flash: a start that was under way has been seen by this tick.
+    settled_from: u64,
     /// No search for a missing flash before this tick.
     open_from: u64,
 }
@@ -43,6 +56,24 @@ struct Storing {
     part: Part,
     /// The command parameter that is answered when it is done.
     command: Option<u16>,
+}
+
+/// A set of parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Written([u32; PARAMETER_COUNT.div_ceil(32)]);
+
+impl Written {
+    fn note(&mut self, number: u16) {
+        let index = Dictionary::index(number).unwrap_or(usize::MAX);
+        if let Some(word) = self.0.get_mut(index / 32) {
+            *word |= 1 << (index % 32);
+        }
+    }
+
+    fn contains(&self, number: u16) -> bool {
+        let index = Dictionary::index(number).unwrap_or(usize::MAX);
+        self.0.get(index / 32).is_some_and(|word| word & 1 << (index % 32) != 0)
+    }
 }
 
 impl Flash {
@@ -75,7 +106,7 @@ impl Flash {
 
     /// A write of 1 to this command is answered when the flash has answered.
     pub(super) fn answers_later(&self, number: u16) -> bool {
-        self.storing.is_some_and(|storing| storing.command == Some(number))
+        [self.wanted, self.storing].iter().flatten().any(|storing| storing.command == Some(number))
     }
 
     /// [`Node::store_at_rest_only`].
@@ -85,6 +116,22 @@ impl Flash {
 
     fn is_absent(&self) -> bool {
         self.health.store_faults.contains(FaultWord::STORE_ABSENT)
+    }
+
+    /// The automatic store writes to a flash without a fault alone: what a faulty one holds may be somebody's, and is overwritten on demand.
+    fn stores_by_itself(&self) -> bool {
+        self.attached && self.health.store_faults.is_empty()
+    }
+
+    /// Nothing waits to be stored that can be.
+    pub(super) fn is_idle(&self) -> bool {
+        let waits = self.wanted.is_some() && !self.is_absent();
+        self.storing.is_none() && !waits && (self.due.is_none() || !self.stores_by_itself())
+    }
+
+    /// Stores now what waits for its time: the device is about to restart.
+    pub(super) fn hurry(&mut self) {
+        self.due = self.due.map(|_| self.now);
     }
 }
 
@@ -138,22 +185,67 @@ impl Node {
     /// A rising edge of parameter 256 or 257.
     pub(super) fn begin_store(&mut self, part: Part, number: u16) -> ParameterStatus {
         let flash = &self.flash;
-        let possible = flash.attached && !flash.is_absent() && flash.storing.is_none();
-        if !possible || flash.now < flash.store_from {
+        let is_busy =
+            flash.wanted.is_some() || flash.storing.is_some_and(|storing| storing.command.is_some());
+        if !flash.attached || flash.is_absent() || is_busy || flash.now < flash.store_from {
             return ParameterStatus::Storage;
         }
-        self.flash.storing = Some(Storing { part, command: Some(number) });
-        if self.flash.is_for_rest() {
-            self.flash.store_from = self.flash.now.saturating_add(self.ticks(SETTLE_MS));
-        }
+        self.want(Storing { part, command: Some(number) });
         ParameterStatus::Done
     }
 
-    /// The flash that the code runs from is written, or is about to be: no motor starts.
-    pub(super) fn storing_forbids(&self, mode: MotorMode) -> bool {
-        let Flash { asked, storing, .. } = self.flash;
-        let starts = matches!(mode, MotorMode::Drive | MotorMode::Reverse);
-        self.flash.is_for_rest() && starts && (asked || storing.is_some()) && !self.status.state.is_driving()
+    fn want(&mut self, store: Storing) {
+        self.flash.wanted = Some(store);
+        self.flash.settled_from = self.flash.now.saturating_add(self.ticks(SETTLE_MS));
+    }
+
+    /// Factory values in place of the stored set: they are in force after the next reboot, and so is what is written from now on. A flash that does not
+    /// answer cannot be restored, nor one that waits for another store.
+    pub(super) fn store_factory(&mut self) -> Result<(), Refused> {
+        if !self.flash.attached {
+            // Nothing is kept there anyway.
+            return Ok(());
+        }
+        if self.flash.is_absent() || self.flash.wanted.is_some() {
+            return Err(Refused);
+        }
+        (self.flash.restored, self.flash.written) = (true, Written::default());
+        self.want(Storing { part: Part::Set, command: None });
+        Ok(())
+    }
+
+    /// A parameter was written: it lasts. `automatic`: parameter 307 is or was 1. `is_new`: it had another value.
+    pub(super) fn note_written(&mut self, row: &Parameter, automatic: bool, is_new: bool) {
+        let is_new = is_new || (self.flash.restored && !self.flash.written.contains(row.number));
+        self.flash.written.note(row.number);
+        if !is_new || !self.flash.attached || !Part::Set.contains(row) {
+            return;
+        }
+        if automatic && self.flash.due.is_none() {
+            self.flash.due = Some(self.flash.now.saturating_add(self.ticks(AUTOMATIC_MS)));
+        }
+        if row.number == number::AUTOMATIC_STORE {
+            // With what was written before it, and without what comes.
+            self.flash.hurry();
+        }
+    }
+
+    /// What a store keeps: the set in force. After a restore factory values, and what has been written since.
+    fn kept(&self) -> Parameters {
+        let mut kept = self.parameters.clone();
+        let Flash { restored, written, .. } = &self.flash;
+        let is_factory =
+            |row: &Parameter| *restored && Part::Set.contains(row) && !written.contains(row.number);
+        for row in Dictionary::rows().filter(|row| is_factory(row)) {
+            let _ = kept.set(row.number, row.factory_raw());
+        }
+        kept
+    }
+
+    /// The flash that the code runs from is written, or is about to be: commands wait, and no motor starts.
+    pub(super) fn holds_commands(&self) -> bool {
+        let Flash { asked, wanted, .. } = self.flash;
+        self.flash.is_for_rest() && (asked || wanted.is_some()) && !self.status.state.is_driving()
     }
 
     /// Whether a store would disturb nobody.
@@ -161,39 +253,35 @@ impl Node {
         !self.flash.is_for_rest() || !self.status.state.is_driving()
     }
 
-    /// Whether the factory set can be stored now; without a flash there is nothing to store it on.
-    pub(super) fn can_store_factory(&self) -> bool {
-        self.flash.storing.is_none()
-    }
-
-    /// The set in force is stored, as soon as that is allowed again.
-    pub(super) fn store_factory(&mut self) {
-        if self.flash.attached && !self.flash.is_absent() {
-            self.flash.storing = Some(Storing { part: Part::Set, command: None });
-        }
-    }
-
     fn next_request(&mut self) -> Option<Request> {
-        let may_store = self.may_store();
-        let flash = &mut self.flash;
-        if flash.is_absent() {
+        if self.flash.is_absent() {
             // What comes with it may change everything: not under a motor that turns.
             let quiet = matches!(self.status.state, State::Initialization | State::Standby | State::Fault);
-            let due = quiet && flash.now >= flash.open_from;
+            let due = quiet && self.flash.now >= self.flash.open_from;
             return due.then_some(Request::Open);
         }
-        let now = flash.now >= flash.store_from && may_store;
-        if let Some(storing) = flash.storing.filter(|_| now) {
-            return Some(Request::Store(self.parameters.clone(), storing.part));
+        if self.may_store() {
+            let is_due = self.flash.due.is_some_and(|due| self.flash.now >= due);
+            if is_due && self.flash.wanted.is_none() && self.flash.stores_by_itself() {
+                self.want(Storing { part: Part::Set, command: None });
+            }
+            let is_settled = !self.flash.is_for_rest() || self.flash.now >= self.flash.settled_from;
+            if let Some(storing) = self.flash.wanted.take_if(|_| is_settled) {
+                if storing.part == Part::Set {
+                    self.flash.due = None;
+                }
+                self.flash.storing = Some(storing);
+                return Some(Request::Store(self.kept(), storing.part));
+            }
         }
-        if !flash.is_ready() {
+        if !self.flash.is_ready() {
             return None;
         }
         self.log.next_request(self.status.state.is_driving())
     }
 
     /// A flash that was missing answers, or still does not. Its parameters are taken over only if the drive has none of its own
-    /// yet: what a master has written since must not vanish.
+    /// yet, and without those that a master has written since: they must not vanish.
     fn adopt(&mut self, opened: &Opened) {
         self.flash.open_from = self.flash.now.saturating_add(self.ticks(OPEN_MS));
         self.log.set_memory(opened.log);
@@ -203,7 +291,8 @@ impl Node {
         }
         self.flash.loaded = true;
         for (row, raw) in opened.parameters.iter() {
-            if Part::Set.contains(row) || Part::Once.contains(row) {
+            let is_stored = Part::Set.contains(row) || Part::Once.contains(row);
+            if is_stored && !self.flash.written.contains(row.number) {
                 self.put(row.number, raw);
             }
         }
@@ -215,11 +304,26 @@ impl Node {
 
     fn finish_store(&mut self, done: bool) {
         let Some(storing) = self.flash.storing.take() else { return };
-        self.flash.store_from = self.flash.now.saturating_add(self.ticks(STORE_MS));
         self.flash.loaded = true;
         let faults = if done { FaultWord::empty() } else { FaultWord::STORE_ABSENT };
         self.set_store_faults(faults);
+        self.answer_store(storing, done);
+        if done {
+            return;
+        }
+        // The values are not stored yet: they are when the flash is back.
+        if storing.part == Part::Set {
+            self.flash.due = Some(self.flash.now);
+        }
+        if let Some(wanted) = self.flash.wanted.take() {
+            self.answer_store(wanted, false);
+        }
+    }
+
+    /// Answers the command that asked for a store, if it was one.
+    fn answer_store(&mut self, storing: Storing, done: bool) {
         let Some(number) = storing.command else { return };
+        self.flash.store_from = self.flash.now.saturating_add(self.ticks(STORE_MS));
         if !done {
             self.put(number, 0);
         }

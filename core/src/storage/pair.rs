@@ -32,11 +32,27 @@ impl Buffers {
         self.item.get(COUNT..self.length).unwrap_or(&[])
     }
 
+    /// Whether a map has the item that stands in the buffer.
+    async fn holds<F: NorFlash>(
+        &mut self,
+        flash: &mut F,
+        map: &Range<u32>,
+        key: Key,
+    ) -> Result<bool, Failed> {
+        let kept = ring::get(flash, map, key, &mut self.map).await?;
+        Ok(kept.is_some_and(|kept| self.item.get(..self.length) == Some(kept.content)))
+    }
+
+    /// Gives the item its count.
+    fn count(&mut self, count: u32) {
+        self.item.iter_mut().zip(count.to_be_bytes()).for_each(|(place, byte)| *place = byte);
+    }
+
     /// Prepares an item: `body` writes into the room it is given and answers how much.
     fn fill(&mut self, count: u32, body: impl FnOnce(&mut [u8]) -> usize) {
-        let (head, room) = self.item.split_at_mut(COUNT);
-        head.iter_mut().zip(count.to_be_bytes()).for_each(|(place, byte)| *place = byte);
+        let (_, room) = self.item.split_at_mut(COUNT);
         self.length = COUNT + body(room).min(BODY_MAX);
+        self.count(count);
     }
 }
 
@@ -92,7 +108,7 @@ impl Pair {
         Ok(())
     }
 
-    /// Writes an item into one map, reads it back, and only then writes it into the other.
+    /// Writes an item into one map, reads it back, and only then writes it into the other. What both hold already is not written again.
     pub(super) async fn write<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -102,7 +118,12 @@ impl Pair {
     ) -> Result<(), Failed> {
         let [first, second] = self.look(flash, key, buffers).await?;
         let count = newest(first, second).map_or(0, |copy| copy.count);
-        buffers.fill(count.wrapping_add(1), body);
+        // `body` is asked once: the item gets its count afterwards.
+        buffers.fill(count, body);
+        if first.is_some() && first == second && buffers.holds(flash, &self.primary, key).await? {
+            return Ok(());
+        }
+        buffers.count(count.wrapping_add(1));
         put(flash, &self.primary, key, buffers).await?;
         put(flash, &self.mirror, key, buffers).await
     }

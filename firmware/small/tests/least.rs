@@ -99,11 +99,11 @@ fn requests_for_what_is_left_out_are_refused_and_counted() {
 
 #[test]
 fn commands_of_what_is_left_out_are_answered_with_a_status() {
-    use ParameterStatus::{Done, Storage, WrongState};
+    use ParameterStatus::{Done, NotEquipped, Storage};
     let rows = [
-        (number::HALL_CALIBRATE, if CALIBRATES { Done } else { WrongState }),
-        (number::LOG_READ_REQUEST, Storage),
-        (number::LOG_ERASE_REQUEST, Storage),
+        (number::HALL_CALIBRATE, if CALIBRATES { Done } else { NotEquipped }),
+        (number::LOG_READ_REQUEST, NotEquipped),
+        (number::LOG_ERASE_REQUEST, NotEquipped),
         (number::STORE, Storage),
         (number::SET_POSITION, Done),
     ];
