@@ -257,7 +257,8 @@ pub(super) const OWN: [Row; 52] = [
         .range(0, 1)
         .factory(0)
         .about(
-            "What the scope records: 0 the signals of parameter 22, 1 the inputs of every control tick behind the drive's state, from              which the same run can be made again, bit for bit.",
+            "What the scope records: 0 the signals of parameter 22, 1 the inputs of every control tick behind the drive's state, from \
+             which the same run can be made again, bit for bit.",
         ),
     Row::new(number::SCOPE_WORDS, "Scope words", Diagnostics, U16)
         .range(0, 65535)
@@ -305,6 +306,7 @@ pub(super) const OWN: [Row; 52] = [
         .range(0, 1)
         .factory(1)
         .about(
-            "With 1 a written parameter of category 01, 03 to 10, 13 to 16 or 20 is stored within 2 s, as 256 does it; with 0 parameter 256 alone stores.",
+            "With 1 a written parameter is stored within 2 s, all that 256 stores together; with 0 parameter 256 alone stores. Device \
+             number and calibration are stored by 257 alone in either case.",
         ),
 ];
