@@ -978,7 +978,8 @@ export type ParameterName =
     | "Failed self-tests"
     | "Diagnostics"
     | "Scope room"
-    | "Scope refusal";
+    | "Scope refusal"
+    | "Automatic store";
 
 /** Signals of the measurements. */
 export type MeasurementName =

@@ -490,6 +490,9 @@
 // Scope refusal.
 #define NARX_PARAMETER_SCOPE_REFUSAL 306
 
+// Automatic store.
+#define NARX_PARAMETER_AUTOMATIC_STORE 307
+
 // Values of the field "motor mode".
 typedef enum narx_motor_mode_t {
     NARX_MOTOR_MODE_STANDBY = 0,
