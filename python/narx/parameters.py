@@ -9,7 +9,7 @@ from typing import cast
 
 from narx import _core
 from narx.description import OWN, Description, Row, describe
-from narx.errors import ParameterError
+from narx.errors import NoAnswerError, ParameterError
 from narx.link import Link, ask
 
 DEVICE_NUMBER = 1
@@ -134,7 +134,12 @@ class Parameters(MutableMapping[str | int, float]):
     def restore_factory(self) -> None:
         """Stores factory values for everything but the device number and the calibration (category 02). At any moment, while driving too: they are in
         force after the next reboot."""
-        self._ask("restore factory", self._ask("read", DEVICE_NUMBER))
+        # The number that counts is the one of power-up; parameter 1 may have been written since.
+        self._ask("device info")
+        device = self._link.master.device
+        if device is None:
+            raise NoAnswerError("the drive does not say its device number")
+        self._ask("restore factory", device[2])
 
     def _ask(self, what: str, number: int = 0, raw: int = 0) -> int:
         return ask(self._link, lambda: self._link.master.request(what, number, raw))

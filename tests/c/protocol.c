@@ -186,14 +186,14 @@ static void a_master_downloads(void)
 static void set_points_are_checked(void)
 {
     static const uint16_t said[4][2] = {{83, 1}, {104, 600}, {103, 2191}, {0, 0}};
-    static narx_master_t master;
+    static narx_master_t asking;
     narx_speed_limits_t limits;
     narx_frame_t frame = {0};
     int i;
 
-    CHECK(narx_master_init(&master, sizeof master, NULL) == NARX_OK);
-    CHECK(narx_master_speed_limits(&master, &limits) == NARX_NOTHING);
-    CHECK(narx_master_start(&master, 3120) == NARX_OK);
+    CHECK(narx_master_init(&asking, sizeof asking, NULL) == NARX_OK);
+    CHECK(narx_master_speed_limits(&asking, &limits) == NARX_NOTHING);
+    CHECK(narx_master_start(&asking, 3120) == NARX_OK);
     frame.id = 0x1552A86E;
     frame.extended = 1;
     frame.length = 8;
@@ -201,17 +201,17 @@ static void set_points_are_checked(void)
         frame.data[1] = (uint8_t)said[i][0];
         frame.data[4] = (uint8_t)(said[i][1] >> 8);
         frame.data[5] = (uint8_t)said[i][1];
-        CHECK(narx_master_handle_frame(&master, &frame, 1000) == NARX_OK);
+        CHECK(narx_master_handle_frame(&asking, &frame, 1000) == NARX_OK);
     }
-    CHECK(narx_master_speed_limits(&master, NULL) == NARX_ERROR_NULL);
-    CHECK(narx_master_speed_limits(&master, &limits) == NARX_OK);
+    CHECK(narx_master_speed_limits(&asking, NULL) == NARX_ERROR_NULL);
+    CHECK(narx_master_speed_limits(&asking, &limits) == NARX_OK);
     CHECK(limits.min == 600 && limits.min_parameter == 104);
     CHECK(limits.max == 2191 && limits.max_parameter == 103);
-    CHECK(narx_master_start(&master, 3120) == NARX_ERROR_SPEED);
-    CHECK(narx_master_start(&master, -599) == NARX_ERROR_SPEED);
-    CHECK(narx_master_start(&master, -2191) == NARX_OK);
-    CHECK(narx_master_set_speed(&master, 2192) == NARX_ERROR_SPEED);
-    CHECK(narx_master_set_speed(&master, 600) == NARX_OK);
+    CHECK(narx_master_start(&asking, 3120) == NARX_ERROR_SPEED);
+    CHECK(narx_master_start(&asking, -599) == NARX_ERROR_SPEED);
+    CHECK(narx_master_start(&asking, -2191) == NARX_OK);
+    CHECK(narx_master_set_speed(&asking, 2192) == NARX_ERROR_SPEED);
+    CHECK(narx_master_set_speed(&asking, 600) == NARX_OK);
 }
 
 static void masters_are_checked(void)

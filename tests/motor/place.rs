@@ -95,6 +95,21 @@ fn a_coasting_rotor_is_unseen_until_it_stands() {
     assert!(closed.status.standstill, "{:?}", closed.status);
 }
 
+/// A start that is ended, at any moment of it: the rotor is known to stand a little later.
+#[test]
+fn a_rotor_whose_start_was_ended_is_seen_to_stand() {
+    for ticks in (100..12_000).step_by(700) {
+        let mut closed = without_halls(&[]);
+        closed.ask(Request::Drive);
+        closed.run(ticks);
+        let state = closed.status.state;
+        closed.ask(Request::Standby);
+        closed.run(60_000);
+        assert!(closed.rpm().abs() < 10.0, "{} rpm", closed.rpm());
+        assert!(closed.status.standstill, "ended after {ticks} ticks in {state:?}: {:?}", closed.status);
+    }
+}
+
 /// In open loop the angle is the field's, whatever the hall sensors show: the step that is applied belongs to its sector. In rotor lock it is the
 /// lock's. Status and scope agree.
 #[test]

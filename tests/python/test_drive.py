@@ -85,6 +85,7 @@ def test_what_is_stored_survives_a_reboot(drive: narx.Drive) -> None:
 def test_a_restore_is_in_force_after_the_reboot(drive: narx.Drive) -> None:
     assert drive.wait_for(lambda: drive.state is narx.State.STANDBY)
     drive.parameters["Hall effect offset angle"] = 12.0
+    drive.parameters["Device Number"] = 9  # counts from the next reboot on
     drive.start(2000)
     drive.parameters.restore_factory()
     assert drive.parameters["Hall effect offset angle"] == 12.0 and drive.state is narx.State.HALL_CLOSED_LOOP

@@ -103,8 +103,13 @@ export class Parameters {
 
     /** Stores factory values for everything but the device number and the calibration (category 02). At any moment, while driving too: they act after the next reboot. */
     async restoreFactory(): Promise<void> {
-        const serial = await this.get(DEVICE_NUMBER);
-        await this.#link.ask(() => this.#link.master.restoreFactory(serial));
+        // The number that counts is the one of power-up; parameter 1 may have been written since.
+        await this.#link.ask(() => this.#link.master.request("device info"));
+        const { device } = this.#link.master;
+        if (device === undefined) {
+            throw new Error("The drive does not say its device number.");
+        }
+        await this.#link.ask(() => this.#link.master.restoreFactory(device.deviceNumber));
     }
 }
 

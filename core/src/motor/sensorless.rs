@@ -284,6 +284,13 @@ impl Sensorless {
         self.begun = None;
     }
 
+    /// A start was ended: the rotor that was being brought up coasts, and is listened to.
+    pub fn end_start(&mut self) {
+        if self.is_kicking() {
+            self.go(Phase::Listen);
+        }
+    }
+
     fn go(&mut self, phase: Phase) {
         (self.phase, self.age, self.idle) = (phase, 0, 0);
         self.level = Ramp::default();

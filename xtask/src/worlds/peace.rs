@@ -6,7 +6,7 @@ use narx_core::bus::narmotion::DigitalOutputs;
 use narx_core::dictionary::{Access, Parameters, number};
 use narx_core::master::{Request, Service};
 use narx_core::motor::State;
-use narx_core::motor::event::Refusal;
+use narx_core::motor::event::{Refusal, Status};
 use narx_core::motor::fault::FaultWord;
 use narx_sim::can::Attachment;
 use narx_sim::commissioning::Mode;
@@ -41,14 +41,20 @@ impl World {
         // A new master: what the old one had still to ask for is nobody's wish any more.
         self.master = master(&self.bench);
         // A threshold that the operator has changed may keep a fault alive, and it can be written in Fault, too.
-        let rests = |state| state == State::Standby || state == State::Fault;
-        let is_standby = |state| state == State::Standby;
+        let is_standby = |status: &Status| status.state == State::Standby;
+        let rests = |status: &Status| is_standby(status) || status.state == State::Fault;
+        let is_stopped = |status: &Status| is_standby(status) || status.standstill;
         self.run(ACKNOWLEDGED)?;
         if !self.until(CALM, rests)? {
             return Never::Standby.broken(format!("asked for Standby it is in {:?}", self.bench.status()));
         }
         self.ask(Request::DisableHallSupply(false))?;
         self.ask(Request::DigitalOutputs(DigitalOutputs::default()))?;
+        // Sensors whose supply is back show another sector, and a rotor that may have moved is not known to stand for parameter 113.
+        if !self.until(CALM, is_stopped)? {
+            return Never::Standby
+                .broken(format!("its rotor is not known to stand: {:?}", self.bench.status()));
+        }
         let parameters = self.setting.commissioning.parameters.clone();
         self.write_all(&parameters)?;
         self.store()?;
@@ -75,12 +81,12 @@ impl World {
     }
 
     /// Waits for a state; false if it does not come.
-    fn until(&mut self, seconds: f64, holds: impl Fn(State) -> bool) -> Checked<bool> {
+    fn until(&mut self, seconds: f64, holds: impl Fn(&Status) -> bool) -> Checked<bool> {
         let until = self.ticks + (seconds / TICK) as u64;
-        while !holds(self.bench.status().state) && self.ticks < until {
+        while !holds(self.bench.status()) && self.ticks < until {
             self.tick()?;
         }
-        Ok(holds(self.bench.status().state))
+        Ok(holds(self.bench.status()))
     }
 
     /// Writes every parameter that is another one; commands and what the drive alone writes stay.
@@ -114,7 +120,10 @@ impl World {
             if let Some(answer) = self.answer.take() {
                 return match answer.result {
                     Ok(_) => Ok(()),
-                    Err(error) => Never::Answers.broken(format!("{request:?}: {error}")),
+                    Err(error) => {
+                        let (status, shaft) = (self.bench.status(), self.bench.plant().observe().speed);
+                        Never::Answers.broken(format!("{request:?}: {error}; {shaft:.2} rad/s, {status:?}"))
+                    }
                 };
             }
         }

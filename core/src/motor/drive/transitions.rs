@@ -100,8 +100,11 @@ impl Drive {
             self.open_phase.reset();
             self.commutator.reset();
         }
-        if !change.row.to.is_driving() && self.calibration == HallCalibration::Running {
-            self.calibration = HallCalibration::Failed;
+        if !change.row.to.is_driving() {
+            self.sensorless.end_start();
+            if self.calibration == HallCalibration::Running {
+                self.calibration = HallCalibration::Failed;
+            }
         }
     }
 }
