@@ -10,7 +10,7 @@ True
 """
 
 from narx import blocks
-from narx._core import Load, Motor, NodeState, State, dbc, eds, xml
+from narx._core import Load, Motor, NodeState, OperatingRange, State, dbc, eds, xml
 from narx.bench import Bench
 from narx.can_log import CanLog
 from narx.columns import Frames, LogError, Series, Table
@@ -63,6 +63,7 @@ __all__ = [
     "NoAnswerError",
     "NodeMessage",
     "NodeState",
+    "OperatingRange",
     "ParameterError",
     "Parameters",
     "Reading",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Load", "LogReader", "Master", "Motor", "NodeState", "Pi", "Ramp",
+    "Bench", "Commutation", "Description", "Experiment", "Hall", "HallReading", "Load", "LogReader", "Master", "Motor", "NodeState", "OperatingRange", "Pi", "Ramp",
     "Server", "State", "Step", "TxMaster", "VirtualBus", "ZeroCrossing", "ZeroCrossingReading", "dbc", "decode", "decode_node", "eds",
     "diagnostic_bits", "experiment_figures", "fault_bits", "frame_flags", "frame_kinds", "log_records", "parameter_number",
     "replay", "restore_motor", "run_experiments", "scope_recording", "tx_objects", "xml",
@@ -282,6 +282,8 @@ class Motor:
         viscous_friction: float = 0.0,
         back_emf: Literal["trapezoidal", "sinusoidal"] = "trapezoidal",
         hall_offset_deg: float = 0.0,
+        rated_current: float | None = None,
+        max_speed: float | None = None,
     ) -> Motor: ...
     @staticmethod
     def presets() -> list[str]: ...
@@ -293,6 +295,9 @@ class Motor:
     def commission(
         self, supply_voltage: float, mode: Literal["sensorless", "hall", "open-loop"] = "sensorless"
     ) -> dict[str, float]: ...
+    def operating_range(
+        self, supply_voltage: float, mode: Literal["sensorless", "hall", "open-loop"] = "sensorless"
+    ) -> OperatingRange: ...
     @property
     def name(self) -> str | None: ...
     @property
@@ -316,7 +321,28 @@ class Motor:
     @property
     def rated_current(self) -> float | None: ...
     @property
+    def max_speed(self) -> float | None: ...
+    @property
     def nominal_voltage(self) -> float | None: ...
+
+@final
+class OperatingRange:
+    @property
+    def speed_min(self) -> float: ...
+    @property
+    def speed_max(self) -> float: ...
+    @property
+    def speed_limit(self) -> str: ...
+    @property
+    def rated_current(self) -> float: ...
+    @property
+    def speed(self) -> list[float]: ...
+    @property
+    def torque(self) -> list[float]: ...
+    @property
+    def torque_limit(self) -> list[str]: ...
+    @property
+    def notes(self) -> list[str]: ...
 
 @final
 class Load:

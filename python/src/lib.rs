@@ -45,7 +45,7 @@ mod _core {
     #[pymodule_export]
     use crate::master::Master;
     #[pymodule_export]
-    use crate::motor::{Load, Motor, restore_motor};
+    use crate::motor::{Load, Motor, OperatingRange, restore_motor};
     #[pymodule_export]
     use crate::recording::{replay, scope_recording};
     #[pymodule_export]

@@ -2,7 +2,7 @@
 
 use crate::error;
 use narx_core::dictionary::{Access, Parameters};
-use narx_sim::commissioning::Mode;
+use narx_sim::commissioning::{Commissioning, Mode};
 use narx_sim::engineering;
 use narx_sim::plant::{BackEmf, LoadConfig, MotorConfig};
 use narx_sim::presets::{self, PRESETS, Preset};
@@ -16,13 +16,17 @@ use std::hash::{Hash, Hasher};
 /// pole_pairs: 1 to 255. resistance: line to line, ohm. inductance: line to line, H. torque_constant: mean torque per
 /// DC ampere in ideal six-step, N m/A = 60 / (2 pi speed constant in rpm/V). inertia: rotor, kg m2. static_friction:
 /// Coulomb, N m. viscous_friction: N m s/rad. back_emf: "trapezoidal" (flat top of 120 degrees) or "sinusoidal".
-/// hall_offset_deg: hall sensors come this much late, electrical degrees. Raises ParameterError, which names what cannot be.
+/// hall_offset_deg: hall sensors come this much late, electrical degrees. rated_current: DC, A; without it commissioning takes the current that heats the
+/// winding by 6 W, at most 6 A. max_speed: largest set-point, mechanical rpm; without it the speeds at which a given rated current still flows, or without
+/// one those that the motor reaches without load. Raises ParameterError, which names what cannot be.
 #[pyclass(module = "narx", frozen, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Motor {
     config: MotorConfig,
     hall_offset_deg: f64,
-    /// Where what no data sheet says comes from: rated current, cogging.
+    rated_current: Option<f64>,
+    max_speed: Option<f64>,
+    /// Where what no data sheet says comes from: cogging.
     preset: Option<&'static str>,
 }
 
@@ -30,7 +34,8 @@ pub(crate) struct Motor {
 impl Motor {
     #[new]
     #[pyo3(signature = (pole_pairs, resistance, inductance, torque_constant, inertia, static_friction=0.0,
-                        viscous_friction=0.0, back_emf="trapezoidal", hall_offset_deg=0.0))]
+                        viscous_friction=0.0, back_emf="trapezoidal", hall_offset_deg=0.0,
+                        rated_current=None, max_speed=None))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn new(
         pole_pairs: f64,
@@ -42,6 +47,8 @@ impl Motor {
         viscous_friction: f64,
         back_emf: &str,
         hall_offset_deg: f64,
+        rated_current: Option<f64>,
+        max_speed: Option<f64>,
     ) -> PyResult<Self> {
         let positive = |name, value, unit| {
             error::number(name, value, unit, "a finite number above 0", |value| value > 0.0)
@@ -58,7 +65,9 @@ impl Motor {
             ..MotorConfig::default()
         };
         let hall_offset_deg = error::finite("hall_offset_deg", hall_offset_deg, "degrees")?;
-        Ok(Self { config, hall_offset_deg, preset: None })
+        let rated_current = rated_current.map(|value| positive("rated_current", value, "A")).transpose()?;
+        let max_speed = max_speed.map(|value| positive("max_speed", value, "rpm")).transpose()?;
+        Ok(Self { config, hall_offset_deg, rated_current, max_speed, preset: None })
     }
 
     /// Names of the real motors that `preset` knows.
@@ -75,7 +84,8 @@ impl Motor {
             let names = Self::presets().join(", ");
             error::parameter(format!("there is no preset \"{name}\"{hint}; there are {names}"))
         })?;
-        Ok(Self { config: preset.motor, hall_offset_deg: 0.0, preset: Some(preset.name) })
+        let (config, rated_current) = (preset.motor, preset.data.rated_current);
+        Ok(Self { config, hall_offset_deg: 0.0, rated_current, max_speed: None, preset: Some(preset.name) })
     }
 
     /// The same motor but for some arguments of the constructor. What a preset says beyond those, such as cogging, stays.
@@ -92,7 +102,7 @@ impl Motor {
             arguments.set_item(name, value)?;
         }
         let given = py.get_type::<Self>().call((), Some(&arguments))?.cast_into::<Self>()?;
-        let Self { config, hall_offset_deg, .. } = *given.get();
+        let Self { config, hall_offset_deg, rated_current, max_speed, .. } = *given.get();
         let MotorConfig { pole_pairs, resistance, inductance, torque_constant, inertia, .. } = config;
         let MotorConfig { static_friction, viscous_friction, back_emf, .. } = config;
         let figures =
@@ -101,7 +111,7 @@ impl Motor {
         let same_shape = given.get().back_emf() == self.back_emf();
         let back_emf = if same_shape { self.config.back_emf } else { back_emf };
         let config = MotorConfig { static_friction, viscous_friction, back_emf, ..figures };
-        Ok(Self { config, hall_offset_deg, preset: self.preset })
+        Ok(Self { config, hall_offset_deg, rated_current, max_speed, preset: self.preset })
     }
 
     /// Pickles by what makes it anew.
@@ -122,17 +132,36 @@ impl Motor {
         dictionary(py, &commissioning.parameters)
     }
 
+    /// The speeds that a drive for this motor takes on `supply_voltage` volts, and the load that it can have at each.
+    #[pyo3(signature = (supply_voltage, mode="sensorless"))]
+    fn operating_range(&self, supply_voltage: f64, mode: &str) -> PyResult<OperatingRange> {
+        let commissioning =
+            self.session(supply_voltage, self::mode(mode)?).commission().map_err(error::parameter)?;
+        Ok(OperatingRange(commissioning))
+    }
+
     /// Name of a preset; `None` of any other motor.
     #[getter]
     fn name(&self) -> Option<&'static str> {
-        let same = |preset: &&Preset| preset.motor == self.config && self.hall_offset_deg == 0.0;
+        let same = |preset: &&Preset| {
+            preset.motor == self.config
+                && preset.data.rated_current == self.rated_current
+                && self.hall_offset_deg == 0.0
+                && self.max_speed.is_none()
+        };
         self.base().filter(same).map(|preset| preset.name)
     }
 
-    /// Rated DC current, A, of a preset.
+    /// Rated DC current, A, where it is known.
     #[getter]
     fn rated_current(&self) -> Option<f64> {
-        self.base()?.data.rated_current
+        self.rated_current
+    }
+
+    /// Largest set-point that was asked for, mechanical rpm.
+    #[getter]
+    fn max_speed(&self) -> Option<f64> {
+        self.max_speed
     }
 
     /// Nominal voltage, V, of a preset.
@@ -209,7 +238,8 @@ impl Motor {
     /// A session with this motor, everything else at its default.
     pub(crate) fn session(&self, supply: f64, mode: Mode) -> SessionConfig {
         SessionConfig {
-            rated_current: self.rated_current(),
+            rated_current: self.rated_current,
+            speed_max: self.max_speed,
             hall_offset_deg: self.hall_offset_deg,
             label: format!("{}, {}", self.name().unwrap_or("motor"), mode.name()),
             ..SessionConfig::new(self.config, supply, mode)
@@ -232,7 +262,73 @@ impl Motor {
         arguments.set_item("viscous_friction", self.viscous_friction())?;
         arguments.set_item("back_emf", self.back_emf())?;
         arguments.set_item("hall_offset_deg", self.hall_offset_deg())?;
+        arguments.set_item("rated_current", self.rated_current)?;
+        arguments.set_item("max_speed", self.max_speed)?;
         Ok(arguments)
+    }
+}
+
+/// The speeds (rpm) that a commissioned drive takes, and the load (N m) that the motor can have at each, beside its own friction.
+#[pyclass(module = "narx", frozen)]
+pub(crate) struct OperatingRange(Commissioning);
+
+#[pymethods]
+impl OperatingRange {
+    /// Smallest set-point, mechanical rpm.
+    #[getter]
+    fn speed_min(&self) -> f64 {
+        self.0.speed_min
+    }
+
+    /// Largest set-point, mechanical rpm.
+    #[getter]
+    fn speed_max(&self) -> f64 {
+        self.0.speed_max
+    }
+
+    /// The limit that sets the largest set-point: "voltage", "peak current" (ripple below 12 A), "control ticks" (two a sector), "samples" (four of
+    /// back-EMF a sector), "reported speed" (32,767 rpm), or "asked" (the motor's max_speed).
+    #[getter]
+    fn speed_limit(&self) -> &'static str {
+        self.0.speed_limit.name()
+    }
+
+    /// The motor's rated DC current, given or estimated, A.
+    #[getter]
+    fn rated_current(&self) -> f64 {
+        self.0.rated_current
+    }
+
+    /// Speeds from speed_min to speed_max in equal steps, mechanical rpm.
+    #[getter]
+    fn speed(&self) -> Vec<f64> {
+        self.0.torque.iter().map(|point| point.speed).collect()
+    }
+
+    /// Continuous torque at the shaft at each speed, N m.
+    #[getter]
+    fn torque(&self) -> Vec<f64> {
+        self.0.torque.iter().map(|point| point.torque).collect()
+    }
+
+    /// What allows no more torque at each speed: "rated current", "phase current", "power", "bus current" or "voltage".
+    #[getter]
+    fn torque_limit(&self) -> Vec<&'static str> {
+        self.0.torque.iter().map(|point| point.limit.name()).collect()
+    }
+
+    /// What limits the drive on the way there, in words.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.0.notes.iter().map(ToString::to_string).collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let Commissioning { speed_min, speed_max, .. } = self.0;
+        format!(
+            "<narx.OperatingRange {speed_min:.0} to {speed_max:.0} rpm, limited by {}>",
+            self.0.speed_limit.name()
+        )
     }
 }
 
@@ -258,8 +354,7 @@ pub(crate) fn restore_motor(
         Some(name) => Motor::preset(py, name)?.replace(py, Some(arguments)),
         None => {
             let motor = py.get_type::<Motor>().call((), Some(arguments))?.cast_into::<Motor>()?;
-            let Motor { config, hall_offset_deg, preset } = *motor.get();
-            Ok(Motor { config, hall_offset_deg, preset })
+            Ok(Motor { ..*motor.get() })
         }
     }
 }

@@ -13,6 +13,13 @@ use crate::engineering::{self, ValueError};
 use crate::plant::MotorConfig;
 use crate::shown::Shown;
 
+mod speed;
+mod torque;
+
+use speed::Demand;
+pub use speed::SpeedLimit;
+pub use torque::{TorqueLimit, TorquePoint};
+
 /// Which control mode to enable (Table 6).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
@@ -43,7 +50,7 @@ impl Mode {
 pub struct Nameplate {
     /// The motor's data.
     pub motor: MotorConfig,
-    /// Rated DC current, A; without it the drive's own 6 A are assumed.
+    /// Rated DC current, A; without it [`rated_current`](Self::rated_current()) estimates one.
     pub rated_current: Option<f64>,
     /// Supply voltage, V.
     pub supply: f64,
@@ -60,11 +67,20 @@ pub struct Commissioning {
     pub notes: Vec<Note, 5>,
     /// Largest set-point, mechanical rpm.
     pub speed_max: f64,
+    /// The limit that sets it.
+    pub speed_limit: SpeedLimit,
     /// Smallest set-point, mechanical rpm.
     pub speed_min: f64,
     /// Mean phase current that the limits leave, A.
     pub phase_current: f64,
+    /// Rated DC current of the motor, given or estimated, A.
+    pub rated_current: f64,
+    /// Continuous torque at the shaft from the smallest to the largest set-point, in equal steps of speed.
+    pub torque: [TorquePoint; TORQUE_POINTS],
 }
+
+/// Number of speeds in [`Commissioning::torque`].
+pub const TORQUE_POINTS: usize = 11;
 
 /// A limit of the drive that holds the motor back.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,6 +174,19 @@ pub enum CommissioningError {
         speed_max: f64,
         /// Smallest speed that commutation needs, mechanical rpm.
         speed_min: f64,
+        /// What leaves no more.
+        limit: SpeedLimit,
+    },
+    /// The largest speed that was asked for lies outside what the drive can do with this motor.
+    SpeedMax {
+        /// The speed that was asked for, mechanical rpm.
+        value: f64,
+        /// Smallest speed that commutation needs, mechanical rpm.
+        least: f64,
+        /// Largest speed that the drive allows without load, mechanical rpm.
+        most: f64,
+        /// What allows no more.
+        limit: SpeedLimit,
     },
     /// A design rule asks for a value outside a parameter's range.
     Parameter(ValueError),
@@ -178,11 +207,18 @@ impl fmt::Display for CommissioningError {
             Self::Motor { name, value } => {
                 write!(f, "motor {name} {} must be greater than 0", Shown::Plain(*value))
             }
-            Self::TooSlow { speed_max, speed_min } => write!(
+            Self::TooSlow { speed_max, speed_min, limit } => write!(
                 f,
-                "the drive's limits leave this motor {} rpm on this supply, less than the {} rpm it needs",
+                "the drive's limits leave this motor {} rpm on this supply, less than the {} rpm it needs: {limit}",
                 Shown::Rounded(*speed_max, 0),
                 Shown::Rounded(*speed_min, 0)
+            ),
+            Self::SpeedMax { value, least, most, limit } => write!(
+                f,
+                "maximum speed {} rpm is outside {} to {} rpm: {limit}",
+                Shown::Plain(*value),
+                Shown::Rounded(*least, 0),
+                Shown::Rounded(*most, 0)
             ),
             Self::Parameter(error) => write!(f, "no fitting value: {error}"),
         }
@@ -199,12 +235,19 @@ const PEAK: f64 = 11.4;
 const SENSORLESS_PEAK: f64 = PEAK - 0.8;
 /// Continuous phase current (Table 2), A.
 const CONTINUOUS: f64 = 6.0;
+/// Heat in the winding at the rated current, W, where no data sheet says it: half of the motors of `presets` have 5 to 7 W, none has less than 4.8 W, three have
+/// more than 13 W.
+const RATED_LOSS: f64 = 6.0;
 /// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).
 const ELECTRICAL_RPM_MIN: f64 = 500.0 * 4.0;
 /// The same a second.
 const ELECTRICAL_MIN: f64 = ELECTRICAL_RPM_MIN / 60.0;
+/// Largest speed that MEASUREMENT_1 and 5 carry, rpm.
+const REPORTED_MAX: f64 = 32_767.0;
 /// Largest duty where ripple allows it.
 const DUTY_MAX: f64 = 0.95;
+/// Share of the voltage at the largest duty that the largest speed may take; the rest is left to the speed loop.
+const VOLTAGE_SHARE: f64 = 0.95;
 /// Bandwidth of the bus current limiter: 200 Hz, rad/s; its delay of 1.5 periods costs 11 degrees there.
 const CURRENT_BANDWIDTH: f64 = 1257.0;
 /// Bus capacitance (section "Features"), F.
@@ -214,16 +257,37 @@ const BUS_MAX: f64 = 60.9;
 const TWO_PI: f64 = core::f64::consts::TAU;
 
 impl Nameplate {
-    /// The parameter set for `mode`.
+    /// The parameter set for `mode`, as [`commission_up_to`](Self::commission_up_to) without a largest speed.
     ///
     /// # Errors
     /// A supply or motor that the drive cannot run, with the value and what would be allowed.
     pub fn commission(&self, mode: Mode) -> Result<Commissioning, CommissioningError> {
+        self.commission_up_to(mode, None)
+    }
+
+    /// The parameter set for `mode`, with set-points up to `speed_max`, mechanical rpm.
+    ///
+    /// Without it, a motor whose rated current is given gets the speeds at which it still carries that current; any other motor the speeds that it
+    /// reaches without load. [`Commissioning::torque`] says what load there is at each.
+    ///
+    /// # Errors
+    /// A supply or motor that the drive cannot run, or a largest speed that it does not reach without load, with the value and what would be allowed.
+    pub fn commission_up_to(
+        &self,
+        mode: Mode,
+        speed_max: Option<f64>,
+    ) -> Result<Commissioning, CommissioningError> {
         self.check()?;
         let mut notes = Vec::new();
-        let mut design = Design::new(self, &mut notes)?;
+        let mut design = Design::new(self, speed_max, &mut notes)?;
         if mode == Mode::Sensorless && !Board::BENCH.comparator_capture {
             design.leave_room_for_samples(self.motor.pole_pairs, &mut notes)?;
+        }
+        if let Some(value) = speed_max
+            && design.speed_limit != SpeedLimit::Asked
+        {
+            let Design { speed_min: least, speed_max: most, speed_limit: limit, .. } = design;
+            return Err(CommissioningError::SpeedMax { value, least, most, limit });
         }
         let mut parameters = Parameters::new();
         for (number, value) in [
@@ -237,13 +301,23 @@ impl Nameplate {
         self.write_limits(&design, &mut parameters)?;
         self.write_gains(&design, &mut parameters)?;
         self.write_start(mode, &design, &mut parameters)?;
+        let torque = torque::points(self, &design, &parameters);
         Ok(Commissioning {
             parameters,
             notes,
             speed_max: design.speed_max,
+            speed_limit: design.speed_limit,
             speed_min: design.speed_min,
             phase_current: design.phase_current,
+            rated_current: self.rated_current(),
+            torque,
         })
+    }
+
+    /// Rated DC current, A: the given one, or else an estimate. Rated is the current whose heat the winding can get rid of; where no data sheet says it,
+    /// that heat is taken as 6 W (`R I^2`), and the current as no more than the drive's own 6 A.
+    pub fn rated_current(&self) -> f64 {
+        self.rated_current.unwrap_or_else(|| fmin(sqrt(RATED_LOSS / self.motor.resistance), CONTINUOUS))
     }
 
     fn check(&self) -> Result<(), CommissioningError> {
@@ -257,6 +331,7 @@ impl Nameplate {
             ("torque constant", m.torque_constant),
             ("inertia", m.inertia),
             ("pole pairs", f64::from(m.pole_pairs)),
+            ("rated current", self.rated_current()),
         ];
         match figures.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
             Some((name, value)) => Err(CommissioningError::Motor { name, value }),
@@ -278,7 +353,10 @@ impl Nameplate {
             [(number::SPEED_MIN_HES, number::SPEED_MAX_HES), (number::SPEED_MIN_SL, number::SPEED_MAX_SL)]
         {
             write(p, low, d.speed_min)?;
-            write(p, high, d.speed_max)?;
+            // A limit at its factory value, 4000 rpm, is one of 4 pole pairs: the drive scales it to the motor's.
+            let scaled = self.motor.pole_pairs != 4 && libm::round(d.speed_max) == 4000.0;
+            let most = if scaled { 4001.0 } else { d.speed_max };
+            write(p, high, most)?;
         }
         // Blanking: two ticks where eight of them fit a sector at full speed, less above; an eighth of the sector stays blanked anyway.
         let sector =
@@ -349,29 +427,36 @@ struct Design {
     start_current: f64,
     speed_min: f64,
     speed_max: f64,
+    speed_limit: SpeedLimit,
     speed_rate: f64,
 }
 
 impl Design {
-    fn new(plate: &Nameplate, notes: &mut Vec<Note, 5>) -> Result<Self, CommissioningError> {
+    fn new(
+        plate: &Nameplate,
+        asked: Option<f64>,
+        notes: &mut Vec<Note, 5>,
+    ) -> Result<Self, CommissioningError> {
         let m = &plate.motor;
         let period = 1.0 / f64::from(Board::BENCH.tick_rate);
         // A quarter above the rated current, so that the limit does not bind at the rated load.
-        let needed = fmin(1.25 * plate.rated_current.unwrap_or(CONTINUOUS), CONTINUOUS);
+        let needed = fmin(1.25 * plate.rated_current(), CONTINUOUS);
+        let demand = Demand::new(plate, needed, asked);
         // Ripple V D (1 - D) T / L, and the crest of a step plus half of it within the peak.
         let ripple = |duty: f64| plate.supply * duty * (1.0 - duty) * period / m.inductance;
-        let duty_max = duty_within(2.0 * (PEAK - needed) * m.inductance / (plate.supply * period));
+        let duty_max = duty_within(2.0 * (PEAK - demand.crest) * m.inductance / (plate.supply * period));
         let widest = ripple(fmin(duty_max, 0.5));
         let crest = PEAK - widest / 2.0;
         let poles = f64::from(m.pole_pairs);
         let speed_min = ELECTRICAL_RPM_MIN / poles;
         let tick_speed = 0.9 * 60.0 / (12.0 * period * poles);
-        // 5 % of the voltage is left to the speed loop. Every commutation costs the volt-seconds that turn the current
-        // over, L I / 2 in each of six a revolution: as if the back-EMF constant were larger.
-        let left = 0.95 * duty_max * plate.supply - m.resistance * needed;
-        let turning_over = 3.0 * m.inductance * needed * poles / TWO_PI;
-        let supply_speed = left / (m.torque_constant + turning_over) * 60.0 / TWO_PI;
-        let speed_max = fmin(fmin(supply_speed, tick_speed), 32_767.0);
+        let limits = [
+            (demand.speed(plate, duty_max), SpeedLimit::of_duty(duty_max)),
+            (tick_speed, SpeedLimit::Ticks),
+            (REPORTED_MAX, SpeedLimit::Reported),
+            (asked.filter(|speed| *speed > speed_min).unwrap_or(f64::INFINITY), SpeedLimit::Asked),
+        ];
+        let (speed_max, speed_limit) = least(&limits);
         // Steps are shortest at full speed.
         let step = 60.0 / (6.0 * poles * speed_max);
         let phase_current = crest * mean_of_crest(step * m.resistance / m.inductance);
@@ -388,18 +473,27 @@ impl Design {
             push(notes, Note::CurrentForBus { current: returned });
         }
         let phase_current = fmin(phase_current, returned);
-        if tick_speed < supply_speed {
+        if speed_limit == SpeedLimit::Ticks {
             push(notes, Note::SpeedForTick { speed: tick_speed });
         }
         if speed_max.is_nan() || speed_max <= speed_min {
-            return Err(CommissioningError::TooSlow { speed_max, speed_min });
+            return Err(CommissioningError::TooSlow { speed_max, speed_min, limit: speed_limit });
         }
         let start_current =
             fmin(fmin(CONTINUOUS, phase_current), 0.8 * duty_max * plate.supply / m.resistance);
         // A third of the rated torque accelerates, and full speed takes 0.4 s at least.
         let acceleration = m.torque_constant * needed / m.inertia / 3.0 * 60.0 / TWO_PI;
-        let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), 32_767.0);
-        Ok(Self { duty_max, ripple: widest, phase_current, start_current, speed_min, speed_max, speed_rate })
+        let speed_rate = fmin(fmin(acceleration, speed_max / 0.4), REPORTED_MAX);
+        Ok(Self {
+            duty_max,
+            ripple: widest,
+            phase_current,
+            start_current,
+            speed_min,
+            speed_max,
+            speed_limit,
+            speed_rate,
+        })
     }
 }
 
@@ -414,10 +508,11 @@ impl Design {
         let speed = 0.98 * f64::from(Board::BENCH.tick_rate) * 60.0 / (6.0 * 4.0 * f64::from(pole_pairs));
         if speed < self.speed_max {
             push(notes, Note::SpeedForSampling { speed });
-            self.speed_max = speed;
+            (self.speed_max, self.speed_limit) = (speed, SpeedLimit::Samples);
         }
         if self.speed_max <= self.speed_min {
-            return Err(CommissioningError::TooSlow { speed_max: self.speed_max, speed_min: self.speed_min });
+            let Self { speed_max, speed_min, speed_limit: limit, .. } = *self;
+            return Err(CommissioningError::TooSlow { speed_max, speed_min, limit });
         }
         Ok(())
     }
@@ -437,6 +532,11 @@ fn mean_of_crest(length: f64) -> f64 {
 /// The largest duty up to [`DUTY_MAX`] for which no duty below has `D (1 - D)` above `product`.
 fn duty_within(product: f64) -> f64 {
     if product >= 0.25 { DUTY_MAX } else { 0.5 - sqrt(0.25 - fmax(product, 0.0)) }
+}
+
+/// The least of some limits, with its name; one that is no number wins.
+fn least<const N: usize, T: Copy>(limits: &[(f64, T); N]) -> (f64, T) {
+    limits[1..].iter().fold(limits[0], |a, b| if b.0 < a.0 || b.0.is_nan() { *b } else { a })
 }
 
 fn push(notes: &mut Vec<Note, 5>, note: Note) {

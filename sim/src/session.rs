@@ -18,8 +18,10 @@ use narx_core::motor::State;
 pub struct SessionConfig {
     /// The motor.
     pub motor: MotorConfig,
-    /// Its rated DC current, A; without it the drive's own 6 A are assumed.
+    /// Its rated DC current, A; without it [`Nameplate::rated_current()`] estimates one.
     pub rated_current: Option<f64>,
+    /// Largest set-point, mechanical rpm, as in [`Nameplate::commission_up_to`]; without it commissioning finds it.
+    pub speed_max: Option<f64>,
     /// What it drives.
     pub load: LoadConfig,
     /// Supply voltage, V.
@@ -48,6 +50,7 @@ impl SessionConfig {
         Self {
             motor,
             rated_current: None,
+            speed_max: None,
             load: LoadConfig { constant: 0.0, viscous: 0.0, quadratic: 0.0, inertia: 0.0 },
             supply,
             mode,
@@ -73,7 +76,7 @@ impl SessionConfig {
             supply: self.supply,
             open_loop_speed: self.open_loop_speed,
         };
-        let mut commissioning = plate.commission(self.mode)?;
+        let mut commissioning = plate.commission_up_to(self.mode, self.speed_max)?;
         for (number, value) in &self.parameters {
             engineering::enter(&mut commissioning.parameters, *number, *value)?;
         }

@@ -13,6 +13,7 @@ mod build;
 mod calm;
 mod closed_loop;
 mod commanded;
+mod commissioning;
 mod commutation;
 mod commutation_angle;
 mod effects;

@@ -1,6 +1,7 @@
 """The bench: motors reach their speed, the same call gives the same bits."""
 
 import _thread
+import math
 import signal
 import threading
 import time
@@ -128,6 +129,32 @@ def test_commissioned_parameters_are_those_of_the_bench(motor: narx.Motor) -> No
         bench.drive.start(1500)
         traces.append(bench.run(0.2))
     assert traces[0].recording() == traces[1].recording()
+
+
+def test_speed_and_load_of_a_motor_without_a_rated_current() -> None:
+    # A maxon EC 90 flat with the winding for 48 V.
+    motor = narx.Motor(12, 2.3, 2.5e-3, 0.217, 3.06e-4, static_friction=0.01, viscous_friction=2e-5)
+    no_load = 24.0 / 0.217 * 60.0 / (2.0 * math.pi)
+    able = motor.operating_range(24.0, mode="hall")
+    assert 0.8 * no_load < able.speed_max < no_load and able.speed_limit == "voltage"
+    assert able.speed[0] == able.speed_min and able.speed[-1] == pytest.approx(able.speed_max)
+    assert len(able.speed) == len(able.torque) == len(able.torque_limit)
+    # 6 W of heat in the winding, and less torque the faster it turns.
+    assert able.rated_current == pytest.approx(math.sqrt(6.0 / 2.3)) and able.torque_limit[0] == "rated current"
+    assert able.torque[0] == pytest.approx(0.217 * able.rated_current - 0.01, rel=0.01)
+    assert able.torque == sorted(able.torque, reverse=True) and able.torque_limit[-1] == "voltage"
+    bench = narx.Bench(motor, supply_voltage=24.0, mode="hall")
+    bench.drive.start(round(0.8 * no_load))
+    bench.run(2.0)
+    assert bench.run(0.5)["speed"].mean() == pytest.approx(0.8 * no_load, rel=0.01)
+
+    # A rated current that has to flow at every speed costs speed, unless one is asked for.
+    rated = motor.replace(rated_current=4.0)
+    assert rated.operating_range(24.0, mode="hall").speed_max < 0.6 * no_load
+    asked = rated.replace(max_speed=800.0).operating_range(24.0, mode="hall")
+    assert (asked.speed_max, asked.speed_limit, asked.rated_current) == (800.0, "asked", 4.0)
+    with pytest.raises(narx.ParameterError, match=r"maximum speed 2000 rpm is outside 167 to 9\d\d rpm: the supply"):
+        rated.replace(max_speed=2000.0).commission(24.0, mode="hall")
 
 
 def test_notes_name_what_limits() -> None:

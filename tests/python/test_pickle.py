@@ -16,13 +16,18 @@ def again(value: Any) -> Any:
     return pickle.loads(pickle.dumps(value))
 
 
-@pytest.mark.parametrize("motor", [PRESET, PLAIN, PRESET.replace(resistance=1.5, hall_offset_deg=2.0)], ids=repr)
+CHANGED = PRESET.replace(resistance=1.5, hall_offset_deg=2.0)
+LIMITED = PRESET.replace(rated_current=2.0, max_speed=3000.0)
+
+
+@pytest.mark.parametrize("motor", [PRESET, PLAIN, CHANGED, LIMITED], ids=repr)
 def test_motors(motor: narx.Motor) -> None:
     back = again(motor)
     assert back == motor and hash(back) == hash(motor) and repr(back) == repr(motor)
-    assert (back.name, back.rated_current, back.nominal_voltage) == (
+    assert (back.name, back.rated_current, back.max_speed, back.nominal_voltage) == (
         motor.name,
         motor.rated_current,
+        motor.max_speed,
         motor.nominal_voltage,
     )
     # What no argument says, such as cogging, is the same, too.
@@ -47,6 +52,8 @@ def test_motors_differ_by_what_they_are() -> None:
     assert changed.name is None and changed.rated_current == PRESET.rated_current and PRESET.name is not None
     assert changed.replace(resistance=PRESET.resistance) == PRESET and PRESET.replace() == PRESET
     assert PLAIN.name is None and PLAIN.rated_current is None and len({PRESET, changed, again(PRESET)}) == 2
+    assert LIMITED not in (PRESET, PRESET.replace(max_speed=3000.0), PRESET.replace(rated_current=2.0))
+    assert LIMITED.name is None and LIMITED.replace(rated_current=PRESET.rated_current, max_speed=None) == PRESET
     with pytest.raises(narx.ParameterError, match='a motor has no "resistence"; did you mean "resistance"'):
         PRESET.replace(resistence=1.0)
     with pytest.raises(narx.ParameterError, match="resistance -1 ohm: must be a finite number above 0"):

@@ -2,7 +2,7 @@
 
 use super::gain::Gain;
 use super::ramp::Ramp;
-use crate::units::Celsius;
+use crate::units::{Celsius, Volts};
 use serde::{Deserialize, Serialize};
 
 /// What bounds the duty in this tick.
@@ -53,11 +53,14 @@ pub struct LimitCoefficients {
     pub bridge: i32,
 }
 
-/// Output power rating (Table 1): 150 W up to and including 48 V, 300 W above; W. What leaves the bridge is what enters it less the loss in its
-/// switches, I^2 R; losses that the drive cannot know make the motor's share smaller still.
-const POWER: [u32; 2] = [150, 300];
-/// A supply of 48 V that reads a little high is still 48 V: 0.5 V of measurement tolerance.
-const POWER_STEP: i32 = (48 << 16) + (1 << 15);
+/// Output power rating (Table 1), W: 150 W up to and including a bus of [`POWER_STEP`], 300 W above. What leaves the bridge is what enters it less the
+/// loss in its switches, I^2 R; losses that the drive cannot know make the motor's share smaller still.
+#[inline]
+pub const fn power_rating(bus: Volts) -> u32 {
+    if bus.to_bits() > POWER_STEP.to_bits() { 300 } else { 150 }
+}
+/// The 48 V of Table 1. A supply of 48 V that reads a little high is still 48 V: 0.5 V of measurement tolerance.
+pub const POWER_STEP: Volts = Volts::from_milli(48_500);
 
 /// Continuous phase current (Table 2): 6 A rms, which six-step current with two phases of three in turn reaches at
 /// 6 sqrt(3/2) = 7.35 A; raw I16F16.
@@ -134,8 +137,7 @@ impl CurrentLimit {
         // W with 16 fraction bits; at most 255 W, where the switches are the least worry.
         let lost = (((amperes * amperes) * i64::from(c.bridge)) >> 16).min(0xFF_FFFF) as u32;
         // Watts over volts in 32 bits: the divisor keeps 11 and more from 18 V on.
-        let rating =
-            ((POWER[usize::from(voltage > POWER_STEP)] << 22) + (lost << 6)) / (voltage as u32 >> 10);
+        let rating = ((power_rating(Volts::from_bits(voltage)) << 22) + (lost << 6)) / (voltage as u32 >> 10);
         let room = rating as i32 - current;
         let most = (c.maximum as i64) << 16;
         if room >= 0 && self.power == most {

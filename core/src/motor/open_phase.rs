@@ -35,6 +35,9 @@ pub struct OpenPhase {
 
 /// Consecutive steps, three electrical revolutions.
 const EVIDENCE: u8 = 18;
+/// Fewer counted ticks in a step prove nothing. The current dips at every commutation, and in steps of 2 1/3 ticks a single sample falls into the dip of
+/// the same phase's steps revolution after revolution: a motor without load, whose current is near [`NONE`], then looks like one with an open phase.
+const COUNTED_MIN: u32 = 2;
 
 impl OpenPhase {
     /// One tick of a step: is there current? The mean of the first one is still in part that of the step before.
@@ -86,7 +89,8 @@ impl OpenPhase {
     fn judge(&mut self) {
         let counted = self.ticks.saturating_sub(1);
         let Some(floating) = self.step.floating() else { return };
-        if counted == 0 {
+        if counted < COUNTED_MIN {
+            (self.evidence, self.found) = ([0; 3], false);
             return;
         }
         let quarter = counted / 4;

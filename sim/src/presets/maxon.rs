@@ -316,14 +316,14 @@ pub(super) const EC_I40_100W_48V: Preset = Preset {
         no_load_current: Some(0.15),
         rated_speed: None,
         rated_torque: Some(0.224),
-        rated_current: None,
+        rated_current: Some(2.61),
     },
     sources: &[Source {
         figures: "all but its stall figures, which contradict the rest",
         place: "github robomotic/mujoco-motors, motor_assets/maxon/maxon_ec_i_40_488607.json @0182469a",
     }],
     estimates: &[
-        "rated current: 0.224 N m / 0.091 N m/A + 0.15 A = 2.61 A, for the thermal resistance alone",
+        "rated current: 0.224 N m / 0.091 N m/A + 0.15 A = 2.61 A",
         "friction: halves of 0.091 N m/A x 0.15 A at 5000 rpm",
         "back-EMF: sinusoidal",
         "cogging: 2 % of the rated torque, 84 periods (12 slots, 14 poles)",

@@ -3,6 +3,8 @@
 use super::trial::Trial;
 use narx_core::motor::State;
 use narx_core::motor::event::Limiter;
+use narx_core::motor::limits::power_rating;
+use narx_core::units::Volts;
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::plant::{Ledger, LoadConfig, PlantConfig};
 use narx_sim::presets::Preset;
@@ -151,8 +153,8 @@ impl Point<'_> {
 
     /// Power rating and 7 A of input current (Table 2), W.
     fn power_max(&self) -> f64 {
-        let rating: f64 = if self.supply <= 48.0 { 150.0 } else { 300.0 };
-        rating.min(7.0 * self.supply)
+        let rating = power_rating(Volts::from_milli((self.supply * 1e3) as i32));
+        f64::from(rating).min(7.0 * self.supply)
     }
 }
 
