@@ -12,7 +12,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
     let mut steps = web::build(root);
     steps.push(Step::new("type declarations", move || web::declarations(root, true)));
     steps.push(Step::new("wasm in Node", move || {
-        node(root, &["recording", "bench", "changes", "drive", "core", "full", "size"])
+        node(root, &["recording", "bench", "changes", "drive", "described", "core", "full", "size"])
     }));
     steps.push(Step::new("page in Chromium", move || {
         // CHROMIUM names another browser.
