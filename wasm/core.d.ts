@@ -465,7 +465,7 @@ export class Master {
      */
     readonly silent: boolean;
     /**
-     * Set-points that the drive takes as they are; `undefined` before the parameters that say so were heard: 81 to 83, and 88 or 101 to 104.
+     * Set-points that the drive takes as they are; `undefined` before those of `speedParameters` that say so were heard.
      */
     readonly speedLimits: SpeedLimits | undefined;
     /**
@@ -629,6 +629,11 @@ export function parameters(): Parameter[];
 export function scopeSignals(): ScopeSignal[];
 
 /**
+ * Numbers of the parameters that decide about `speedLimits`.
+ */
+export function speedParameters(): Uint16Array;
+
+/**
  * The object dictionary in order.
  */
 export function txObjects(): TxObject[];
@@ -702,6 +707,7 @@ export interface InitOutput {
     readonly slcanlines_handleBytes: (a: number, b: number, c: number) => any;
     readonly slcanlines_new: () => number;
     readonly slcanlines_refusals: (a: number) => number;
+    readonly speedParameters: () => [number, number];
     readonly txObjects: () => any;
     readonly txmaster_askPositions: (a: number) => [number, number];
     readonly txmaster_boots: (a: number) => number;

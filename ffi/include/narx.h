@@ -2520,7 +2520,7 @@ narx_status_t narx_master_start(struct narx_master_t *master,
 narx_status_t narx_master_set_speed(struct narx_master_t *master,
                                     uint16_t rpm);
 
-// Limits of the set-point in the mode that the drive's parameters enable; NARX_NOTHING before they were heard (81 to 83, and those of
+// Limits of the set-point in the mode that the drive's parameters enable; NARX_NOTHING before they were heard (78, 81 to 83, and those of
 // narx_speed_limits_t): narx_master_config_t has `read_parameters` for that.
 narx_status_t narx_master_speed_limits(struct narx_master_t *master,
                                        struct narx_speed_limits_t *limits);

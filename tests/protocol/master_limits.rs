@@ -64,6 +64,24 @@ fn a_set_point_is_refused_where_the_drive_would_clamp_it() {
     }
 }
 
+/// Whoever has read [`SpeedLimits::PARAMETERS`] knows the limits of every mode, and none of them is read in vain.
+#[test]
+fn its_parameters_decide_about_the_limits_and_no_others() {
+    let modes = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    let knows = |enabled, without: Option<u16>| {
+        let parameters = drive(enabled);
+        let read = |number: &u16| SpeedLimits::PARAMETERS.contains(number) && Some(*number) != without;
+        SpeedLimits::of(|number| Some(number).filter(read).and_then(|number| parameters.value(number)))
+            .is_some()
+    };
+    for enabled in modes {
+        assert!(knows(enabled, None), "{enabled:?}");
+    }
+    for number in SpeedLimits::PARAMETERS {
+        assert!(modes.iter().any(|&enabled| !knows(enabled, Some(number))), "{number}");
+    }
+}
+
 #[test]
 fn the_refusal_names_value_parameter_and_range() {
     let text = |enabled, rpm| {

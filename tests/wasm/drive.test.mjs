@@ -202,6 +202,11 @@ test("the speed in open loop is that of the field, not 0 of a mode that rests", 
     assert.match(drive.speedWarning, /^speed \d+ rpm is not parameter 88 "[^"]+": must be \d+ rpm$/);
 });
 
+test("a start reads what its limits need, and does not wait until the background has come to it", async () => {
+    const pump = new Pump({}, { readParameters: false, readDescription: false });
+    await assert.rejects(pump.run(pump.drive.start(30_000)), { name: "RangeError", message: /^speed 30000 rpm is above parameter 103 / });
+});
+
 test("a set-point beyond the limits is refused with the parameter that says so and the range", async () => {
     const pump = booted();
     const { drive } = pump;

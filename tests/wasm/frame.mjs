@@ -1,6 +1,6 @@
 // What the page must load and compute: compressed bytes of each module, and processor time of 16.7 ms of a turning motor, a picture's worth, in Node.
 // Prints `NAME FIGURE` a line, bytes and ms; `cargo xtask bench --only page` reads them. It asserts nothing about time: how fast a machine is, is no
-// property of the code. `node tests/wasm/frame.mjs [FRAMES]`; profile with `node --cpu-prof`.
+// property of the code. `node --no-turbo-inline-js-wasm-calls tests/wasm/frame.mjs [FRAMES]`; profile with `node --cpu-prof`.
 
 import { readFileSync } from "node:fs";
 import { argv, cpuUsage } from "node:process";

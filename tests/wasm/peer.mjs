@@ -19,7 +19,7 @@ export class Peer {
             this.rows.set(number, row);
             this.raw.set(number, Math.round(Number(row.factory) / Number(row.scale)));
         }
-        for (const [number, raw] of [[83, 1], [261, 1], [260, 0]]) {
+        for (const [number, raw] of [[83, 1], [261, 1], [260, 0], [305, 4096]]) {
             this.raw.set(number, raw);
         }
     }

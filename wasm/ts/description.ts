@@ -19,9 +19,6 @@ export interface Descriptions {
 /** Whose tables serve: this package's own before the drive's description was asked for, and of a drive without one. */
 export type DescriptionState = "own" | "reading" | "read" | "refused";
 
-/** Between two looks whether the drive is there, s. */
-const LOOK = 0.05;
-
 /** Those that were read since this program began. */
 const KEPT: Descriptions = new Map<string, Uint8Array>();
 
@@ -34,8 +31,6 @@ export class Describer {
     #link: Link;
     #kept: Descriptions;
     #asked = false;
-    /** The next look, s. */
-    #due = 0;
     state: DescriptionState = "own";
     /** Why the description was refused. */
     problem: string | undefined;
@@ -51,11 +46,6 @@ export class Describer {
     }
 
     poll(): void {
-        const now = this.#link.now;
-        if (now < this.#due) {
-            return;
-        }
-        this.#due = now + LOOK;
         const { connected, silent } = this.#link.master;
         if (!connected) {
             this.#asked = false;

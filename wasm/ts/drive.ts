@@ -1,6 +1,7 @@
 // A drive as its master sees it: on a bench, or on a real bus.
 
 import {
+    speedParameters,
     type BuildInfo,
     type DeviceInfo,
     type DriveValues,
@@ -47,9 +48,6 @@ const REFUSALS = new Map([
     [2, "parameters do not fit together"],
     [4, "it was not asked for Standby before"],
 ]);
-
-/** What decides the range of set-points: the three enables, the speed of open loop, and the limits of both closed loops. */
-const SPEED_PARAMETERS = [81, 82, 83, 88, 101, 102, 103, 104];
 
 /** A master, and how its drive is known. */
 export interface DriveOptions extends MasterOptions {
@@ -123,7 +121,7 @@ export class Drive {
         this.master.checkSpeed(whole("start", rpm, -SPEED_MAX));
         if (await this.#link.wait(() => this.state !== undefined, START_MAX)) {
             // What does not answer leaves what is known; the wait below ends by its time.
-            await Promise.allSettled(SPEED_PARAMETERS.map((number) => this.parameters.get(number)));
+            await Promise.allSettled([...speedParameters()].map((number) => this.parameters.get(number)));
         }
         this.#expectSpeed(rpm);
         if (mine !== this.#commands) {
@@ -253,6 +251,11 @@ export class Drive {
     /** Mechanical speed by what the control mode uses, rpm: that of the hall sensors, by back-EMF, or in open loop that of the field. */
     get speed(): number | undefined {
         return this.master.speed;
+    }
+
+    /** Whether a download has the bus, or is about to: nothing of lower priority comes through before its end, SDOs of TX-Drivers among it. */
+    get downloads(): boolean {
+        return this.descriptionState === "reading" || this.#link.downloads;
     }
 
     /** BUILD_INFO and DEVICE_INFO, asked for now. */

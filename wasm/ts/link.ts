@@ -122,6 +122,11 @@ export class Link {
         return this.#now;
     }
 
+    /** A download goes on, or waits for the one before it. */
+    get downloads(): boolean {
+        return this.#download !== undefined || this.#downloads.length > 0;
+    }
+
     get startPending(): boolean {
         return this.#starter.pending;
     }

@@ -174,6 +174,14 @@ fn packages(root: &Path) -> Outcome {
     Ok(Vec::new())
 }
 
+/// Node, for whatever calls our modules often: Node 20 ends with "unreachable code" now and then, where it has inlined a call of WebAssembly that returns
+/// an object.
+pub fn node() -> Command {
+    let mut command = Command::new("node");
+    command.arg("--no-turbo-inline-js-wasm-calls");
+    command
+}
+
 fn cargo_home() -> Option<PathBuf> {
     env::var_os("CARGO_HOME")
         .map(PathBuf::from)

@@ -32,6 +32,20 @@ pub struct SpeedError {
 }
 
 impl SpeedLimits {
+    /// Parameters that decide about them: the enables, the speed of open loop, the limits of both closed loops, and the pole pairs, which those follow
+    /// while they have their factory values.
+    pub const PARAMETERS: [u16; 9] = [
+        number::MOTOR_POLE_PAIRS,
+        number::OPEN_LOOP_ENABLE,
+        number::SENSORLESS_ENABLE,
+        number::HALL_ENABLE,
+        number::OPEN_LOOP_SPEED,
+        number::SPEED_MAX_SL,
+        number::SPEED_MIN_SL,
+        number::SPEED_MAX_HES,
+        number::SPEED_MIN_HES,
+    ];
+
     /// What MOTOR_CMD can carry.
     pub const WIRE: Self = Self {
         min: SpeedLimit { rpm: 0, parameter: None },

@@ -178,8 +178,8 @@ impl Master {
 
 /// Commands: what the motor is to do, repeated every period.
 impl Master {
-    /// Set-points that the drive takes as they are; `None` before the parameters that say so were heard: the three enables (81 to 83), and 101 to 104
-    /// or 88.
+    /// Set-points that the drive takes as they are; `None` before the parameters that say so were heard: of [`SpeedLimits::PARAMETERS`] those
+    /// of the enabled mode.
     pub fn speed_limits(&self) -> Option<SpeedLimits> {
         SpeedLimits::of(|number| self.parameters.get(number).map(|heard| heard.value))
     }

@@ -200,7 +200,7 @@ pub struct narx_speed_limits_t {
     pub max_parameter: u16,
 }
 
-/// Limits of the set-point in the mode that the drive's parameters enable; NARX_NOTHING before they were heard (81 to 83, and those of
+/// Limits of the set-point in the mode that the drive's parameters enable; NARX_NOTHING before they were heard (78, 81 to 83, and those of
 /// narx_speed_limits_t): narx_master_config_t has `read_parameters` for that.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_speed_limits(

@@ -3,7 +3,7 @@
 //!
 //! | file | JavaScript | Rust |
 //! |---|---|---|
-//! | `master.rs`, `requests.rs`, `update.rs` | `Master`, `imageInfo` | [`narx_core::master`] |
+//! | `master.rs`, `requests.rs`, `update.rs` | `Master`, `speedParameters`, `imageInfo` | [`narx_core::master`] |
 //! | `description.rs` | `Master.describe` | [`narx_core::master::DescriptionReader`] |
 //! | `tx_master.rs` | `TxMaster`, `txObjects` | [`narx_core::master::eddycan`] |
 //! | `messages.rs` | `decode` | [`narx_core::bus`] |
@@ -23,7 +23,7 @@ mod tx_master;
 mod update;
 
 pub use dictionary::{log_records, measurement_signals, parameters, scope_signals};
-pub use master::Master;
+pub use master::{Master, speed_parameters};
 pub use messages::decode;
 pub use slcan::{SlcanLines, close_slcan, encode_slcan, open_slcan};
 pub use tx_master::{TxMaster, tx_objects};

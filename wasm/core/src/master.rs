@@ -204,7 +204,7 @@ impl Master {
         Ok(())
     }
 
-    /// Set-points that the drive takes as they are; `undefined` before the parameters that say so were heard: 81 to 83, and 88 or 101 to 104.
+    /// Set-points that the drive takes as they are; `undefined` before those of `speedParameters` that say so were heard.
     #[wasm_bindgen(getter, js_name = speedLimits, unchecked_return_type = "SpeedLimits | undefined")]
     pub fn speed_limits(&self) -> JsValue {
         let Some(SpeedLimits { min, max }) = self.limits() else { return JsValue::UNDEFINED };
@@ -484,6 +484,12 @@ impl Master {
         let Self { core, now, image, .. } = self;
         core.poll_frame(*now).or_else(|| core.poll_update_frame(*now, image))
     }
+}
+
+/// Numbers of the parameters that decide about `speedLimits`.
+#[wasm_bindgen(js_name = speedParameters)]
+pub fn speed_parameters() -> Vec<u16> {
+    SpeedLimits::PARAMETERS.to_vec()
 }
 
 pub(crate) fn microseconds(seconds: f64) -> u64 {

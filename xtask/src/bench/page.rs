@@ -3,7 +3,6 @@
 use super::{Context, tools};
 use crate::figures::{Figure, Part};
 use crate::{driven, web};
-use std::process::Command;
 
 /// Compressed, bytes: those of `tests/wasm/size.test.mjs`.
 const MODULES: [(&str, f64); 3] = [("narx", 153_600.0), ("core", 61_440.0), ("lab", 153_600.0)];
@@ -24,8 +23,7 @@ pub(super) fn part(context: &Context<'_>) -> Part {
 fn measure(context: &Context<'_>) -> Result<Part, String> {
     web::package(context.root)?;
     let program = context.root.join("tests/wasm/frame.mjs");
-    // Node 20's compiler stumbles over inlined calls of WebAssembly.
-    let text = driven::output(Command::new("node").arg("--no-turbo-inline-js-wasm-calls").arg(program))?;
+    let text = driven::output(web::node().arg(program))?;
     let figure = |key: &str| {
         let line = text.lines().find_map(|line| line.strip_prefix(key)?.trim().parse::<f64>().ok());
         line.ok_or_else(|| format!("no {key} in: {text}"))

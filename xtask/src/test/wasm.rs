@@ -5,14 +5,13 @@ use crate::parity::Replayer;
 use crate::steps::{self, Step};
 use crate::web;
 use std::path::Path;
-use std::process::Command;
 
 /// What is run, in order.
 pub fn steps(root: &Path) -> Vec<Step<'_>> {
     let mut steps = web::build(root);
     steps.push(Step::new("type declarations", move || web::declarations(root, true)));
     steps.push(Step::new("wasm in Node", move || {
-        node(root, &["recording", "bench", "changes", "drive", "core", "full", "size"])
+        node(root, &["recording", "bench", "changes", "drive", "described", "core", "full", "size"])
     }));
     steps.push(Step::new("page in Chromium", move || {
         // CHROMIUM names another browser.
@@ -29,7 +28,7 @@ pub fn replayers(root: &Path) -> Vec<Replayer> {
     let program = |name, script| {
         let script = root.join("tests/wasm").join(script);
         Replayer::new(name, move |arguments| {
-            let mut command = Command::new("node");
+            let mut command = web::node();
             command.arg(&script).args(arguments);
             command
         })
@@ -42,8 +41,7 @@ const CHROMIUM: Package = Package { name: "chromium-headless-shell", provides: "
 
 /// Runs test files of `tests/wasm`.
 fn node(root: &Path, names: &[&str]) -> steps::Outcome {
-    let mut command = Command::new("node");
-    // Node 20 ends with "unreachable code" now and then, where it has inlined a call of WebAssembly that returns an object.
-    command.args(["--no-turbo-inline-js-wasm-calls", "--test", "--test-reporter=tap"]).current_dir(root);
+    let mut command = web::node();
+    command.args(["--test", "--test-reporter=tap"]).current_dir(root);
     steps::run(command.args(names.iter().map(|name| format!("tests/wasm/{name}.test.mjs"))))
 }

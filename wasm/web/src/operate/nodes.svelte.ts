@@ -44,8 +44,9 @@ export class Node {
         this.#settle();
     }
 
-    poll(now: number): Frame[] {
-        if (!this.#asked) {
+    /** What is to be sent. Nothing new is asked without room for its answer on the bus. */
+    poll(now: number, room: boolean): Frame[] {
+        if (!this.#asked && room) {
             this.#asked = this.#waiting.shift();
             try {
                 this.#asked?.begin();
@@ -88,8 +89,8 @@ class Nodes {
         }
     }
 
-    poll(now: number): Frame[] {
-        return this.#all().flatMap((node) => node.poll(now));
+    poll(now: number, room: boolean): Frame[] {
+        return this.#all().flatMap((node) => node.poll(now, room));
     }
 
     clear(): void {

@@ -165,7 +165,7 @@ class Session {
         if (!link || !drive) {
             return;
         }
-        for (const frame of [...drive.poll(link.now), ...nodes.poll(link.now)]) {
+        for (const frame of [...drive.poll(link.now), ...nodes.poll(link.now, !drive.downloads)]) {
             link.send(frame);
         }
         this.#changed = true;
