@@ -3,7 +3,7 @@
 use crate::bench::IDENTITY;
 use crate::pair::{Pair, is_request, said};
 use narx_core::bus::narmotion::{DigitalOutputs, FromDrive, ParameterStatus, ToDrive};
-use narx_core::dictionary::{Dictionary, Parameters, number};
+use narx_core::dictionary::{Dictionary, number};
 use narx_core::master::{
     Answer, BuildInfo, Config, DeviceInfo, Heard, Master, NotTaken, Request, RequestError, Service,
 };
