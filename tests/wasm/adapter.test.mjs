@@ -22,9 +22,10 @@ after(async () => {
     await browser?.close();
 });
 
-afterEach(() => {
+afterEach(async () => {
     adapters.forEach((adapter) => adapter.end());
     adapters = [];
+    await browser?.closePages();
 });
 
 /** A port with the drive behind it. */

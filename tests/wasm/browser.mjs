@@ -33,7 +33,7 @@ function exists(path) {
     }
 }
 
-/** Server and browser; `open(options, route)` is a page that has loaded at that route, `close()` ends both. */
+/** Server and browser; `open(options, route)` is a page that has loaded at that route, `closePages()` closes all of them, `close()` ends both. */
 export async function start() {
     const server = await serve({ "/": PAGE, [PACKAGE]: fileURLToPath(new URL("../../wasm/pkg/web", import.meta.url)) });
     // Containers have neither user namespaces for the sandbox nor a large /dev/shm.
@@ -51,6 +51,10 @@ export async function start() {
             page.on("requestfailed", (request) => complaints.push(`not loaded: ${request.url()}`));
             await page.goto(`http://127.0.0.1:${server.address().port}/${route}`);
             return { page, complaints };
+        },
+        /** A page that is left open goes on simulating, and every later test gets less of the machine. */
+        async closePages() {
+            await Promise.all(browser.contexts().map((context) => context.close()));
         },
         async close() {
             await browser.close();

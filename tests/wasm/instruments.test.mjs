@@ -1,7 +1,7 @@
 // The instruments of the operating panel in Chromium: virtual scope, log, services, update.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
+import { after, afterEach, before, test } from "node:test";
 import { start as launch } from "./browser.mjs";
 import { drop, go, inState, isDrawn, logged, operate, saved, start } from "./operating.mjs";
 import { image } from "./signing.mjs";
@@ -15,6 +15,7 @@ before(async () => {
     browser = await launch();
 });
 after(() => browser?.close());
+afterEach(() => browser?.closePages());
 
 /** The scope's lamp that is on. */
 function lamp(page, name) {

@@ -1,7 +1,7 @@
 // The operating panel in Chromium, on the virtual drive: command, parameters, faults, trace.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
+import { after, afterEach, before, test } from "node:test";
 import { start as launch } from "./browser.mjs";
 import { go, inState, isDrawn, operate, reaches, saved, start } from "./operating.mjs";
 
@@ -10,6 +10,7 @@ before(async () => {
     browser = await launch();
 });
 after(() => browser?.close());
+afterEach(() => browser?.closePages());
 
 test("motors spin up to their set-point and stop", async () => {
     const { page, complaints } = await operate(browser, "connection");

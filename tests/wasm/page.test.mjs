@@ -1,7 +1,7 @@
 // The frame of the built page in Chromium: routes, colours, accessibility.
 
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
+import { after, afterEach, before, test } from "node:test";
 import { routes, start, violations } from "./browser.mjs";
 
 let browser;
@@ -9,6 +9,7 @@ before(async () => {
     browser = await start();
 });
 after(() => browser?.close());
+afterEach(() => browser?.closePages());
 
 test("every route has its heading, fits a narrow screen, and breaks no rule of accessibility in light or dark", async () => {
     for (const colorScheme of ["light", "dark"]) {

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { basename } from "node:path";
-import { after, before, test } from "node:test";
+import { after, afterEach, before, test } from "node:test";
 import { deflateRawSync, inflateRawSync } from "node:zlib";
 import { start as launch } from "./browser.mjs";
 import { drop, go, inState, isDrawn, operate, saved, start } from "./operating.mjs";
@@ -14,6 +14,7 @@ before(async () => {
     browser = await launch();
 });
 after(() => browser?.close());
+afterEach(() => browser?.closePages());
 
 /** The text of the last row of opened files. */
 function lastFile(page) {
