@@ -42,13 +42,17 @@ export function reaches(page, rpm, tolerance) {
  */
 export async function start(page, rpm) {
     const [runs, fault] = ["Closed-loop Hall Effect Sensors", "Fault"].map((name) => page.locator(".bar .state").getByText(name, { exact: true }));
+    const refusal = page.getByRole("form", { name: "Command" }).getByRole("alert");
     for (let tries = 0; tries < 5; tries++) {
         await page.locator("#start:enabled").waitFor();
         await page.locator("#setpoint").fill(String(rpm));
         await page.locator("#start").click();
-        await runs.or(fault).waitFor();
+        await runs.or(fault).or(refusal).first().waitFor();
         if (await runs.isVisible()) {
             return;
+        }
+        if (!(await fault.isVisible())) {
+            throw new Error(`the start: ${await refusal.textContent()}`);
         }
         await page.locator(".bar .faults").getByText(/device timeout|time-out \(parameter 114\)/).waitFor();
         await standsBy(page);
