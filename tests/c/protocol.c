@@ -185,7 +185,7 @@ static void a_master_downloads(void)
 /* A drive with hall sensors says its limits; another set-point is refused. */
 static void set_points_are_checked(void)
 {
-    static const uint16_t said[4][2] = {{83, 1}, {104, 600}, {103, 2191}, {0, 0}};
+    static const uint16_t said[5][2] = {{78, 4}, {83, 1}, {104, 600}, {103, 2191}, {0, 0}};
     static narx_master_t asking;
     narx_speed_limits_t limits;
     narx_frame_t frame = {0};

@@ -10,6 +10,8 @@ export const MOTOR: MotorOptions = {
     inductance: 2e-4,
     torqueConstant: 0.036,
     inertia: 4.8e-6,
+    // The drive's own 6 A: the chapters show what the drive does, and not what a small winding lasts.
+    ratedCurrent: 6,
 };
 
 export const SUPPLY = 24;
