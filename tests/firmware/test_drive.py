@@ -83,7 +83,7 @@ def test_what_is_stored_outlives_a_reboot_and_what_is_logged_comes_down(master):
     assert master.write(29, 0x2000 + 202 * 4) == 0, "of the bus voltage"
     assert master.write(256, 0) == 0
     assert master.write(256, 1) == 0, "stored"
-    assert master.write(99, 1) == 0
+    assert master.write(98, 8000) == 0, "this one is stored by itself, before the restart at the latest"
     master.run(1.0)
     written = master.parameter(71)
     assert written > 20
@@ -91,7 +91,7 @@ def test_what_is_stored_outlives_a_reboot_and_what_is_logged_comes_down(master):
     master.send(REBOOT, 0)
     master.wait(0.2, lambda: REBOOT_ACKNOWLEDGED in master.seen, "acknowledgement")
     master.wait_for_state(STANDBY, 2.0)
-    assert master.parameter(99) == 1234
+    assert (master.parameter(98), master.parameter(99)) == (8000, 1234)
     assert master.parameter(71) >= written, "the log goes on"
 
     assert master.write(68, 20) == 0
