@@ -291,7 +291,8 @@ class Drive:
             self._link.is_described = isinstance(self._link, BenchLink)
 
     def reboot(self, wait: bool = True) -> None:
-        """Restarts a stopped drive, which stores first what was written (parameter 307 "Automatic store"). With `wait`, until it is in Standby or Fault again, or NoAnswerError after 5 s."""
+        """Restarts a stopped drive, which stores first what was written (parameter 307 "Automatic store"). With `wait`, returns once it is in Standby or
+        Fault again, or raises NoAnswerError after 5 s."""
         self._request("reboot")
         self._link.is_described = isinstance(self._link, BenchLink)
         if not wait:

@@ -311,13 +311,13 @@ impl OperatingRange {
         self.0.torque.iter().map(|point| point.torque).collect()
     }
 
-    /// What allows no more torque at each speed: "rated current", "phase current", "power", "bus current" or "voltage".
+    /// Limit of the torque at each speed: "rated current", "phase current", "power", "bus current" or "voltage".
     #[getter]
     fn torque_limit(&self) -> Vec<&'static str> {
         self.0.torque.iter().map(|point| point.limit.name()).collect()
     }
 
-    /// What limits the drive on the way there, in words.
+    /// Limits of the drive that hold this motor back, a sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.0.notes.iter().map(ToString::to_string).collect()

@@ -174,7 +174,7 @@ pub enum CommissioningError {
         speed_max: f64,
         /// Smallest speed that commutation needs, mechanical rpm.
         speed_min: f64,
-        /// What leaves no more.
+        /// The limit that sets the largest speed.
         limit: SpeedLimit,
     },
     /// The largest speed that was asked for lies outside what the drive can do with this motor.
@@ -185,7 +185,7 @@ pub enum CommissioningError {
         least: f64,
         /// Largest speed that the drive allows without load, mechanical rpm.
         most: f64,
-        /// What allows no more.
+        /// The limit that sets `most`.
         limit: SpeedLimit,
     },
     /// A design rule asks for a value outside a parameter's range.

@@ -1,6 +1,6 @@
 //! Motors without a rated current run at up to 0.8 of their no-load speed, or a limit of the drive that forbids it is named.
 //!
-//! What a motor can do is computed here from its data and the supply, not taken from commissioning.
+//! The tests compute the speeds of a motor from its data and the supply, and do not ask commissioning.
 
 use crate::commanded::commanded_tick;
 use narx_core::dictionary::number;
@@ -81,7 +81,7 @@ fn forbidden(motor: &MotorConfig, supply: f64, rpm: f64, limit: SpeedLimit) -> R
         SpeedLimit::Ticks => ("two ticks a sector", ticks < 2.25, ticks),
         SpeedLimit::Samples => ("four samples a sector", ticks < 4.1, ticks),
         SpeedLimit::Voltage => ("volts", volts > 0.88 * supply, volts),
-        // What remains of the 12 A would not start the motor.
+        // The rest of the 12 A would not start the motor.
         SpeedLimit::PeakCurrent => ("amperes", half_ripple + friction > 8.5, half_ripple + friction),
         SpeedLimit::Reported => ("messages", rpm > 32_767.0, rpm),
         SpeedLimit::Asked => ("asked", false, 0.0),

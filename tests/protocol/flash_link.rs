@@ -196,6 +196,25 @@ fn a_restore_without_a_flash_is_refused() {
     }
 }
 
+/// A restore waits behind another store, which fails: it is stored when the flash is back.
+#[test]
+fn a_restore_outlives_the_store_before_it() {
+    let mut bench = bench(LOG);
+    bench.write(number::SPEED_RATE, 1234);
+    for value in [0, 1] {
+        bench.send(ToDrive::SetParameter { number: number::STORE_ONCE, value });
+    }
+    assert!(matches!(bench.node.poll_storage(), Some(Request::Store(_, Part::Once))));
+    bench.send(ToDrive::RestoreFactory { serial: 1 });
+    bench.node.handle_storage(Report::Stored { done: false, log: LOG });
+    assert_eq!(bench.node.poll_storage(), Some(Request::Open));
+    bench.node.handle_storage(Report::Opened(opened(FaultWord::empty(), LOG)));
+    let Some(Request::Store(stored, Part::Set)) = bench.node.poll_storage() else {
+        panic!("nothing is stored")
+    };
+    assert_eq!(stored.raw(number::SPEED_RATE), 2000);
+}
+
 /// What a flash brings that was missing may change everything: it is not looked for under a motor that turns.
 #[test]
 fn a_missing_flash_is_looked_for_at_rest() {

@@ -199,11 +199,10 @@ impl Node {
         self.flash.settled_from = self.flash.now.saturating_add(self.ticks(SETTLE_MS));
     }
 
-    /// Factory values in place of the stored set: they are in force after the next reboot, and so is what is written from now on. A flash that does not
-    /// answer cannot be restored, nor one that waits for another store.
+    /// Stores factory values in place of the stored set. They, and what is written from now on, are in force after the next reboot. Refused if the flash
+    /// does not answer or waits for another store; without a flash there is nothing to restore.
     pub(super) fn store_factory(&mut self) -> Result<(), Refused> {
         if !self.flash.attached {
-            // Nothing is kept there anyway.
             return Ok(());
         }
         if self.flash.is_absent() || self.flash.wanted.is_some() {
@@ -230,7 +229,7 @@ impl Node {
         }
     }
 
-    /// What a store keeps: the set in force. After a restore factory values, and what has been written since.
+    /// The set that a store writes: the one in force or, after a restore, factory values and those that were written since.
     fn kept(&self) -> Parameters {
         let mut kept = self.parameters.clone();
         let Flash { restored, written, .. } = &self.flash;
@@ -311,11 +310,12 @@ impl Node {
         if done {
             return;
         }
-        // The values are not stored yet: they are when the flash is back.
-        if storing.part == Part::Set {
+        let wanted = self.flash.wanted.take();
+        // What was to be stored is stored when the flash is back, a restore that waited behind it included.
+        if [Some(storing), wanted].iter().flatten().any(|store| store.part == Part::Set) {
             self.flash.due = Some(self.flash.now);
         }
-        if let Some(wanted) = self.flash.wanted.take() {
+        if let Some(wanted) = wanted {
             self.answer_store(wanted, false);
         }
     }

@@ -15,7 +15,7 @@ pub struct TorquePoint {
     pub speed: f64,
     /// At the shaft, beside the motor's own friction, N m; 0 where friction takes all.
     pub torque: f64,
-    /// What allows no more.
+    /// The limit that sets it.
     pub limit: TorqueLimit,
 }
 

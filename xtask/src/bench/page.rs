@@ -4,7 +4,7 @@ use super::{Context, tools};
 use crate::figures::{Figure, Part};
 use crate::{driven, web};
 
-/// Compressed, bytes: those of `tests/wasm/size.test.mjs`.
+/// Goals, compressed bytes; `tests/wasm/size.test.mjs` holds what may be loaded today.
 const MODULES: [(&str, f64); 3] = [("narx", 153_600.0), ("core", 61_440.0), ("lab", 153_600.0)];
 /// Processor time of a picture's worth of motor at 60 Hz: what is asked for, and what there is, ms.
 const MEDIAN: f64 = 0.5;
