@@ -150,17 +150,10 @@ pub(crate) const fn ratio(numerator: i64, denominator: i32) -> i32 {
     saturate64(quotient(if numerator < 0 { numerator - half } else { numerator + half }, denominator))
 }
 
-/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. Nobody divides `i64::MIN` by -1, which has no 64 bits. Without the feature
-/// `shortcuts` it goes bit by bit, because the compiler's own division takes 1.1 KB.
-#[cfg_attr(feature = "shortcuts", inline)]
-#[cfg_attr(not(feature = "shortcuts"), inline(never))]
+/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. Nobody divides `i64::MIN` by -1, which has no 64 bits. Bit by bit, because
+/// the compiler's own division takes 1.1 KB; nothing that is asked for in every tick divides 64 bits.
+#[inline(never)]
 pub(crate) const fn quotient(numerator: i64, denominator: i64) -> i64 {
-    if cfg!(feature = "shortcuts") {
-        return match numerator.checked_div(denominator) {
-            Some(quotient) => quotient,
-            None => 0,
-        };
-    }
     if denominator == 0 {
         return 0;
     }

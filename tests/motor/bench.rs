@@ -138,7 +138,7 @@ impl Closed {
             _ => {}
         }
         let watched = self.watched.as_mut().map(|drive| {
-            drive.handle_event(NO_CALM);
+            drive.wake();
             (drive.step(&samples), drive.poll_status())
         });
         let output = self.drive.step(&samples);

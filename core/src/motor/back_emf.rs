@@ -17,7 +17,6 @@
 //! the crossing is found where the flank, whose slope is known from the back-EMF constant, came from.
 
 mod edges;
-mod passing;
 mod window;
 
 use super::band::Band;
@@ -28,7 +27,7 @@ use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
 use super::samples::{SampleMode, Samples};
 use serde::{Deserialize, Serialize};
-use window::{Mean, signal};
+use window::signal;
 
 /// Coefficients of the back-EMF station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -93,20 +92,6 @@ pub struct Sight {
     pub missed: bool,
 }
 
-/// The ordinary crossing of a running motor.
-#[derive(Clone, Copy)]
-pub struct Crossing {
-    /// The rotor's sector.
-    pub sector: u8,
-    /// How long before the present boundary, 1/65 536 tick, negative is after it.
-    pub age: i32,
-    /// The signal's value at it, signed as it rises, raw I16F16 V.
-    pub threshold: i32,
-    /// Its age without the delays of comparators, and the mean that showed it.
-    ago: i32,
-    mean: Mean,
-}
-
 /// What is told from noise, times this, is a rotor on its way.
 const FIRST_SIGN: i32 = 4;
 /// Samples that the mean reaches back at most.
@@ -143,10 +128,9 @@ pub struct BackEmf {
     whole: bool,
     watch: Option<Watch>,
     passage: Passage,
-    /// Signals, raw I16F16 V, that say nothing new as long as this step goes on and is sampled in the on-time; empty while there is more to
-    /// it than one comparison. A recording is without it.
-    #[serde(skip)]
-    stale: Band,
+    /// Means that say nothing new, raw I16F16 V, as long as this step goes on and is sampled in this part of the period.
+    quiet: Band,
+    sampled: SampleMode,
     /// Samples that the mean takes: 2^shift.
     shift: u8,
     /// Samples since the blanking.
@@ -206,7 +190,7 @@ impl BackEmf {
         point: &OperatingPoint,
     ) -> Sight {
         let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
-        self.beware();
+        self.quiet = Band::EMPTY;
         let missed = self.follow(c, applied, point);
         let mut sight = Sight { missed, ..Sight::default() };
         let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
@@ -229,17 +213,69 @@ impl BackEmf {
             self.passage = Passage::Found;
         }
         sight.passed = self.passage == Passage::Found;
+        if self.age.saturating_add(applied.sample_at.into()) >= self.blank {
+            self.expect(c, samples, watch);
+        }
         if c.comparator { earlier.unwrap_or(sight) } else { sight }
     }
 
     /// The crossing was too early to be one: it is looked for again.
     pub fn reject(&mut self) {
-        (self.passage, self.after_run) = (Passage::Unseen, 0);
-        self.beware();
+        (self.passage, self.after_run, self.quiet) = (Passage::Unseen, 0, Band::EMPTY);
+    }
+
+    /// The sample of a tick in which the step goes on: true if it says nothing new. Then it is taken.
+    #[inline]
+    pub fn hears_nothing(
+        &mut self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+    ) -> bool {
+        if applied.step != self.step {
+            return false;
+        }
+        // Where no phase floats there is nothing to be heard.
+        let Some(watch) = self.watch else { return true };
+        if self.quiet.is_empty() || samples.sample_mode != self.sampled {
+            return false;
+        }
+        if c.comparator {
+            return true;
+        }
+        let mean = self.mean(signal(c, samples, watch.sector));
+        let quiet = self.quiet.contains(mean.value);
+        if quiet {
+            self.keep(mean, applied.sample_at);
+        }
+        quiet
+    }
+
+    /// What the next samples of this step are expected to show.
+    #[inline]
+    fn expect(&mut self, c: &BackEmfCoefficients, samples: &Samples, watch: Watch) {
+        self.sampled = samples.sample_mode;
+        self.quiet = match self.passage {
+            Passage::Healthy | Passage::Found if c.comparator => {
+                let agrees = watch.is_beyond(self.code) == (self.passage == Passage::Found);
+                if agrees { Band::new(i32::MIN, -1) } else { Band::EMPTY }
+            }
+            Passage::Healthy => Band::new(i32::MIN, self.threshold(samples, watch) - 1),
+            Passage::Found => Band::new(self.threshold(samples, watch) - self.noise, i32::MAX),
+            Passage::Unseen | Passage::Crossing => Band::EMPTY,
+        };
+    }
+
+    /// So many ticks of this step have passed.
+    #[inline]
+    pub const fn pass(&mut self, ticks: u32) {
+        let time = ticks.saturating_mul(TICK);
+        self.age = self.age.saturating_add_unsigned(time);
+        self.crossed = self.crossed.saturating_add_unsigned(time);
     }
 
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    #[inline]
     pub fn expects(&self, present: Step, torque: Direction) -> Option<u8> {
         if present == self.step && self.passage == Passage::Found {
             None
@@ -248,10 +284,8 @@ impl BackEmf {
         }
     }
 
-    /// Ages the pattern by the period that has ended and takes over its changes. True if a step ended unseen.
+    /// Takes over the changes of the period that has ended. True if a step ended unseen.
     fn follow(&mut self, c: &BackEmfCoefficients, applied: &PwmCommand, point: &OperatingPoint) -> bool {
-        self.age = self.age.saturating_add(TICK as i32);
-        self.crossed = self.crossed.saturating_add(TICK as i32);
         if !self.is_changed_by(applied) {
             return false;
         }
@@ -261,20 +295,14 @@ impl BackEmf {
         for (step, instant) in core::iter::once(first).chain(later) {
             if step != self.step {
                 missed |= self.passage != Passage::Found && self.whole && step.sector().is_some();
-                self.begin_late(c, step, instant, point);
+                self.begin(c, step, instant, point);
             }
         }
         missed
     }
 
-    /// [`begin`](Self::begin) where time matters less than room.
-    #[inline(never)]
-    fn begin_late(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
-        self.begin(c, step, instant, point);
-    }
-
     /// `step` began at `instant` of the period that has ended.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    #[inline]
     fn begin(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
         let OperatingPoint { torque, interval, emf } = *point;
         // The mean takes about an eighth of the step: one sample at 6 a step.
@@ -287,7 +315,7 @@ impl BackEmf {
         };
         self.whole = self.step.sector().is_some();
         (self.step, self.watch) = (step, watch(step, torque));
-        (self.passage, self.stale, self.shift) = (Passage::Unseen, Band::EMPTY, shift);
+        (self.passage, self.shift) = (Passage::Unseen, shift);
         (self.age, self.blank, self.interval) =
             (TICK as i32 - i32::from(instant), blanking(c, interval), interval);
         self.flank = emf / 4;
@@ -352,7 +380,7 @@ impl BackEmf {
     /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
     /// anew. So for a rotor that nothing is known of however long it takes; one that turns may cross behind it, and from three eighths of the
     /// step on that is a late crossing.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    #[inline]
     fn demagnetises(
         &mut self,
         c: &BackEmfCoefficients,
