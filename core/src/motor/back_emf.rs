@@ -22,7 +22,7 @@ mod window;
 use super::band::Band;
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
-use super::interval::{TICK, fraction};
+use super::interval::{TICK, fraction, time_of};
 use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
 use super::samples::{SampleMode, Samples};
@@ -266,10 +266,16 @@ impl BackEmf {
         };
     }
 
+    /// The bridge is off.
+    #[inline]
+    pub const fn coasts(&self) -> bool {
+        matches!(self.step, Step::Coast)
+    }
+
     /// So many ticks of this step have passed.
     #[inline]
     pub const fn pass(&mut self, ticks: u32) {
-        let time = ticks.saturating_mul(TICK);
+        let time = time_of(ticks);
         self.age = self.age.saturating_add_unsigned(time);
         self.crossed = self.crossed.saturating_add_unsigned(time);
     }

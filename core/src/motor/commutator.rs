@@ -27,7 +27,7 @@ pub struct Commutator {
     backward: bool,
     /// Advance included, u32 turn.
     boundary: u32,
-    /// For so many ticks from now nothing changes, if the rotor turns on as it does.
+    /// In so many ticks something changes, if the rotor turns on as it does.
     left: u32,
 }
 
@@ -56,7 +56,7 @@ impl Commutator {
         let known = torque == self.torque && backward == self.backward;
         match self.sector {
             Some(_) if plain && known && ahead >= seen => {
-                self.left = (ahead - seen).checked_div(per_tick).unwrap_or(0);
+                self.left = (ahead - seen).checked_div(per_tick).unwrap_or(0) + 1;
                 (first, Commutations::NONE)
             }
             Some(sector) if plain && known => {
@@ -86,14 +86,26 @@ impl Commutator {
             torque,
             backward,
             boundary,
-            left: left.unwrap_or(u32::MAX),
+            left: left.map_or(u32::MAX, |ticks| ticks.saturating_add(1)),
         };
     }
 
-    /// For how many ticks from the last step nothing changes, if the rotor turns on as it does.
+    /// So many ticks have passed.
+    #[inline]
+    pub const fn pass(&mut self, ticks: u32) {
+        self.left = self.left.saturating_sub(ticks);
+    }
+
+    /// For how many ticks from now nothing changes, if the rotor turns on as it does.
     #[inline]
     pub const fn rest(&self) -> u32 {
-        self.left
+        self.left.saturating_sub(1)
+    }
+
+    /// It is to be asked.
+    #[inline]
+    pub const fn is_due(&self) -> bool {
+        self.left == 0
     }
 
     /// The sector that it last commutated to; `None` while it has not.

@@ -186,17 +186,56 @@ impl Drive {
         self.applied
     }
 
-    /// Every station in turn, up to what is wanted: the step that this period begins with, and its commutations. The last of them goes on.
+    /// The stations whose deadline has come, or that something new concerns, in turn, up to what is wanted: the step that this period begins with, and
+    /// its commutations. The last of them goes on.
     #[inline(never)]
     fn ask(&mut self, samples: &Samples, current: Amps) -> (Step, Commutations) {
         self.pass_time();
-        let hall = self.rotor.step(&self.coefficients, samples);
+        let hall = self.sense_halls(samples);
+        let mut news = hall.is_some();
         if self.listens {
-            self.listen(samples);
+            news |= self.listen(samples);
         }
+        news |= !self.is_closed_loop();
         let stands = self.stands();
-        let critical = self.protect(samples, current, hall, stands);
+        let critical = self.protect(samples, current, hall.unwrap_or_default(), (news, stands));
         let moved = self.advance_state(critical, stands, samples);
+        let before = self.pattern.step;
+        let mut wanted = (before, Commutations::NONE);
+        if news || moved || self.commutator.is_due() {
+            wanted = self.choose_pattern(samples);
+        }
+        if self.reports.stirred {
+            self.find_change(samples);
+        }
+        let changes = wanted.0 != self.pattern.step;
+        self.rest.hall = samples.hall;
+        let uneasy = moved || !self.protection.is_quiet() || self.open_phase.is_found(&self.coefficients.open_phase);
+        self.rest.grant(if uneasy { 0 } else { self.due(changes, stands) });
+        wanted
+    }
+
+    /// The hall sensors, if their code is another or their deadline has come.
+    #[inline]
+    fn sense_halls(&mut self, samples: &Samples) -> Option<HallEvents> {
+        let quiet = samples.hall == self.rest.hall
+            && samples.edges.is_empty()
+            && self.rotor.rest() > 0
+            && (self.listens || !self.rotor.hall_mute());
+        if quiet { None } else { Some(self.rotor.step(&self.coefficients, samples)) }
+    }
+
+    /// A closed loop whose rotor turns on as it does.
+    #[inline]
+    fn is_closed_loop(&self) -> bool {
+        match self.machine.state() {
+            State::HallClosedLoop => true,
+            state => state.is_driving() && self.machine.is_sensorless() && self.sensorless.is_running(),
+        }
+    }
+
+    #[inline]
+    fn choose_pattern(&mut self, samples: &Samples) -> (Step, Commutations) {
         let (pattern, commutations) = self.pattern(samples);
         self.pattern = pattern;
         if let Some(last) = commutations.last() {
@@ -204,12 +243,6 @@ impl Drive {
         }
         self.count_commutation();
         self.open_phase.change(self.pattern.step);
-        if self.reports.stirred {
-            self.find_change(samples);
-        }
-        let changes = pattern.step != self.pattern.step;
-        self.rest.hall = samples.hall;
-        self.rest.grant(if moved || !self.protection.is_quiet() { 0 } else { self.due(changes, stands) });
         (pattern.step, commutations)
     }
 
@@ -222,22 +255,25 @@ impl Drive {
         self.applied = self.command(step, commutations, output.duty, output.rectification);
     }
 
+    /// True if the terminals tell anything new.
     #[inline]
-    fn listen(&mut self, samples: &Samples) {
+    fn listen(&mut self, samples: &Samples) -> bool {
         let bus_voltage = self.measurement.bus_voltage();
         let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
-        self.sensorless.observe(c, samples, bus_voltage, &self.applied, torque);
-        self.heed_speed();
+        let news = self.sensorless.observe(c, samples, bus_voltage, &self.applied, torque);
+        self.heed_speed() || news
     }
 
-    /// The estimator's speed may have changed.
+    /// The estimator's speed may have changed: true if it has.
     #[inline]
-    fn heed_speed(&mut self) {
+    fn heed_speed(&mut self) -> bool {
         let turns = self.sensorless.speed(&self.coefficients.sensorless);
-        if turns != self.sensorless_turns {
+        let changed = turns != self.sensorless_turns;
+        if changed {
             self.sensorless_rate = self.coefficients.speed_of_turns.apply32(turns);
             self.sensorless_turns = turns;
         }
+        changed
     }
 
     /// What is done once a millisecond, spread over its ticks.
@@ -309,24 +345,31 @@ impl Drive {
         }
     }
 
-    /// True when a critical fault is present now. `stands`: the rotor is not known to turn.
+    /// True when a critical fault is present now. `news`: a station has told something; `stands`: the rotor is not known to turn.
     #[inline]
-    fn protect(&mut self, samples: &Samples, current: Amps, hall: HallEvents, stands: bool) -> bool {
+    fn protect(
+        &mut self,
+        samples: &Samples,
+        current: Amps,
+        hall: HallEvents,
+        (news, stands): (bool, bool),
+    ) -> bool {
         let state = self.machine.state();
-        let mut noted = !self.rest.allows(samples, self.measurement.bus_voltage())
+        let driving = state.is_driving();
+        let mut stirs = !self.rest.allows(samples, self.measurement.bus_voltage())
             || current.abs().to_bits() > self.coefficients.protection.over_current.trip;
         let mut open_phase = false;
-        if state.is_driving() {
-            if !self.machine.calibrating() {
-                self.open_phase.count(current);
-                self.open_phase.rest(self.applied.step, self.applied.duty, current, stands);
-                open_phase = self.open_phase.is_found(&self.coefficients.open_phase);
-            }
-            let sensors = state == State::HallClosedLoop && (stands || self.minds(hall));
-            noted |= sensors || open_phase || self.sensorless_fault().is_some();
+        if driving && !self.machine.calibrating() {
+            self.open_phase.count(current);
+            self.open_phase.rest(self.applied.step, self.applied.duty, current, stands);
+            open_phase = self.open_phase.is_found(&self.coefficients.open_phase);
         }
-        let speed = if state.is_driving() { self.speed() } else { 0 };
-        noted |= !self.protection.stays_quiet(speed);
+        if news {
+            let sensors = state == State::HallClosedLoop && (stands || self.minds(hall));
+            let speed = if driving { self.speed() } else { 0 };
+            stirs |= sensors || self.sensorless_fault().is_some() || !self.protection.stays_quiet(speed);
+        }
+        let noted = stirs || open_phase || !self.protection.is_quiet();
         noted && self.judge(samples, current, hall, open_phase)
     }
 

@@ -5,7 +5,7 @@
 //! healthy rotor nothing. 000 and 111 are never taken. Glitches are counted; faults come from counts, not from one.
 
 use super::commutation::{Direction, SECTOR, sector_of};
-use super::interval::{SIXTH, TICK, part_of, speed_of};
+use super::interval::{SIXTH, TICK, part_of, speed_of, time_of};
 use super::samples::{EdgeSource, Samples};
 use crate::units::{ElectricalAngle, quotient};
 use serde::{Deserialize, Serialize};
@@ -152,8 +152,9 @@ impl Hall {
     #[inline]
     pub fn step(&mut self, c: &HallCoefficients, samples: &Samples) -> HallEvents {
         let level = c.sectors[(samples.hall & 7) as usize];
-        let events = if self.settled && level == self.sector && samples.edges.is_empty() {
-            HallEvents::default()
+        let same = (self.settled && level == self.sector) || (self.mute && level == INVALID);
+        let events = if same && samples.edges.is_empty() {
+            HallEvents { invalid: self.mute, ..HallEvents::default() }
         } else if let Some(age) = self.moves_on(c, samples, level, self.since_edge) {
             self.advance(c, level, age);
             HallEvents { sectors: self.direction.sign() as i8, ..HallEvents::default() }
@@ -208,7 +209,7 @@ impl Hall {
     /// So many ticks have passed: the last one is for [`step`](Self::step) to look at, and those before it had the present code and no edge.
     #[inline]
     pub const fn pass(&mut self, ticks: u32) {
-        self.since_edge = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
+        self.since_edge = self.since_edge.saturating_add(time_of(ticks));
         self.angle = self.angle_in(ticks);
         self.left = self.left.saturating_sub(ticks);
         if self.mute {

@@ -118,6 +118,8 @@ pub struct Machine {
     direction: Direction,
     /// HALL, SENSORLESS, OPEN_LOOP and CALIBRATION as sampled when leaving Standby.
     mode: Conditions,
+    /// This start is a sensorless one.
+    sensorless: bool,
     /// The next start runs the hall calibration.
     calibrate: bool,
     refusal: Refusal,
@@ -135,6 +137,7 @@ impl Default for Machine {
             acknowledged: false,
             direction: Direction::Forward,
             mode: Conditions::empty(),
+            sensorless: false,
             calibrate: false,
             refusal: Refusal::None,
         }
@@ -268,6 +271,8 @@ impl Machine {
             .union(Conditions::OPEN_LOOP)
             .union(Conditions::CALIBRATION);
         self.mode = conditions.intersection(modes);
+        let others = Conditions::HALL.union(Conditions::CALIBRATION);
+        self.sensorless = self.mode.contains(Conditions::SENSORLESS) && !self.mode.intersects(others);
         self.armed = false;
         self.calibrate = false;
         self.direction = self.requested_direction();
@@ -384,8 +389,7 @@ impl Machine {
 
     /// This start is a sensorless one.
     pub const fn is_sensorless(&self) -> bool {
-        let others = Conditions::HALL.union(Conditions::CALIBRATION);
-        self.mode.contains(Conditions::SENSORLESS) && !self.mode.intersects(others)
+        self.sensorless
     }
 
     /// No valid command for the time-out.

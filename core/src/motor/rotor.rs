@@ -77,6 +77,7 @@ impl Rotor {
     #[inline]
     pub const fn count_commutation(&mut self, sector: Option<u8>, backward: bool) {
         if let Some(sector) = sector
+            && !matches!(self.turned.sector, Some(counted) if counted == sector)
             && self.hall.is_mute()
         {
             self.turned.reach(sector, backward);

@@ -115,7 +115,8 @@ const STILL: u32 = 12;
 const ALIGNED_AT: u32 = (u32::MAX / 3) + 1;
 
 impl Sensorless {
-    /// One tick of the sensors, whatever the state. `applied` was in force until this period's boundary.
+    /// One tick of the sensors, whatever the state. `applied` was in force until this period's boundary. False if a running rotor turns on as it was
+    /// thought to.
     pub fn observe(
         &mut self,
         c: &SensorlessCoefficients,
@@ -123,13 +124,16 @@ impl Sensorless {
         bus_voltage: i32,
         applied: &PwmCommand,
         torque: Direction,
-    ) {
+    ) -> bool {
         if applied.step == Step::Coast && applied.commutations.is_empty() {
-            self.back_emf = BackEmf::default();
+            if !self.back_emf.coasts() {
+                self.back_emf = BackEmf::default();
+                self.listening.pass(1);
+            }
             self.rotor.begin_coasting();
             if self.phase == Phase::Kick {
                 self.listening.reset();
-                return;
+                return true;
             }
             let heard = self.listening.step(&c.back_emf, &samples.phase_voltage, applied.sample_at);
             if let Some(heard) = heard
@@ -137,22 +141,28 @@ impl Sensorless {
             {
                 self.rotor.observe_coasting(heard.place, heard.age, heard.direction);
             }
-            return;
+            return true;
         }
-        self.listening.reset();
+        if self.back_emf.coasts() {
+            self.listening.reset();
+            self.back_emf.pass(1);
+        }
         let point = self.operating_point(c, torque);
         let sight = self.back_emf.step(&c.back_emf, samples, bus_voltage, applied, &point);
         if !matches!(self.phase, Phase::Kick | Phase::Run) || (self.phase == Phase::Kick && self.age <= c.rest)
         {
-            return;
+            return true;
         }
         let starting = self.phase == Phase::Kick;
+        let angle = self.rotor.angle();
         if !self.rotor.observe(&sight, c.emf_of_turns, starting) {
             self.back_emf.reject();
         }
-        if sight.crossing.is_some() || sight.late {
+        let seen = sight.crossing.is_some() || sight.late;
+        if seen {
             self.idle = 0;
         }
+        seen || starting || sight.missed || self.rotor.angle() != angle || self.rotor.since() >= c.timeout
     }
 
     /// Nobody has listened: what was heard before is of another time.
@@ -202,8 +212,11 @@ impl Sensorless {
     /// So many ticks have passed.
     pub const fn pass(&mut self, ticks: u32) {
         self.rotor.pass(ticks);
-        self.back_emf.pass(ticks);
-        self.listening.pass(ticks);
+        if self.back_emf.coasts() {
+            self.listening.pass(ticks);
+        } else {
+            self.back_emf.pass(ticks);
+        }
         self.age = self.age.saturating_add(ticks);
         self.idle = self.idle.saturating_add(ticks);
     }

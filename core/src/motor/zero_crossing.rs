@@ -7,7 +7,7 @@
 use super::back_emf::{Level, Sight};
 use super::commutation::Direction;
 use super::gain::Gain;
-use super::interval::{SIXTH, TICK, TWELFTH, part_of, speed_of};
+use super::interval::{SIXTH, TICK, TWELFTH, part_of, speed_of, time_of};
 use serde::{Deserialize, Serialize};
 
 /// Blind steps in a row that the duty fades over; then the rotor is lost.
@@ -79,7 +79,7 @@ impl ZeroCrossing {
     /// So many ticks have passed: the last one is to be [observed](Self::observe).
     #[inline]
     pub const fn pass(&mut self, ticks: u32) {
-        let time = ticks.saturating_mul(TICK);
+        let time = time_of(ticks);
         self.since = self.since.saturating_add(time);
         self.fresh = self.fresh.saturating_add(time);
         self.angle = self.angle_in(ticks);

@@ -57,8 +57,11 @@ impl Drive {
         if self.machine.reversing() && !self.sensorless.is_running() {
             return (Pattern::OFF, Commutations::NONE);
         }
+        let phase = self.sensorless.phase();
         let plan = self.sensorless.step(&c.sensorless, state, direction);
-        self.heed_speed();
+        if self.sensorless.phase() != phase {
+            self.heed_speed();
+        }
         let c = &self.coefficients;
         match self.sensorless.take_begun() {
             Some(true) => self.control.start(&c.control, speed, self.measurement.bus_voltage()),

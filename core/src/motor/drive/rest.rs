@@ -85,6 +85,7 @@ impl Drive {
         self.rest.granted = self.rest.granted.saturating_sub(ticks);
         self.machine.pass(ticks);
         self.rotor.pass(ticks);
+        self.commutator.pass(ticks);
         if self.listens {
             self.sensorless.pass(ticks);
         }
