@@ -185,7 +185,6 @@ impl ZeroCrossing {
     ) -> ZeroCrossingReading {
         self.estimator.pass(1);
         self.listening.pass(1);
-        self.back_emf.pass(1);
         let mut crossing = None;
         if applied.step == Step::Coast && applied.commutations.is_empty() {
             self.listen(samples, applied);

@@ -19,10 +19,9 @@
 mod edges;
 mod window;
 
-use super::band::Band;
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
-use super::interval::{TICK, fraction, time_of};
+use super::interval::{TICK, fraction};
 use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
 use super::samples::{SampleMode, Samples};
@@ -74,7 +73,7 @@ pub enum Level {
 }
 
 /// What one tick saw.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sight {
     /// The rotor sector whose crossing is watched; `None` when no single phase floats.
     pub sector: Option<u8>,
@@ -128,9 +127,6 @@ pub struct BackEmf {
     whole: bool,
     watch: Option<Watch>,
     passage: Passage,
-    /// Means that say nothing new, raw I16F16 V, as long as this step goes on and is sampled in this part of the period.
-    quiet: Band,
-    sampled: SampleMode,
     /// Samples that the mean takes: 2^shift.
     shift: u8,
     /// Samples since the blanking.
@@ -190,7 +186,6 @@ impl BackEmf {
         point: &OperatingPoint,
     ) -> Sight {
         let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
-        self.quiet = Band::EMPTY;
         let missed = self.follow(c, applied, point);
         let mut sight = Sight { missed, ..Sight::default() };
         let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
@@ -213,71 +208,18 @@ impl BackEmf {
             self.passage = Passage::Found;
         }
         sight.passed = self.passage == Passage::Found;
-        if self.age.saturating_add(applied.sample_at.into()) >= self.blank {
-            self.expect(c, samples, watch);
-        }
         if c.comparator { earlier.unwrap_or(sight) } else { sight }
     }
 
     /// The crossing was too early to be one: it is looked for again.
     pub fn reject(&mut self) {
-        (self.passage, self.after_run, self.quiet) = (Passage::Unseen, 0, Band::EMPTY);
-    }
-
-    /// The sample of a tick in which the step goes on: true if it says nothing new. Then it is taken.
-    #[inline]
-    pub fn hears_nothing(
-        &mut self,
-        c: &BackEmfCoefficients,
-        samples: &Samples,
-        applied: &PwmCommand,
-    ) -> bool {
-        if applied.step != self.step {
-            return false;
-        }
-        // Where no phase floats there is nothing to be heard.
-        let Some(watch) = self.watch else { return true };
-        if self.quiet.is_empty() || samples.sample_mode != self.sampled {
-            return false;
-        }
-        if c.comparator {
-            return true;
-        }
-        let mean = self.mean(signal(c, samples, watch.sector));
-        let quiet = self.quiet.contains(mean.value);
-        if quiet {
-            self.keep(mean, applied.sample_at);
-        }
-        quiet
-    }
-
-    /// What the next samples of this step are expected to show.
-    #[inline]
-    fn expect(&mut self, c: &BackEmfCoefficients, samples: &Samples, watch: Watch) {
-        self.sampled = samples.sample_mode;
-        self.quiet = match self.passage {
-            Passage::Healthy | Passage::Found if c.comparator => {
-                let agrees = watch.is_beyond(self.code) == (self.passage == Passage::Found);
-                if agrees { Band::new(i32::MIN, -1) } else { Band::EMPTY }
-            }
-            Passage::Healthy => Band::new(i32::MIN, self.threshold(samples, watch) - 1),
-            Passage::Found => Band::new(self.threshold(samples, watch) - self.noise, i32::MAX),
-            Passage::Unseen | Passage::Crossing => Band::EMPTY,
-        };
+        (self.passage, self.after_run) = (Passage::Unseen, 0);
     }
 
     /// The bridge is off.
     #[inline]
     pub const fn coasts(&self) -> bool {
         matches!(self.step, Step::Coast)
-    }
-
-    /// So many ticks of this step have passed.
-    #[inline]
-    pub const fn pass(&mut self, ticks: u32) {
-        let time = time_of(ticks);
-        self.age = self.age.saturating_add_unsigned(time);
-        self.crossed = self.crossed.saturating_add_unsigned(time);
     }
 
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.
@@ -290,8 +232,10 @@ impl BackEmf {
         }
     }
 
-    /// Takes over the changes of the period that has ended. True if a step ended unseen.
+    /// Ages the step by the period that has ended and takes over its changes. True if a step ended unseen.
     fn follow(&mut self, c: &BackEmfCoefficients, applied: &PwmCommand, point: &OperatingPoint) -> bool {
+        self.age = self.age.saturating_add(TICK as i32);
+        self.crossed = self.crossed.saturating_add(TICK as i32);
         if !self.is_changed_by(applied) {
             return false;
         }

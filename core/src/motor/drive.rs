@@ -208,10 +208,9 @@ impl Drive {
         if self.reports.stirred {
             self.find_change(samples);
         }
-        let changes = wanted.0 != self.pattern.step;
         self.rest.hall = samples.hall;
         let uneasy = moved || !self.protection.is_quiet() || self.open_phase.is_found(&self.coefficients.open_phase);
-        self.rest.grant(if uneasy { 0 } else { self.due(changes, stands) });
+        self.rest.grant(if uneasy { 0 } else { self.due(stands) });
         wanted
     }
 
@@ -258,9 +257,7 @@ impl Drive {
     /// True if the terminals tell anything new.
     #[inline]
     fn listen(&mut self, samples: &Samples) -> bool {
-        let bus_voltage = self.measurement.bus_voltage();
-        let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
-        let news = self.sensorless.observe(c, samples, bus_voltage, &self.applied, torque);
+        let news = self.sensorless.observe(&self.coefficients.sensorless, samples, &self.applied);
         self.heed_speed() || news
     }
 
@@ -365,11 +362,13 @@ impl Drive {
             open_phase = self.open_phase.is_found(&self.coefficients.open_phase);
         }
         if news {
-            let sensors = state == State::HallClosedLoop && (stands || self.minds(hall));
+            let sensors = state == State::HallClosedLoop && self.minds(hall);
             let speed = if driving { self.speed() } else { 0 };
             stirs |= sensors || self.sensorless_fault().is_some() || !self.protection.stays_quiet(speed);
         }
-        let noted = stirs || open_phase || !self.protection.is_quiet();
+        // Torque on a rotor that stands is counted tick by tick.
+        let stalls = stands && state == State::HallClosedLoop;
+        let noted = stirs || stalls || open_phase || !self.protection.is_quiet();
         noted && self.judge(samples, current, hall, open_phase)
     }
 

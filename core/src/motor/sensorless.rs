@@ -9,7 +9,7 @@
 //!     +-- at rest --> Align (two locks) --> Kick ------+
 //! ```
 
-use super::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint};
+use super::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint, Sight};
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
 use super::listening::Listening;
@@ -90,6 +90,8 @@ pub enum Plan {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sensorless {
     back_emf: BackEmf,
+    /// What the last driven tick showed.
+    sight: Sight,
     rotor: ZeroCrossing,
     listening: Listening,
     rails: Rails,
@@ -115,9 +117,10 @@ const STILL: u32 = 12;
 const ALIGNED_AT: u32 = (u32::MAX / 3) + 1;
 
 impl Sensorless {
-    /// One tick of the sensors, whatever the state. `applied` was in force until this period's boundary. False if a running rotor turns on as it was
-    /// thought to.
-    pub fn observe(
+    /// Every tick of the terminals, whatever the state: true if they tell anything that [`observe`](Self::observe) is for. `applied` was in force until
+    /// this period's boundary.
+    #[inline]
+    pub fn hears(
         &mut self,
         c: &SensorlessCoefficients,
         samples: &Samples,
@@ -125,36 +128,28 @@ impl Sensorless {
         applied: &PwmCommand,
         torque: Direction,
     ) -> bool {
-        if applied.step == Step::Coast && applied.commutations.is_empty() {
-            if !self.back_emf.coasts() {
-                self.back_emf = BackEmf::default();
-                self.listening.pass(1);
-            }
-            self.rotor.begin_coasting();
-            if self.phase == Phase::Kick {
-                self.listening.reset();
-                return true;
-            }
-            let heard = self.listening.step(&c.back_emf, &samples.phase_voltage, applied.sample_at);
-            if let Some(heard) = heard
-                && (heard.direction == self.rotor.direction() || self.listening.agrees())
-            {
-                self.rotor.observe_coasting(heard.place, heard.age, heard.direction);
-            }
-            return true;
-        }
-        if self.back_emf.coasts() {
-            self.listening.reset();
-            self.back_emf.pass(1);
+        if coasts(applied) {
+            let silent = self.listening.hears_nothing(c.silence, &samples.phase_voltage, applied.sample_at);
+            return !silent || !self.back_emf.coasts();
         }
         let point = self.operating_point(c, torque);
         let sight = self.back_emf.step(&c.back_emf, samples, bus_voltage, applied, &point);
-        if !matches!(self.phase, Phase::Kick | Phase::Run) || (self.phase == Phase::Kick && self.age <= c.rest)
-        {
+        self.sight = sight;
+        sight.crossing.is_some() || sight.late || sight.missed
+    }
+
+    /// What a tick has [heard](Self::hears). False if a running rotor turns on as it was thought to.
+    pub fn observe(&mut self, c: &SensorlessCoefficients, samples: &Samples, applied: &PwmCommand) -> bool {
+        if coasts(applied) {
+            self.coast(c, samples, applied);
             return true;
         }
+        self.listening.reset();
         let starting = self.phase == Phase::Kick;
-        let angle = self.rotor.angle();
+        if !(starting && self.age > c.rest || self.phase == Phase::Run) {
+            return true;
+        }
+        let (sight, angle) = (self.sight, self.rotor.angle());
         if !self.rotor.observe(&sight, c.emf_of_turns, starting) {
             self.back_emf.reject();
         }
@@ -165,24 +160,28 @@ impl Sensorless {
         seen || starting || sight.missed || self.rotor.angle() != angle || self.rotor.since() >= c.timeout
     }
 
+    /// One tick with the bridge off.
+    fn coast(&mut self, c: &SensorlessCoefficients, samples: &Samples, applied: &PwmCommand) {
+        if !self.back_emf.coasts() {
+            self.back_emf = BackEmf::default();
+            self.listening.pass(1);
+        }
+        self.rotor.begin_coasting();
+        if self.phase == Phase::Kick {
+            self.listening.reset();
+            return;
+        }
+        let heard = self.listening.step(&c.back_emf, &samples.phase_voltage, applied.sample_at);
+        if let Some(heard) = heard
+            && (heard.direction == self.rotor.direction() || self.listening.agrees())
+        {
+            self.rotor.observe_coasting(heard.place, heard.age, heard.direction);
+        }
+    }
+
     /// Nobody has listened: what was heard before is of another time.
     pub fn begin_listening(&mut self) {
         self.listening.reset();
-    }
-
-    /// The samples of a tick in which what is applied goes on: true if they say nothing new. Then they are taken.
-    #[inline]
-    pub fn hears_nothing(
-        &mut self,
-        c: &SensorlessCoefficients,
-        samples: &Samples,
-        applied: &PwmCommand,
-    ) -> bool {
-        if applied.step == Step::Coast {
-            self.listening.hears_nothing(c.silence, &samples.phase_voltage, applied.sample_at)
-        } else {
-            self.back_emf.hears_nothing(&c.back_emf, samples, applied)
-        }
     }
 
     /// What a step that begins now may expect.
@@ -214,8 +213,6 @@ impl Sensorless {
         self.rotor.pass(ticks);
         if self.back_emf.coasts() {
             self.listening.pass(ticks);
-        } else {
-            self.back_emf.pass(ticks);
         }
         self.age = self.age.saturating_add(ticks);
         self.idle = self.idle.saturating_add(ticks);
@@ -419,4 +416,10 @@ impl Sensorless {
     pub const fn phase(&self) -> Phase {
         self.phase
     }
+}
+
+/// All six switches were off for the whole period.
+#[inline]
+const fn coasts(applied: &PwmCommand) -> bool {
+    matches!(applied.step, Step::Coast) && applied.commutations.is_empty()
 }

@@ -21,7 +21,7 @@ impl BackEmf {
         let mut crossing = None;
         let edges = samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator);
         for edge in edges.filter(|edge| edge.instant < change) {
-            let since = self.age.saturating_sub((TICK - u32::from(edge.instant)) as i32);
+            let since = self.age.saturating_add(edge.instant.into());
             if self.edge(watch, edge.code, since >= self.blank, true) {
                 let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
                 crossing = Some((TICK - u32::from(edge.instant)) as i32 + delay);

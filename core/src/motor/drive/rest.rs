@@ -63,6 +63,9 @@ impl Drive {
     /// A quiet tick: nothing is due, and what it brings concerns no station.
     #[inline(always)]
     pub(super) fn rests(&mut self, samples: &Samples, current: Amps) -> bool {
+        let (c, bus, torque) =
+            (&self.coefficients.sensorless, self.measurement.bus_voltage(), self.machine.direction());
+        let heard = self.listens && self.sensorless.hears(c, samples, bus, &self.applied, torque);
         let rest = &mut self.rest;
         rest.passed = rest.passed.wrapping_add(1);
         let quiet = rest.passed <= rest.granted
@@ -70,8 +73,7 @@ impl Drive {
             && rest.current.contains(current.to_bits())
             && samples.hall == rest.hall
             && samples.edges.is_empty()
-            && (!self.listens
-                || self.sensorless.hears_nothing(&self.coefficients.sensorless, samples, &self.applied));
+            && !heard;
         if quiet {
             self.open_phase.count(current);
         }
@@ -91,20 +93,19 @@ impl Drive {
         }
     }
 
-    /// For how many ticks from now no station has more to do than to let time pass. `changes`: another step begins within this period; `stands`: the
-    /// rotor is not known to turn.
+    /// For how many ticks from now no station has more to do than to let time pass. `stands`: the rotor is not known to turn.
     #[inline]
-    pub(super) fn due(&self, changes: bool, stands: bool) -> u32 {
+    pub(super) fn due(&self, stands: bool) -> u32 {
         let own = match self.machine.state() {
             State::HallClosedLoop if stands || self.rotor.hall_mute() => 0,
             State::HallClosedLoop => self.commutator.rest(),
-            state => self.due_without_sensors(state, changes),
+            state => self.due_without_sensors(state),
         };
         own.min(self.machine.rest()).min(self.rotor.rest())
     }
 
     #[inline]
-    fn due_without_sensors(&self, state: State, changes: bool) -> u32 {
+    fn due_without_sensors(&self, state: State) -> u32 {
         let c = &self.coefficients;
         if self.open_phase.is_resting() {
             return 0;
@@ -112,8 +113,7 @@ impl Drive {
         if self.turns_field() {
             return self.commutator.rest().min(self.rotor.field_rest(c, !self.machine.reversing()));
         }
-        // The next tick looks at what floats then.
-        if changes || self.sensorless_fault().is_some() {
+        if self.sensorless_fault().is_some() {
             return 0;
         }
         let (present, torque) = (self.pattern.step, self.machine.direction());
