@@ -128,7 +128,6 @@ fn demagnetisation_is_no_evidence() {
         let phase_voltage = [24.0, floating, 0.0].map(|volts| (volts * 1e3) as u16);
         let samples = Samples { phase_voltage, sample_mode: SampleMode::OnTime, ..Samples::default() };
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
-        back_emf.pass(1);
         let sight = back_emf.step(&c, &samples, 24 << 16, &applied, &point);
         assert!(!sight.late, "tick {tick}");
         crossings.extend(sight.crossing.map(|age| f64::from(tick) - f64::from(age) / 65_536.0));

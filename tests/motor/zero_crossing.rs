@@ -60,7 +60,6 @@ fn fall(
         .map(|tick| {
             let emf = (crossing - f64::from(tick)) * volts;
             let samples = terminals(bus, emf, mode);
-            back_emf.pass(1);
             back_emf.step(c, &samples, raw(bus), &applied(Step::AB), &point)
         })
         .collect()
@@ -110,7 +109,6 @@ fn a_spike_does_not_outvote_the_window() {
     let applied = |step| PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
     let mut step = |step, emf| {
         let samples = terminals(24.0, emf, SampleMode::OnTime);
-        back_emf.pass(1);
         back_emf.step(&c, &samples, raw(24.0), &applied(step), &forward(100 << 16))
     };
     step(Step::CB, 0.0);
@@ -158,7 +156,6 @@ fn a_rotor_that_stops_has_not_crossed() {
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
         let emf = if tick < 20 { 0.2 } else { -0.01 };
         let samples = terminals(24.0, emf, SampleMode::OnTime);
-        back_emf.pass(1);
         let sight = back_emf.step(&c, &samples, raw(24.0), &applied, &forward(0));
         assert!(sight.crossing.is_none() && !sight.late, "tick {tick}");
     }
@@ -187,7 +184,6 @@ fn comparator_edges_with_their_delays() {
         let mut tick = |step, edges: &[Edge]| {
             let samples = Samples { edges: edges.iter().copied().collect(), ..Samples::default() };
             let applied = PwmCommand { step, ..PwmCommand::default() };
-            back_emf.pass(1);
             back_emf.step(&c, &samples, 0, &applied, &forward(2 << 16))
         };
         tick(before, &[]);
@@ -424,7 +420,6 @@ fn an_edge_before_the_commutation_of_its_period_counts() {
         if let Some(step) = then {
             applied.commutations.push(Commutation { instant: 60_000, step });
         }
-        back_emf.pass(1);
         back_emf.step(&c, &samples, 0, &applied, &forward(2 << 16))
     };
     tick(Step::CB, None, &[]);

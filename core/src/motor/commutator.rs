@@ -79,7 +79,10 @@ impl Commutator {
     ) {
         let backward = speed < 0;
         let boundary = before(entry(neighbour(sector, backward), speed), c.advance, speed);
-        let left = distance(angle, boundary, speed).saturating_sub(seen).checked_div(speed.unsigned_abs());
+        let ahead = distance(angle, boundary, speed);
+        // Beyond half a turn ahead is behind.
+        let room = if ahead > u32::MAX / 2 || seen >= SIXTH { 0 } else { ahead.saturating_sub(seen) };
+        let left = room.checked_div(speed.unsigned_abs());
         *self = Self {
             sector: Some(sector),
             step: Step::for_sector(sector, torque),
