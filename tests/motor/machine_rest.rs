@@ -23,7 +23,8 @@ fn a_machine_that_rests_has_no_row_that_holds() {
             let mut looked = rested;
             assert!(looked.advance(&c, &inputs).is_none(), "{before:?} {inputs:?}");
             // Nothing else is found out than for how long it rests.
-            (looked.wake(), rested.wake());
+            looked.wake();
+            rested.wake();
             assert_eq!(looked, rested, "{inputs:?}");
         }
     }
