@@ -151,13 +151,7 @@ impl Control {
 
     /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical
     /// rev/s; `target` is the set-point after saturation, and the rise towards it a millisecond, 16 extra bits.
-    pub fn turn(
-        &mut self,
-        mode: &ModeCoefficients,
-        target: (i32, i64),
-        speed: i32,
-        bus_voltage: i32,
-    ) {
+    pub fn turn(&mut self, mode: &ModeCoefficients, target: (i32, i64), speed: i32, bus_voltage: i32) {
         if self.interrupted {
             return;
         }

@@ -209,7 +209,8 @@ impl Drive {
             self.find_change(samples);
         }
         self.rest.hall = samples.hall;
-        let uneasy = moved || !self.protection.is_quiet() || self.open_phase.is_found(&self.coefficients.open_phase);
+        let uneasy =
+            moved || !self.protection.is_quiet() || self.open_phase.is_found(&self.coefficients.open_phase);
         self.rest.grant(if uneasy { 0 } else { self.due(stands) });
         wanted
     }

@@ -54,7 +54,13 @@ impl ChannelScale {
     pub const fn code_of(&self, value: i32) -> u16 {
         let (gain, least) = ((self.gain as i64) << 16, ((value as i64) << 32) - self.bias);
         let code = quotient(least + gain - 1, gain);
-        if code < 0 { 0 } else if code > u16::MAX as i64 { u16::MAX } else { code as u16 }
+        if code < 0 {
+            0
+        } else if code > u16::MAX as i64 {
+            u16::MAX
+        } else {
+            code as u16
+        }
     }
 
     /// Voltages of the three terminals. Only listening and reports ask for them.

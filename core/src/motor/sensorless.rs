@@ -198,7 +198,13 @@ impl Sensorless {
     pub fn rest(&self, c: &SensorlessCoefficients, state: State, present: Step, torque: Direction) -> u32 {
         match self.phase {
             // It is not asked to move on, and no speed falls for want of evidence.
-            _ if !state.is_driving() => if self.speed(c) == 0 { u32::MAX } else { 0 },
+            _ if !state.is_driving() => {
+                if self.speed(c) == 0 {
+                    u32::MAX
+                } else {
+                    0
+                }
+            }
             Phase::Run => self.rotor.rest(c.timeout, self.back_emf.expects(present, torque)),
             Phase::Align if self.level.value() == c.align_level => {
                 let end = if self.age <= c.align / 2 { c.align / 2 } else { c.align };

@@ -187,7 +187,9 @@ impl Memory {
         now.ticks += 1;
         let left = half.saturating_sub(now.words.into());
         self.count();
-        if left < NEAR && (left < inputs::WORDS_MAX || drive.has_rested()) && self.progress.phase != Phase::Done
+        if left < NEAR
+            && (left < inputs::WORDS_MAX || drive.has_rested())
+            && self.progress.phase != Phase::Done
         {
             self.turn_over(drive, samples);
         }

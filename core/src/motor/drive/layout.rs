@@ -7,7 +7,7 @@ use postcard::ser_flavors::Flavor;
 pub const LAYOUT_VERSION: u16 = 8;
 
 /// What the drive does with its inputs: rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 8;
+pub const BEHAVIOUR_VERSION: u16 = 9;
 
 impl Drive {
     /// Hands its serialised state (postcard) to `each` byte by byte, until that declines one. There is this one way, because all that

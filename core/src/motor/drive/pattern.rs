@@ -149,7 +149,8 @@ impl Drive {
         let off = matches!(demand, Demand::Off);
         let duty = if off { Duty::ZERO } else { duty };
         let idle = duty.to_bits() == 0 && (off || (self.applied.duty.to_bits() == 0 && !short));
-        let (step, commutations) = if idle { (Step::Coast, Commutations::NONE) } else { (step, commutations) };
+        let (step, commutations) =
+            if idle { (Step::Coast, Commutations::NONE) } else { (step, commutations) };
         let (sample_at, sample_mode) = self.sampling(duty.to_bits());
         PwmCommand { duty, rectification, sample_at, sample_mode, step, commutations }
     }

@@ -86,7 +86,6 @@ impl Drive {
         }
     }
 
-
     /// Open loop turns its field, whatever the rotor does.
     #[inline]
     pub(super) const fn turns_field(&self) -> bool {
