@@ -27,7 +27,7 @@ impl Drive {
         if !core::mem::take(&mut self.reports.due) {
             return None;
         }
-        self.tell();
+        self.pass_time();
         Some(self.status())
     }
 
