@@ -23,7 +23,7 @@ fn a_set_point_acknowledges_no_fault() {
     assert_eq!(machine.state(), State::Fault);
     inputs.critical = false;
     for _ in 0..100 {
-        machine.handle_set_point(ElectricalSpeed::ZERO);
+        machine.handle_set_point(ElectricalSpeed::ZERO, 0);
         machine.step(&c, &inputs);
     }
     assert_eq!(machine.state(), State::Fault);

@@ -225,29 +225,6 @@ proptest! {
     }
 }
 
-proptest! {
-    /// A rotor that turns on as it did, after any leap, changes nothing in the ticks for which the commutator rests.
-    #[test]
-    fn nothing_changes_while_the_commutator_rests(
-        earliest in 0..40_000_u16, advance in 0..1_u32 << 28, torque in prop::bool::ANY,
-        rotor in prop::collection::vec((any::<u32>(), prop_oneof![-(1 << 27)..1 << 27, any::<i32>()]), 1..20),
-    ) {
-        let c = CommutatorCoefficients { earliest, advance };
-        let torque = if torque { Direction::Forward } else { Direction::Reverse };
-        let mut commutator = Commutator::default();
-        for (start, speed) in rotor {
-            let (first, changes) = commutator.step(&c, start, speed, torque);
-            let present = changes.last().map_or(first, |change| change.step);
-            let (mut on, mut angle) = (commutator, start);
-            for tick in 1..=commutator.rest().min(50) {
-                angle = angle.wrapping_add_signed(speed);
-                let (first, changes) = on.step(&c, angle, speed, torque);
-                prop_assert_eq!((first, changes.is_empty()), (present, true), "tick {}", tick);
-            }
-        }
-    }
-}
-
 #[test]
 fn a_rotor_at_rest_does_not_commutate() {
     let c = CommutatorCoefficients { earliest: EARLIEST, advance: 0 };

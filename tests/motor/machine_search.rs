@@ -1,6 +1,6 @@
 //! The stateful machine around the table, explored breadth first to a fixpoint.
 //!
-//! A node is the machine's whole memory (by its serialised form) with its three times cut off above every threshold that they are
+//! A node is the machine's whole memory (by its serialised form) with the two ages cut off above every threshold that they are
 //! compared with, which loses nothing, and a few ghosts: what the specification needs to remember, kept by the
 //! test alone. From each node every event and every tick (512 combinations of inputs and enables) is tried.
 
@@ -20,8 +20,7 @@ pub(crate) struct Memory {
     pub(crate) state: State,
     pub(crate) age: u32,
     pub(crate) command: Command,
-    pub(crate) command_age: u32,
-    pub(crate) left: u32,
+    pub(crate) command_age: i32,
     pub(crate) armed: bool,
     pub(crate) acknowledged: bool,
     pub(crate) direction: Direction,
@@ -30,14 +29,14 @@ pub(crate) struct Memory {
     pub(crate) refusal: Refusal,
 }
 
-/// Each lasts for a tick at least in which nothing else ends, and for one in which the machine rests.
-pub(crate) const BOOT: u32 = 3;
-const LOCK: u32 = 3;
-const RAMP: u32 = 3;
+/// Each lasts for a tick at least in which nothing else ends.
+pub(crate) const BOOT: u32 = 2;
+const LOCK: u32 = 2;
+const RAMP: u32 = 2;
 const WAIT: u32 = 2;
-const TIMEOUT: u32 = 4;
+const TIMEOUT: u32 = 3;
 /// Above every threshold.
-const AGE_MAX: u32 = 5;
+const AGE_MAX: u32 = 4;
 
 pub(crate) fn coefficients(enables: u8) -> MachineCoefficients {
     MachineCoefficients {
@@ -109,11 +108,7 @@ fn key(memory: &Memory, ghost: Ghost) -> (Vec<u8>, Ghost) {
 
 fn bounded(mut memory: Memory) -> Memory {
     memory.age = memory.age.min(AGE_MAX);
-    memory.command_age = memory.command_age.min(AGE_MAX);
-    // Nothing that lasts is so far away.
-    if memory.left > AGE_MAX {
-        memory.left = u32::MAX;
-    }
+    memory.command_age = memory.command_age.min(AGE_MAX.cast_signed());
     memory
 }
 
@@ -154,10 +149,6 @@ fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Cha
                 Input::Calibrate(run) => after.handle_calibration(run),
                 Input::Tick { bits, enables } => {
                     let inputs = inputs(bits);
-                    // The drive wakes a machine whose health has changed.
-                    if inputs.unhealthy {
-                        after.wake();
-                    }
                     let change = after.step(&coefficients(enables), &inputs);
                     let memory = memory(&after);
                     check(&before, ghost, inputs, enables, &memory, change);
@@ -260,7 +251,7 @@ fn check_stops(
     let driving = before.state.is_driving();
     let judged = driving || before.state == State::Standby;
     let request = before.command.request;
-    let expired = before.command_age + 1 >= TIMEOUT;
+    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
     if judged && inputs.critical {
         assert_eq!(after.state, State::Fault, "a fault wins in the same tick: {}", context());
     } else if driving && request == Request::Standby {
@@ -295,7 +286,7 @@ fn check_start(
 ) {
     let (open_loop, sensorless, hall) = (enables & 1 != 0, enables & 2 != 0, enables & 4 != 0);
     let request = wanted(before.command.request);
-    let expired = before.command_age + 1 >= TIMEOUT;
+    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
     let able = request.is_some() && inputs.parameters_fit && !inputs.critical && !expired;
     let mode = before.calibrate || hall || open_loop || sensorless;
     if before.state == State::Standby {
@@ -324,9 +315,6 @@ fn check_start(
     if before.state.is_driving() {
         // What was sampled decides, not what is set now.
         let mut other = machine(before);
-        if inputs.unhealthy {
-            other.wake();
-        }
         other.step(&coefficients(!enables & 7), inputs);
         assert_eq!(memory(&other), *after, "enables are sampled: {}", context());
     }
@@ -363,7 +351,7 @@ fn check_reversal(
         assert_eq!(before.direction, after.direction, "never plug: {}", context());
     }
     let reversal = wanted(before.command.request).is_some_and(|direction| direction != before.direction);
-    let expired = before.command_age + 1 >= TIMEOUT;
+    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
     if before.state.is_driving() && reversal && !inputs.critical && !expired {
         let rests = inputs.stopped || before.state == State::RotorLock;
         let calibrated = before.mode.contains(Conditions::CALIBRATION) && inputs.calibrated;

@@ -387,7 +387,7 @@ fn a_crossing_tells_its_margin() {
     rotor.start(0, Direction::Forward);
     for crossing in 0..14 {
         for _ in 0..20 + 2 * i32::from(crossing == 13) {
-            rotor.pass(1);
+            rotor.advance();
         }
         let sight = Sight { sector: Some(crossing % 6), crossing: Some(0), passed: true, ..Sight::default() };
         assert!(rotor.observe(&sight, Gain::ZERO, false));

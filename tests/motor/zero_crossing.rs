@@ -11,6 +11,7 @@ use narx_core::motor::pwm::Commutation;
 use narx_core::motor::rails::{Rail, RailCoefficients, Rails};
 use narx_core::motor::zero_crossing::{BLIND_MAX, PREPARED, Why, ZeroCrossing};
 use narx_core::motor::{Cause, Direction, Edge, EdgeSource, PwmCommand, SampleMode, Samples, Step};
+use narx_core::units::Volts;
 
 const TICK: f64 = 65_536.0;
 /// 0.08 V, as four converter codes are.
@@ -206,7 +207,7 @@ fn fed(times: &[f64]) -> ZeroCrossing {
     let (mut tick, mut sector) = (0_i32, 0_u8);
     for time in times {
         while f64::from(tick) < *time {
-            rotor.pass(1);
+            rotor.advance();
             tick += 1;
         }
         let age = ((f64::from(tick) - time) * TICK) as i32;
@@ -260,12 +261,12 @@ fn the_next_interval_is_predicted_with_its_trend() {
 fn an_early_crossing_is_filtered() {
     let mut rotor = fed(&steady(20.0, 10));
     for _ in 0..8 {
-        rotor.pass(1);
+        rotor.advance();
     }
     assert!(!rotor.observe(&crossed(10 % 6, 0), Gain::ZERO, false));
     assert_eq!(rotor.why().0, Why::Filtered);
     for _ in 0..12 {
-        rotor.pass(1);
+        rotor.advance();
     }
     assert!(rotor.observe(&crossed(10 % 6, 0), Gain::ZERO, false));
     assert_eq!(rotor.why().0, Why::Accepted);
@@ -286,7 +287,7 @@ fn blind_steps_have_a_budget() {
         let off = (turned - 60.0 * f64::from(step) + 180.0).rem_euclid(360.0) - 180.0;
         assert!(off.abs() < 1.0, "step {step}: {turned}");
         for _ in 0..20 {
-            rotor.pass(1);
+            rotor.advance();
         }
         rotor.observe(&Sight { sector: Some(step % 6), missed: true, ..Sight::default() }, Gain::ZERO, false);
         assert_eq!((rotor.why().0, rotor.why().2), (Why::Blind, accepted));
@@ -301,7 +302,7 @@ fn blind_steps_have_a_budget() {
 fn demagnetisation_that_hides_the_crossing_is_no_restart() {
     let mut rotor = fed(&steady(20.0, 10));
     for _ in 0..15 {
-        rotor.pass(1);
+        rotor.advance();
     }
     let late = Sight { sector: Some(10 % 6), late: true, passed: true, ..Sight::default() };
     let before = rotor.angle();
@@ -319,25 +320,11 @@ fn a_rotor_that_has_not_crossed_is_not_commutated() {
     let mut rotor = fed(&steady(20.0, 10));
     let sight = Sight { sector: Some(10 % 6), level: Level::Before, ..Sight::default() };
     for _ in 0..35 {
-        rotor.pass(1);
+        rotor.advance();
         rotor.observe(&sight, Gain::ZERO, false);
     }
     let angle = f64::from(rotor.angle()) / 2_f64.powi(32) * 360.0;
     assert!((angle - 300.0).abs() < 0.1, "the middle of sector 4: {angle}");
-}
-
-/// A rotor of which nothing is known yet shows a level that comes too late, or a threshold that is not at 0: neither makes a speed.
-#[test]
-fn nothing_is_made_of_a_first_sign() {
-    let back_emf = Gain::from_ratio(1 << 16, 1).unwrap_or(Gain::ZERO);
-    for sight in [Sight { late: true, ..crossed(1, 0) }, Sight { threshold: 1 << 16, ..crossed(1, 0) }] {
-        let sight = if sight.late { Sight { crossing: None, ..sight } } else { sight };
-        let mut rotor = ZeroCrossing::default();
-        rotor.start(0, Direction::Forward);
-        rotor.pass(1);
-        assert!(rotor.observe(&sight, back_emf, false));
-        assert_eq!((rotor.speed(), rotor.is_prepared()), (0, false));
-    }
 }
 
 #[test]
@@ -373,9 +360,8 @@ fn a_coasting_motor_is_heard_both_ways() {
             let emfs = [emf(0.0), emf(1.0), emf(2.0)];
             let lowest = emfs.iter().copied().fold(0.0, f64::min);
             let neutral = (-0.8 - lowest).max(0.0);
-            let codes = emfs.map(|emf| ((neutral + emf).max(0.0) * 1e3).round() as u16);
-            listening.pass(1);
-            if let Some(found) = listening.step(&coefficients(), &codes, 0) {
+            let voltage = emfs.map(|emf| Volts::from_bits(raw((neutral + emf).max(0.0))));
+            if let Some(found) = listening.step(&voltage, NOISE, 0) {
                 assert_eq!(found.direction, direction);
                 heard += 1;
                 let place = f64::from(found.place) * 30.0 + per_tick * f64::from(found.age) / TICK;
@@ -391,8 +377,7 @@ fn a_coasting_motor_is_heard_both_ways() {
 fn a_motor_at_rest_is_quiet() {
     let mut listening = Listening::default();
     for _ in 0..100 {
-        listening.pass(1);
-        assert!(listening.step(&coefficients(), &[0, 20, 0], 0).is_none());
+        assert!(listening.step(&[0, 1_280, 0].map(Volts::from_bits), NOISE, 0).is_none());
     }
     assert!(!listening.is_turning() && listening.quiet() >= 90);
 }
@@ -402,8 +387,7 @@ fn a_motor_at_rest_is_quiet() {
 fn an_offset_is_no_rotation() {
     let mut listening = Listening::default();
     for _ in 0..100 {
-        listening.pass(1);
-        listening.step(&coefficients(), &[0, 900, 0], 0);
+        listening.step(&[0, 60_000, 0].map(Volts::from_bits), NOISE, 0);
     }
     assert!(!listening.is_turning() && listening.quiet() == 0 && listening.still() >= 90);
 }

@@ -100,7 +100,6 @@ impl Hall {
     pub fn step(&mut self, code: u8, edges: &[Edge]) -> HallReading {
         let edges = edges.iter().copied().take(EDGES_MAX).collect();
         let samples = Samples { hall: code, edges, ..Samples::default() };
-        self.station.pass(1);
         let events = self.station.step(&self.coefficients, &samples);
         HallReading {
             sector: self.station.sector(),

@@ -91,7 +91,7 @@ impl StateMachine {
 
     /// A set-point has arrived without a request; it feeds the time-out, too.
     pub fn handle_set_point(&mut self, speed: ElectricalSpeed) {
-        self.station.handle_set_point(speed);
+        self.station.handle_set_point(speed, 0);
     }
 
     /// One tick: time passes, at most one transition fires.

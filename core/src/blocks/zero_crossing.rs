@@ -183,8 +183,7 @@ impl ZeroCrossing {
         applied: &PwmCommand,
         torque: Direction,
     ) -> ZeroCrossingReading {
-        self.estimator.pass(1);
-        self.listening.pass(1);
+        self.estimator.advance();
         let mut crossing = None;
         if applied.step == Step::Coast && applied.commutations.is_empty() {
             self.listen(samples, applied);
@@ -202,7 +201,8 @@ impl ZeroCrossing {
         if self.mode == Mode::Starting {
             return;
         }
-        let heard = self.listening.step(&self.coefficients, &samples.phase_voltage, applied.sample_at);
+        let voltage = self.coefficients.terminal.convert_all(&samples.phase_voltage);
+        let heard = self.listening.step(&voltage, self.coefficients.noise, applied.sample_at);
         if let Some(heard) = heard
             && (heard.direction == self.estimator.direction() || self.listening.agrees())
         {

@@ -17,8 +17,10 @@
 //! the crossing is found where the flank, whose slope is known from the back-EMF constant, came from.
 
 mod edges;
+mod passing;
 mod window;
 
+use super::band::Band;
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
 use super::interval::{TICK, fraction};
@@ -26,7 +28,7 @@ use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
 use super::samples::{SampleMode, Samples};
 use serde::{Deserialize, Serialize};
-use window::signal;
+use window::{Mean, signal};
 
 /// Coefficients of the back-EMF station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -73,7 +75,7 @@ pub enum Level {
 }
 
 /// What one tick saw.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Sight {
     /// The rotor sector whose crossing is watched; `None` when no single phase floats.
     pub sector: Option<u8>,
@@ -89,6 +91,20 @@ pub struct Sight {
     pub passed: bool,
     /// The pattern changed since the last tick, and the step before had shown neither.
     pub missed: bool,
+}
+
+/// The ordinary crossing of a running motor.
+#[derive(Clone, Copy)]
+pub struct Crossing {
+    /// The rotor's sector.
+    pub sector: u8,
+    /// How long before the present boundary, 1/65 536 tick, negative is after it.
+    pub age: i32,
+    /// The signal's value at it, signed as it rises, raw I16F16 V.
+    pub threshold: i32,
+    /// Its age without the delays of comparators, and the mean that showed it.
+    ago: i32,
+    mean: Mean,
 }
 
 /// What is told from noise, times this, is a rotor on its way.
@@ -127,6 +143,10 @@ pub struct BackEmf {
     whole: bool,
     watch: Option<Watch>,
     passage: Passage,
+    /// Signals, raw I16F16 V, that say nothing new as long as this step goes on and is sampled in the on-time; empty while there is more to
+    /// it than one comparison. A recording is without it.
+    #[serde(skip)]
+    stale: Band,
     /// Samples that the mean takes: 2^shift.
     shift: u8,
     /// Samples since the blanking.
@@ -186,6 +206,7 @@ impl BackEmf {
         point: &OperatingPoint,
     ) -> Sight {
         let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
+        self.beware();
         let missed = self.follow(c, applied, point);
         let mut sight = Sight { missed, ..Sight::default() };
         let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
@@ -214,16 +235,11 @@ impl BackEmf {
     /// The crossing was too early to be one: it is looked for again.
     pub fn reject(&mut self) {
         (self.passage, self.after_run) = (Passage::Unseen, 0);
-    }
-
-    /// The bridge is off.
-    #[inline]
-    pub const fn coasts(&self) -> bool {
-        matches!(self.step, Step::Coast)
+        self.beware();
     }
 
     /// The sector whose crossing is still to come in `present`, the step that goes on from here.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn expects(&self, present: Step, torque: Direction) -> Option<u8> {
         if present == self.step && self.passage == Passage::Found {
             None
@@ -232,7 +248,7 @@ impl BackEmf {
         }
     }
 
-    /// Ages the step by the period that has ended and takes over its changes. True if a step ended unseen.
+    /// Ages the pattern by the period that has ended and takes over its changes. True if a step ended unseen.
     fn follow(&mut self, c: &BackEmfCoefficients, applied: &PwmCommand, point: &OperatingPoint) -> bool {
         self.age = self.age.saturating_add(TICK as i32);
         self.crossed = self.crossed.saturating_add(TICK as i32);
@@ -245,14 +261,20 @@ impl BackEmf {
         for (step, instant) in core::iter::once(first).chain(later) {
             if step != self.step {
                 missed |= self.passage != Passage::Found && self.whole && step.sector().is_some();
-                self.begin(c, step, instant, point);
+                self.begin_late(c, step, instant, point);
             }
         }
         missed
     }
 
+    /// [`begin`](Self::begin) where time matters less than room.
+    #[inline(never)]
+    fn begin_late(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
+        self.begin(c, step, instant, point);
+    }
+
     /// `step` began at `instant` of the period that has ended.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn begin(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
         let OperatingPoint { torque, interval, emf } = *point;
         // The mean takes about an eighth of the step: one sample at 6 a step.
@@ -265,7 +287,7 @@ impl BackEmf {
         };
         self.whole = self.step.sector().is_some();
         (self.step, self.watch) = (step, watch(step, torque));
-        (self.passage, self.shift) = (Passage::Unseen, shift);
+        (self.passage, self.stale, self.shift) = (Passage::Unseen, Band::EMPTY, shift);
         (self.age, self.blank, self.interval) =
             (TICK as i32 - i32::from(instant), blanking(c, interval), interval);
         self.flank = emf / 4;
@@ -330,7 +352,7 @@ impl BackEmf {
     /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
     /// anew. So for a rotor that nothing is known of however long it takes; one that turns may cross behind it, and from three eighths of the
     /// step on that is a late crossing.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn demagnetises(
         &mut self,
         c: &BackEmfCoefficients,

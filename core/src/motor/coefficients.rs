@@ -422,7 +422,6 @@ impl Builder<'_> {
             rails: self.rails(back_emf.back_emf),
             emf_of_turns: self.gain(emf, 60 * self.rate(), 6, 65_536 * self.pole_pairs() as u32),
             timeout: (self.wide(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i64 / 2) as u32,
-            silence: back_emf.terminal.code_of(back_emf.noise),
             rest,
             align,
             align_rate: rise_a_tick(lock_level, align / 4),

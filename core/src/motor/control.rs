@@ -2,27 +2,30 @@
 
 mod coast;
 mod coefficients;
-mod ease;
+mod cruise;
 
 use super::limits::{CurrentLimit, Limiter};
 use super::measurement::{Measured, Measurement};
 use super::pi::Pi;
 use super::pwm::Rectification;
 use super::ramp::Ramp;
-use crate::units::{Amps, Celsius, Duty};
+use crate::units::{Celsius, Duty};
 use coast::{CATCH, Coasting, feeds};
-use ease::Ease;
 use serde::{Deserialize, Serialize};
 
 pub use coefficients::{ControlCoefficients, ModeCoefficients};
+pub use cruise::Lane;
 
 /// What the state asks of the bridge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug)]
 pub enum Demand {
     /// Bridge off.
     Off,
-    /// A level (see [`ControlCoefficients::initial_level`]): rotor lock, open loop, calibration.
-    Level(i32),
+    /// A level: rotor lock, open loop, calibration.
+    Voltage {
+        /// Raw I16F16 volts.
+        voltage: i32,
+    },
     /// A speed: closed loop. Magnitudes in the direction of torque, raw I16F16 electrical rev/s.
     Speed {
         /// Estimated speed.
@@ -62,8 +65,10 @@ pub struct Control {
     catching: u16,
     /// The bridge was off in the midst of this episode.
     interrupted: bool,
+    /// The speed loop decides, by switches, and the current limiter waits at its voltage: as long as nothing comes near a limit, a tick is no
+    /// more than the division by the bus voltage.
+    settled: bool,
     output: Output,
-    ease: Ease,
 }
 
 /// Mean bus current beyond which diodes take over: -0.3 A.
@@ -79,13 +84,12 @@ const RETREAT: u16 = 8;
 
 impl Control {
     /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already:
-    /// that one is caught with diodes, where no voltage is too small. Every controller continues from the first voltage (parameter 84) on this bus
-    /// (raw I16F16 V).
-    pub fn start(&mut self, c: &ControlCoefficients, speed: i32, bus_voltage: i32) {
+    /// that one is caught with diodes, where no voltage is too small. Every controller continues from the `initial` voltage (parameter 84).
+    pub fn start(&mut self, c: &ControlCoefficients, speed: i32, initial: i32) {
         *self = Self { limit: self.limit, ..Self::default() };
         self.limit.start(&c.limits);
         self.setpoint.set(speed);
-        self.take_over(c.volts(c.initial_level, bus_voltage));
+        self.take_over(initial);
         self.catching = if speed == 0 { 0 } else { CATCH };
         if self.catching == 0 {
             self.output.rectification = Rectification::Synchronous;
@@ -121,37 +125,39 @@ impl Control {
         share(bus_voltage, self.output.duty.to_bits().saturating_sub(self.dead_time(c)))
     }
 
-    /// Something else than the samples has changed: the next tick decides anew.
-    pub const fn beware(&mut self) {
-        self.ease = Ease::NONE;
-    }
-
     /// Every controller continues from `voltage`.
     fn take_over(&mut self, voltage: i32) {
-        self.beware();
+        self.settled = false;
         self.speed.wait(voltage);
         self.current.wait(voltage);
         self.speed_voltage = voltage;
     }
 
-    /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand.
+    /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand. True if they changed.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn rate(
         &mut self,
         c: &ControlCoefficients,
         measurement: &Measurement,
         temperature: Celsius,
         turns: bool,
-    ) {
+    ) -> bool {
         let (voltage, current) = (measurement.bus_voltage(), measurement.bus_current());
         self.phase_current = per_duty(current, self.output.duty.to_bits());
-        if self.limit.update(&c.limits, (voltage, current), self.phase_current, temperature, turns) {
-            self.beware();
-        }
+        self.limit.update(&c.limits, (voltage, current), self.phase_current, temperature, turns)
     }
 
     /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical
     /// rev/s; `target` is the set-point after saturation, and the rise towards it a millisecond, 16 extra bits.
-    pub fn turn(&mut self, mode: &ModeCoefficients, target: (i32, i64), speed: i32, bus_voltage: i32) {
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn turn(
+        &mut self,
+        c: &ControlCoefficients,
+        mode: &ModeCoefficients,
+        target: (i32, i64),
+        speed: i32,
+        (bus_voltage, bus_current): (i32, i32),
+    ) {
         if self.interrupted {
             return;
         }
@@ -163,9 +169,13 @@ impl Control {
         } else if !mode.sparse || self.takes_turn(speed) {
             let ceiling = share(bus_voltage, mode.duty_max);
             self.speed_error = self.advance_setpoint(target, speed).saturating_sub(speed);
+            let before = self.speed_voltage;
             self.speed_voltage = self.speed.step(&mode.speed, self.speed_error, 0, ceiling);
+            self.settled = self.settled && self.may_follow(c, self.speed_voltage - before, bus_current);
+            if self.settled {
+                self.current.wait(self.speed_voltage);
+            }
         }
-        self.beware();
     }
 
     /// One tick.
@@ -175,39 +185,22 @@ impl Control {
         c: &ControlCoefficients,
         mode: &ModeCoefficients,
         demand: Demand,
-        bus_current: Amps,
-        measurement: &Measurement,
-    ) -> Output {
-        if !self.divides(c, demand, bus_current, measurement) {
-            self.decide(c, mode, demand, &measurement.measured(bus_current), measurement);
-        }
-        self.output
-    }
-
-    /// Every limit in turn.
-    #[inline(never)]
-    fn decide(
-        &mut self,
-        c: &ControlCoefficients,
-        mode: &ModeCoefficients,
-        demand: Demand,
         measured: &Measured,
         measurement: &Measurement,
-    ) {
-        self.beware();
-        let bus_voltage = measurement.bus_voltage();
+    ) -> Output {
         let (wanted, own) = match demand {
             Demand::Off => {
-                (self.output, self.interrupted) = (Output::default(), true);
-                return;
+                (self.output, self.interrupted, self.settled) = (Output::default(), true, false);
+                return self.output;
             }
-            Demand::Level(level) => (c.volts(level, bus_voltage), Limiter::Fixed),
+            Demand::Voltage { voltage } => (voltage, Limiter::Fixed),
             Demand::Speed { measured: speed, fade } => {
                 let begins = self.speed_error < 0 && feeds(c, measured);
                 let catches = self.catching > 0 || self.interrupted || self.coasting.is_some();
                 if (begins || catches) && self.coasts(c, measured, measurement, speed) {
                     self.output = Output { limiter: Limiter::Return, ..Output::default() };
-                    return;
+                    self.settled = false;
+                    return self.output;
                 }
                 match fade {
                     0 => (self.speed_voltage, Limiter::Speed),
@@ -221,10 +214,12 @@ impl Control {
         if limiter != own || own == Limiter::Fade {
             self.follow(c, mode, demand, measured);
         }
-        self.ease(c, mode, bus_voltage);
+        self.settled = self.is_settled(c);
+        self.output
     }
 
     /// Something else than the speed loop decides: it goes along.
+    #[inline(never)]
     fn follow(
         &mut self,
         c: &ControlCoefficients,

@@ -1,9 +1,9 @@
-//! The control tick: samples in, PWM command out, one road.
+//! The control tick: samples in, PWM command out, one straight line.
 
+mod calm;
 mod layout;
 mod pattern;
 mod reports;
-mod rest;
 mod signals;
 mod transitions;
 
@@ -16,25 +16,26 @@ use super::fault::Cause;
 use super::hall::HallEvents;
 use super::hall_calibration::HallCalibrator;
 use super::machine::Machine;
-use super::measurement::Measurement;
+use super::measurement::{Measured, Measurement};
 use super::open_phase::OpenPhase;
 use super::protection::{Evidence, Protection};
-use super::pwm::{Commutations, PwmCommand};
+use super::pwm::PwmCommand;
 use super::ramp::Ramp;
 use super::rotor::Rotor;
 use super::samples::Samples;
 use super::sensorless::Sensorless;
 use super::state::State;
-use crate::units::Amps;
+use crate::units::{Amps, ElectricalSpeed};
+use calm::{Calm, SHORTCUTS};
 use core::borrow::Borrow;
 pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use pattern::Pattern;
 use reports::Reports;
-use rest::Rest;
 use serde::{Deserialize, Serialize};
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Drive {
     coefficients: Coefficients,
     parameters_fit: bool,
@@ -58,9 +59,7 @@ pub struct Drive {
     /// Speed by back-EMF, 2^-32 turn a tick, and the same as raw I16F16 electrical rev/s: converted when it changes.
     sensorless_turns: i32,
     sensorless_rate: i32,
-    rest: Rest,
-    /// What goes on until the stations are asked again.
-    pattern: Pattern,
+    calm: Calm,
     /// What was applied in the last tick.
     applied: PwmCommand,
     reports: Reports,
@@ -99,8 +98,7 @@ impl Drive {
             on_time: (0, 0),
             sensorless_turns: 0,
             sensorless_rate: 0,
-            rest: Rest::default(),
-            pattern: Pattern::OFF,
+            calm: Calm::default(),
             applied: PwmCommand::default(),
             reports: Reports::default(),
         }
@@ -115,14 +113,14 @@ impl Drive {
     /// What follows from state and coefficients, and is asked for in every tick. The terminals are listened to with the bridge off, too: they
     /// tell whether the rotor stands.
     fn settle(&mut self) {
+        self.wake_halls();
         let listens = !self.machine.state().is_driving() || self.machine.is_sensorless();
         if listens && !self.listens {
             self.sensorless.begin_listening();
         }
         self.listens = listens;
         self.on_time = self.sampling_limits();
-        self.control.beware();
-        self.rest.stay_within(&self.coefficients.protection, self.machine.state());
+        self.settle_calm();
     }
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
@@ -132,23 +130,26 @@ impl Drive {
 
     /// By reference: an event is as large as the coefficients, and moving it takes longer than what most of them ask for.
     fn heed(&mut self, event: &Event) {
-        self.pass_time();
-        self.rest.end();
-        // A drive is told again and again what it knows, and that it is well: then the fault logic sleeps on.
-        let news = match event {
-            Event::Command(command) => !self.machine.knows(command.request),
-            Event::SetPoint(_) => false,
-            Event::Slow(slow) => !self.protection.stays_quiet_at(&self.coefficients.protection, slow),
-            Event::Health(health) => *health != self.health,
-            Event::Coefficients(_) | Event::CoefficientsRejected | Event::CalibrateHall(_) => true,
-        };
-        if news {
-            self.protection.wake();
-            self.machine.wake();
+        // A drive is told again and again what it knows, and that it is well. Then what changes is the set-point or the temperature, which are
+        // read once a millisecond, and no station need be woken.
+        match *event {
+            Event::Command(command) if self.machine.knows(command.request) => {
+                return self.hear(command.speed);
+            }
+            Event::SetPoint(speed) => return self.hear(speed),
+            Event::Slow(slow) if self.protection.stays_quiet_at(&self.coefficients.protection, &slow) => {
+                self.slow = slow;
+                return;
+            }
+            Event::Health(health) if health == self.health => return,
+            _ => {}
         }
+        self.wake();
+        self.leave_lane();
+        self.protection.wake();
         match event {
             Event::Command(command) => self.machine.handle_command(*command),
-            Event::SetPoint(speed) => self.machine.handle_set_point(*speed),
+            Event::SetPoint(_) => {}
             Event::Coefficients(coefficients) => {
                 self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
                 self.coefficients = *coefficients;
@@ -162,156 +163,182 @@ impl Drive {
         }
     }
 
-    /// The next tick asks every station and every limit, whether or not one has anything to do. A deadline may be early and never late, so this changes no
-    /// answer.
-    pub const fn wake(&mut self) {
-        self.rest.end();
-        self.control.beware();
+    /// The master is there, and nothing is new but the set-point.
+    #[inline]
+    fn hear(&mut self, speed: ElectricalSpeed) {
+        self.machine.handle_set_point(speed, self.calm.slept());
+        self.rest_anew();
     }
 
     /// One control tick.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         let place = self.control.tick(&self.coefficients.control);
         let current = self.measurement.step(&self.coefficients.measurement, samples);
-        if matches!(self.machine.state(), State::Initialization | State::Standby) {
-            self.measurement.find_zero(&self.coefficients.measurement, current);
+        if !SHORTCUTS {
+            self.look(place, samples, current);
+            return self.applied;
         }
-        let (step, commutations) = if self.rests(samples, current) {
-            (self.pattern.step, Commutations::NONE)
+        let in_lane = self.is_in_lane(current);
+        let step = if self.is_calm(samples, current, in_lane) {
+            Some(self.go_on(current))
         } else {
-            self.ask(samples, current)
+            self.turns(samples, current, in_lane)
         };
-        self.do_due(place, samples);
-        self.apply(step, commutations, current);
+        match step {
+            Some(step) => self.keep_on(step, place, samples, current, in_lane),
+            None => self.look(place, samples, current),
+        }
         self.applied
     }
 
-    /// The stations whose deadline has come, or that something new concerns, in turn, up to what is wanted: the step that this period begins with, and
-    /// its commutations. The last of them goes on.
+    /// From what is wanted to what is applied, with what is due in this `place` of the millisecond before it.
     #[inline(never)]
-    fn ask(&mut self, samples: &Samples, current: Amps) -> (Step, Commutations) {
-        self.pass_time();
-        let hall = self.sense_halls(samples);
-        let mut news = hall.is_some();
-        if self.listens {
-            news |= self.listen(samples);
+    fn conclude(&mut self, place: u32, pattern: &Pattern, samples: &Samples, current: Amps) {
+        let speed = match pattern.demand {
+            Demand::Speed { measured, .. } => Some(measured),
+            Demand::Off | Demand::Voltage { .. } => None,
+        };
+        self.do_due(place, speed, samples, current);
+        let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
+        if SHORTCUTS && speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
+            self.applied.commutations = pattern.commutations;
+        } else {
+            self.finish(pattern, current);
         }
-        news |= !self.is_closed_loop();
-        let stands = self.stands();
-        let critical = self.protect(samples, current, hall.unwrap_or_default(), (news, stands));
-        let moved = self.advance_state(critical, stands, samples);
-        let before = self.pattern.step;
-        let mut wanted = (before, Commutations::NONE);
-        if news || moved || self.commutator.is_due() {
-            wanted = self.choose_pattern(samples);
+    }
+
+    /// The loops with every limit.
+    #[inline(never)]
+    fn finish(&mut self, pattern: &Pattern, current: Amps) {
+        self.sensorless.beware();
+        self.leave_lane();
+        let measured = &self.measurement.measured(current);
+        let c = &self.coefficients;
+        let (c, mode) = (&c.control, c.mode(self.machine.state()));
+        let output = self.control.step(c, mode, pattern.demand, measured, &self.measurement);
+        self.applied = self.command(pattern, output.duty, output.rectification);
+    }
+
+    /// The whole tick.
+    #[inline(never)]
+    fn look(&mut self, place: u32, samples: &Samples, current: Amps) {
+        self.sensorless.beware();
+        if matches!(self.machine.state(), State::Initialization | State::Standby) {
+            self.measurement.find_zero(&self.coefficients.measurement, current);
         }
+        let pattern = self.survey(samples, &self.measurement.measured(current));
+        self.conclude(place, &pattern, samples, current);
+    }
+
+    /// Every station in turn, up to what is to be applied.
+    #[inline]
+    fn survey(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
+        self.wake();
+        let taken = self.is_taken();
+        let hall = if taken && !self.listens {
+            HallEvents { sectors: self.machine.direction().sign() as i8, ..HallEvents::default() }
+        } else {
+            self.sense_halls(samples)
+        };
+        if self.listens && !taken {
+            self.listen(samples, measured);
+        }
+        let critical = self.protect(samples, measured, hall);
+        self.advance_state(critical, samples);
+        let pattern = self.pattern(samples);
+        self.count_commutation();
+        self.open_phase.change(pattern.last());
+        self.calm_down(samples, pattern.demand);
         if self.reports.stirred {
             self.find_change(samples);
         }
-        self.rest.hall = samples.hall;
-        let uneasy =
-            moved || !self.protection.is_quiet() || self.open_phase.is_found(&self.coefficients.open_phase);
-        self.rest.grant(if uneasy { 0 } else { self.due(stands) });
-        wanted
+        pattern
     }
 
-    /// The hall sensors, if their code is another or their deadline has come.
-    #[inline]
-    fn sense_halls(&mut self, samples: &Samples) -> Option<HallEvents> {
-        let quiet = samples.hall == self.rest.hall
-            && samples.edges.is_empty()
-            && self.rotor.rest() > 0
-            && (self.listens || !self.rotor.hall_mute());
-        if quiet { None } else { Some(self.rotor.step(&self.coefficients, samples)) }
+    #[inline(never)]
+    fn listen(&mut self, samples: &Samples, measured: &Measured) {
+        let bus_voltage = measured.bus_voltage.to_bits();
+        let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
+        self.sensorless.observe(c, samples, bus_voltage, &self.applied, torque);
+        self.heed_speed();
     }
 
-    /// A closed loop whose rotor turns on as it does.
-    #[inline]
-    fn is_closed_loop(&self) -> bool {
-        match self.machine.state() {
-            State::HallClosedLoop => true,
-            state => state.is_driving() && self.machine.is_sensorless() && self.sensorless.is_running(),
-        }
+    /// The estimator's speed may have changed.
+    #[inline(never)]
+    fn heed_speed(&mut self) {
+        self.heed_speed_now();
     }
 
-    #[inline]
-    fn choose_pattern(&mut self, samples: &Samples) -> (Step, Commutations) {
-        let (pattern, commutations) = self.pattern(samples);
-        self.pattern = pattern;
-        if let Some(last) = commutations.last() {
-            self.pattern.step = last.step;
-        }
-        self.count_commutation();
-        self.open_phase.change(self.pattern.step);
-        (pattern.step, commutations)
-    }
-
-    /// From what is wanted to what is applied.
-    #[inline]
-    fn apply(&mut self, step: Step, commutations: Commutations, current: Amps) {
-        let c = &self.coefficients;
-        let mode = c.mode(self.machine.state());
-        let output = self.control.step(&c.control, mode, self.pattern.demand, current, &self.measurement);
-        self.applied = self.command(step, commutations, output.duty, output.rectification);
-    }
-
-    /// True if the terminals tell anything new.
-    #[inline]
-    fn listen(&mut self, samples: &Samples) -> bool {
-        let news = self.sensorless.observe(&self.coefficients.sensorless, samples, &self.applied);
-        self.heed_speed() || news
-    }
-
-    /// The estimator's speed may have changed: true if it has.
-    #[inline]
-    fn heed_speed(&mut self) -> bool {
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn heed_speed_now(&mut self) {
         let turns = self.sensorless.speed(&self.coefficients.sensorless);
-        let changed = turns != self.sensorless_turns;
-        if changed {
+        if turns != self.sensorless_turns {
             self.sensorless_rate = self.coefficients.speed_of_turns.apply32(turns);
             self.sensorless_turns = turns;
         }
-        changed
     }
 
-    /// What is done once a millisecond, spread over its ticks.
-    #[inline]
-    fn do_due(&mut self, place: u32, samples: &Samples) {
+    /// What is done once a millisecond, spread over its ticks. `speed` is that of a closed loop.
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    #[cfg_attr(not(target_arch = "wasm32"), inline)]
+    fn do_due(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
         if place > place::LAST {
             return;
         }
-        // A board with fewer ticks does more in its last.
+        if u32::from(self.coefficients.control.ticks_per_ms) <= place::LAST {
+            return self.share_out(place, speed, samples, current);
+        }
+        self.do_task(place, speed, samples, current);
+    }
+
+    /// A board with fewer ticks does more in its last.
+    #[inline(never)]
+    fn share_out(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
         let is_last = place + 1 >= u32::from(self.coefficients.control.ticks_per_ms);
         let end = if is_last { place::LAST } else { place };
         for task in place..=end {
-            self.do_task(task, samples);
+            self.do_task(task, speed, samples, current);
+        }
+    }
+
+    #[inline]
+    fn do_task(&mut self, task: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
+        match task {
+            place::RATINGS => self.rate(speed != Some(0)),
+            place::SPEED_LOOP => {
+                if let Some(speed) = speed {
+                    self.run_speed_loop(speed, current);
+                }
+            }
+            place::RAILS => {
+                if self.listens {
+                    self.check_rails();
+                }
+            }
+            _ => {
+                self.make_due(samples);
+                self.renew_lane();
+            }
+        }
+    }
+
+    /// `turns`: the rotor is not known to stand.
+    #[inline(never)]
+    fn rate(&mut self, turns: bool) {
+        let temperature = self.slow.temperature;
+        if self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns) {
+            self.leave_lane();
         }
     }
 
     #[inline(never)]
-    fn do_task(&mut self, task: u32, samples: &Samples) {
-        match task {
-            place::RATINGS => self.rate(),
-            place::SPEED_LOOP => self.run_speed_loop(),
-            place::RAILS => self.check_rails(),
-            _ => self.make_due(samples),
-        }
-    }
-
-    fn rate(&mut self) {
-        let stands = matches!(self.pattern.demand, Demand::Speed { measured: 0, .. });
-        let temperature = self.slow.temperature;
-        self.control.rate(&self.coefficients.control, &self.measurement, temperature, !stands);
-    }
-
-    fn run_speed_loop(&mut self) {
-        let Demand::Speed { measured: speed, .. } = self.pattern.demand else { return };
+    fn run_speed_loop(&mut self, speed: i32, current: Amps) {
         let c = &self.coefficients;
         let mode = c.mode(self.machine.state());
         // A rotor that is found late, or has leapt ahead, comes to the ramp of open loop at twice its rate.
         let rises = self.machine.state() == State::OpenLoop && !self.sensorless.is_caught();
         let (wanted, rate) = if rises {
-            let age = self.machine.age().saturating_add(self.rest.passed());
+            let age = self.machine.age().saturating_add(self.calm.slept());
             let rate = c.open_loop.rate.saturating_mul(2 * i64::from(c.control.ticks_per_ms));
             (c.open_loop.setpoint(age), rate)
         } else {
@@ -319,7 +346,19 @@ impl Drive {
             (commanded.min(mode.speed_max).max(mode.speed_min), c.control.speed_rate)
         };
         let target = if self.machine.reversing() { 0 } else { wanted };
-        self.control.turn(mode, (target, rate), speed, self.measurement.bus_voltage());
+        let bus = (self.measurement.bus_voltage(), current.to_bits());
+        self.control.turn(&c.control, mode, (target, rate), speed, bus);
+        self.keep_lane();
+    }
+
+    /// Volts of a level that is a share of the bus voltage or, with a nominal supply (parameter 266), volts already; raw I16F16.
+    #[inline]
+    fn volts(&self, level: i32) -> i32 {
+        if self.coefficients.control.levels_of_bus {
+            ((i64::from(self.measurement.bus_voltage()) * i64::from(level)) >> 16) as i32
+        } else {
+            level
+        }
     }
 
     /// This tick's commutation tells where the rotor is.
@@ -329,63 +368,56 @@ impl Drive {
         self.rotor.count_commutation(self.commutator.sector(), backward);
     }
 
+    #[inline(never)]
     fn check_rails(&mut self) {
         let c = &self.coefficients;
-        if self.listens && self.machine.state().is_driving() {
+        if self.machine.state().is_driving() {
             let speed = self.sensorless_forward();
             let driven = self.applied.step != Step::Coast;
             let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
             self.sensorless.check(&c.sensorless, driven, applied, self.control.phase_current(), speed);
             if !self.sensorless.is_running() {
                 self.heed_speed();
-                self.rest.end();
+                self.calm.end();
             }
         }
     }
 
-    /// True when a critical fault is present now. `news`: a station has told something; `stands`: the rotor is not known to turn.
+    /// True when a critical fault is present now.
     #[inline]
-    fn protect(
-        &mut self,
-        samples: &Samples,
-        current: Amps,
-        hall: HallEvents,
-        (news, stands): (bool, bool),
-    ) -> bool {
+    fn protect(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents) -> bool {
         let state = self.machine.state();
         let driving = state.is_driving();
-        let mut stirs = !self.rest.allows(samples, self.measurement.bus_voltage())
-            || current.abs().to_bits() > self.coefficients.protection.over_current.trip;
-        let mut open_phase = false;
-        if driving && !self.machine.calibrating() {
-            self.open_phase.count(current);
-            self.open_phase.rest(self.applied.step, self.applied.duty, current, stands);
-            open_phase = self.open_phase.is_found(&self.coefficients.open_phase);
-        }
-        if news {
-            let sensors = state == State::HallClosedLoop && self.minds(hall);
-            let speed = if driving { self.speed() } else { 0 };
-            stirs |= sensors || self.sensorless_fault().is_some() || !self.protection.stays_quiet(speed);
-        }
-        // Torque on a rotor that stands is counted tick by tick.
-        let stalls = stands && state == State::HallClosedLoop;
-        let noted = stirs || stalls || open_phase || !self.protection.is_quiet();
-        noted && self.judge(samples, current, hall, open_phase)
+        let open_phase = driving && !self.machine.calibrating() && {
+            self.open_phase.count(measured.bus_current);
+            self.open_phase.rest(self.applied.step, self.applied.duty, measured.bus_current, self.stands());
+            self.open_phase.is_found(&self.coefficients.open_phase)
+        };
+        let sensors = state == State::HallClosedLoop && self.minds(hall);
+        let speed = if driving { self.speed() } else { 0 };
+        let quiet = !sensors
+            && !open_phase
+            && self.sensorless.fault().is_none()
+            && self.is_quiet(samples, measured.bus_current, speed);
+        !quiet && self.judge(samples, measured, hall, open_phase)
     }
 
-    /// The hall sensors' events are for the fault logic: everything but an edge forward.
+    /// The hall sensors' events, or their silence, are for the fault logic: everything but an edge forward.
     #[inline]
     fn minds(&self, hall: HallEvents) -> bool {
         let forward =
             i32::from(hall.sectors) == self.machine.direction().sign() && self.protection.goes_forward();
-        hall.invalid || hall.jump || (hall.sectors != 0 && !forward)
+        hall.invalid
+            || hall.jump
+            || (hall.sectors != 0 && !forward)
+            || self.rotor.hall_stopped(&self.coefficients)
     }
 
     #[inline(never)]
-    fn judge(&mut self, samples: &Samples, current: Amps, hall: HallEvents, open_phase: bool) -> bool {
+    fn judge(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents, open_phase: bool) -> bool {
         let state = self.machine.state();
         let evidence = Evidence {
-            measured: self.measurement.measured(current),
+            measured: *measured,
             slow: self.slow,
             lines: samples.lines,
             health: self.health,

@@ -5,7 +5,7 @@
 //! healthy rotor nothing. 000 and 111 are never taken. Glitches are counted; faults come from counts, not from one.
 
 use super::commutation::{Direction, SECTOR, sector_of};
-use super::interval::{SIXTH, TICK, part_of, speed_of, time_of};
+use super::interval::{SIXTH, TICK, part_of, speed_of};
 use super::samples::{EdgeSource, Samples};
 use crate::units::{ElectricalAngle, quotient};
 use serde::{Deserialize, Serialize};
@@ -105,8 +105,6 @@ pub struct Hall {
     speed: i32,
     interpolated: i32,
     bounded: i32,
-    /// For so many ticks from now nothing but time passes, if the code stays.
-    left: u32,
     /// Until the last edge is this old no bound has to be looked for, 1/65 536 tick.
     unbounded: u32,
     /// Ticks in a row with the level 000 or 111, saturating.
@@ -133,7 +131,6 @@ impl Default for Hall {
             speed: 0,
             interpolated: 0,
             bounded: 0,
-            left: 0,
             unbounded: u32::MAX,
             invalid_run: 0,
             doubt: false,
@@ -148,57 +145,65 @@ const INVALID_RUN_MAX: u8 = 3;
 const CONVINCING: u8 = 2;
 
 impl Hall {
-    /// One tick, of which [`pass`](Self::pass) has told: takes the edges of the period that ended and the present level. Most ticks have no edge, and the level of the present sector.
+    /// One tick: takes the edges of the period that ended and the present level. Most ticks have no edge, and the level of the present sector.
     #[inline]
     pub fn step(&mut self, c: &HallCoefficients, samples: &Samples) -> HallEvents {
+        self.since_edge = self.since_edge.saturating_add(TICK);
+        self.angle = self.angle.wrapping_add(self.interpolated as u32);
         let level = c.sectors[(samples.hall & 7) as usize];
-        let same = (self.settled && level == self.sector) || (self.mute && level == INVALID);
-        let events = if same && samples.edges.is_empty() {
-            HallEvents { invalid: self.mute, ..HallEvents::default() }
+        let events = if self.settled && level == self.sector && samples.edges.is_empty() {
+            HallEvents::default()
         } else if let Some(age) = self.moves_on(c, samples, level, self.since_edge) {
             self.advance(c, level, age);
             HallEvents { sectors: self.direction.sign() as i8, ..HallEvents::default() }
         } else {
             self.attend(c, samples, level)
         };
-        if self.left == 0 {
-            self.stay_plausible(c);
-            self.left = self.rest_anew(c);
-        }
+        self.stay_plausible(c);
         events
+    }
+
+    /// The same of a tick in which a turning rotor shows its edge in the direction of `torque`, `ticks` after the last that was told: true. Else nothing is
+    /// done.
+    #[inline]
+    pub fn turns(&mut self, c: &HallCoefficients, samples: &Samples, torque: Direction, ticks: u32) -> bool {
+        let level = c.sectors[(samples.hall & 7) as usize];
+        let since = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
+        let Some(age) = self.moves_on(c, samples, level, since) else { return false };
+        if self.direction != torque {
+            return false;
+        }
+        self.since_edge = since;
+        self.advance(c, level, age);
+        self.stay_plausible(c);
+        true
     }
 
     /// Interpolation stays near its sector, and the speed is one that an edge which has not come allows.
     #[inline]
     fn stay_plausible(&mut self, c: &HallCoefficients) {
+        if self.angle.wrapping_sub(self.from) > self.span {
+            self.clamp();
+        }
         if self.since_edge > self.unbounded {
             self.bound();
         }
         if self.since_edge >= c.timeout && (self.valid > 0 || self.speed != 0 || self.doubt) {
             (self.valid, self.speed, self.bounded, self.doubt) = (0, 0, 0, false);
-            (self.intervals, self.unbounded) = ([0; 6], u32::MAX);
-            self.stand(c);
-        }
-        if self.angle.wrapping_sub(self.from) > self.span {
-            self.clamp();
+            self.intervals = [0; 6];
+            self.rest(c);
         }
     }
 
-    /// For how many ticks from now nothing but time passes, if the code stays.
-    #[inline]
-    pub const fn rest(&self) -> u32 {
-        self.left
-    }
-
-    fn rest_anew(&self, c: &HallCoefficients) -> u32 {
+    /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn calm(&self, c: &HallCoefficients) -> u32 {
         if !self.settled && !self.mute {
             return 0;
         }
         // Until an edge is overdue, and until none is standstill.
-        let end = match c.timeout.saturating_sub(self.since_edge) {
-            0 => u32::MAX,
-            left => (left - 1).min(self.unbounded.saturating_sub(self.since_edge)) / TICK,
-        };
+        let quiet = if self.since_edge >= c.timeout { u32::MAX } else { c.timeout - 1 };
+        let end = quiet.min(self.unbounded).saturating_sub(self.since_edge) / TICK;
         let per_tick = self.interpolated.unsigned_abs();
         let passed = self.angle.wrapping_sub(self.from);
         let room = if self.interpolated < 0 { passed } else { self.span.saturating_sub(passed) };
@@ -206,12 +211,10 @@ impl Hall {
         end.min(clamped)
     }
 
-    /// So many ticks have passed: the last one is for [`step`](Self::step) to look at, and those before it had the present code and no edge.
-    #[inline]
-    pub const fn pass(&mut self, ticks: u32) {
-        self.since_edge = self.since_edge.saturating_add(time_of(ticks));
-        self.angle = self.angle_in(ticks);
-        self.left = self.left.saturating_sub(ticks);
+    /// The present code, and no edge, for `ticks` that [`calm`](Self::calm) allowed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.since_edge = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
+        self.angle = self.angle.wrapping_add((self.interpolated as u32).wrapping_mul(ticks));
         if self.mute {
             self.invalid_run = self.invalid_run.saturating_add(if ticks > 255 { 255 } else { ticks as u8 });
         }
@@ -233,7 +236,7 @@ impl Hall {
     }
 
     /// The rotor has entered the next sector, `age` before this tick's boundary.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn advance(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
         self.count(self.since_edge.saturating_sub(age));
         self.enter(c, sector, age);
@@ -254,8 +257,7 @@ impl Hall {
         self.confirm(c, waiting, level, &mut events);
         // A level that no edge explained: without capture it *is* the edge; with capture its edge belongs to the
         // next tick, unless it was lost, and then the candidate is confirmed there.
-        let ran = if self.mute { self.invalid_run } else { self.invalid_run.saturating_add(1) };
-        self.invalid_run = if level == INVALID { ran } else { 0 };
+        self.invalid_run = if level == INVALID { self.invalid_run.saturating_add(1) } else { 0 };
         if level == INVALID {
             events.invalid = true;
         } else if self.sector != level && !captured && self.candidate.is_none() {
@@ -265,7 +267,6 @@ impl Hall {
                 self.observe_sector(c, level, SAMPLED_AGE, &mut events);
             }
         }
-        self.left = 0;
         self.settled = self.candidate.is_none() && self.sector == level && level != INVALID;
         self.mute = self.candidate.is_none() && level == INVALID;
         if events.invalid && has_code {
@@ -312,7 +313,7 @@ impl Hall {
             self.angle = centre(c, sector);
             // The rotor may turn already: what is left of this sector is no interval.
             self.since_edge = u32::MAX;
-            self.stand(c);
+            self.rest(c);
             return;
         }
         let direction = match (sector + 6 - self.sector) % 6 {
@@ -361,7 +362,7 @@ impl Hall {
     }
 
     /// One more interval of the present run.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn count(&mut self, interval: u32) {
         let [a, b, c, d, e, _] = self.intervals;
         if interval.max(a) > LONGEST {
@@ -373,17 +374,17 @@ impl Hall {
     }
 
     /// Angle and speed at the beginning of `sector`, which was `age` ago.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn enter(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
         let direction = self.direction;
-        (self.since_edge, self.left) = (age, 0);
+        self.since_edge = age;
         self.sector = sector;
         self.speed = self.measure();
         self.angle = entry(c, sector, direction).wrapping_add(part_of(self.speed, age as i32));
         self.bounded = self.speed;
         self.unbounded = if self.valid == 0 { u32::MAX } else { self.newest() };
         if self.speed.unsigned_abs() < c.interpolation_min.max(1) {
-            self.stand(c);
+            self.rest(c);
         } else {
             // From the edge behind to half a sector beyond the edge ahead.
             self.interpolated = self.speed;
@@ -394,7 +395,7 @@ impl Hall {
     }
 
     /// Below the speed floor the middle of the sector stands for all of it.
-    fn stand(&mut self, c: &HallCoefficients) {
+    fn rest(&mut self, c: &HallCoefficients) {
         if self.sector != INVALID {
             (self.from, self.span, self.interpolated) = (centre(c, self.sector), 0, 0);
         }
@@ -435,13 +436,7 @@ impl Hall {
         self.angle
     }
 
-    /// The same so many quiet ticks later.
-    #[inline]
-    pub const fn angle_in(&self, ticks: u32) -> u32 {
-        self.angle.wrapping_add((self.interpolated as u32).wrapping_mul(ticks))
-    }
-
-    /// Speed since the last edge, 2^-32 turn a tick, signed.
+    /// Speed that interpolates, 2^-32 turn a tick, signed.
     pub const fn speed(&self) -> i32 {
         self.speed
     }

@@ -2,12 +2,6 @@
 
 /// One tick in the units of intervals and ages: 1/65 536 tick.
 pub const TICK: u32 = 1 << 16;
-/// So many ticks, at most 65 535 of them, in that unit: longer than any time-out.
-#[inline]
-pub(super) const fn time_of(ticks: u32) -> u32 {
-    if ticks > 0xFFFF { u32::MAX } else { ticks << 16 }
-}
-
 /// One sixth of a turn as a u32 angle: a sector.
 pub(super) const SIXTH: u32 = u32::MAX / 6;
 /// One twelfth of a turn: half a sector.

@@ -8,10 +8,9 @@
 //!  reverse   (back-EMF inverted) A from 330 down to 210     A -> C at 210, C -> B at  90, B -> A at 330
 //! ```
 
-use super::back_emf::BackEmfCoefficients;
 use super::commutation::Direction;
 use super::interval::TICK;
-use crate::units::quotient;
+use crate::units::{Volts, quotient};
 use serde::{Deserialize, Serialize};
 
 /// The highest terminal changed: the rotor was there.
@@ -30,9 +29,8 @@ pub struct Heard {
 pub struct Listening {
     /// The highest terminal, 0 to 2, once one is.
     highest: Option<u8>,
-    /// Terminals of the tick before, converter codes, and where in its period they were sampled, 1/65 536.
-    previous: [u16; 3],
-    sampled_at: u16,
+    previous: [i32; 3],
+    previous_age: i32,
     /// Ticks of listening, saturating.
     ticks: u32,
     /// Ticks since a terminal was above the noise, saturating.
@@ -55,14 +53,15 @@ impl Listening {
         *self = Self::default();
     }
 
-    /// One tick with the bridge off, of which [`pass`](Self::pass) has told.
-    pub fn step(&mut self, c: &BackEmfCoefficients, codes: &[u16; 3], sample_at: u16) -> Option<Heard> {
-        let noise = c.noise;
-        let volts = |codes: [u16; 3]| codes.map(|code| c.terminal.convert(code));
-        let now = volts(*codes);
+    /// One tick with the bridge off.
+    pub fn step(&mut self, voltage: &[Volts; 3], noise: i32, sample_at: u16) -> Option<Heard> {
+        let now = voltage.map(Volts::to_bits);
         let age = -i32::from(sample_at);
-        let before = core::mem::replace(&mut self.previous, *codes);
-        let before_age = TICK as i32 - i32::from(core::mem::replace(&mut self.sampled_at, sample_at));
+        let before = core::mem::replace(&mut self.previous, now);
+        let before_age = core::mem::replace(&mut self.previous_age, age).saturating_add(TICK as i32);
+        self.ticks = self.ticks.saturating_add(1);
+        self.quiet = self.quiet.saturating_add(1);
+        self.still = self.still.saturating_add(1);
         if self.ticks < SETTLED {
             (self.quiet, self.still) = (0, 0);
             return None;
@@ -94,7 +93,6 @@ impl Listening {
         self.run = if direction == self.direction { self.run.saturating_add(1) } else { 1 };
         (self.highest, self.direction, self.still) = (Some(top), direction, 0);
         // Where the two were equal, between the two samples.
-        let before = volts(before);
         let lag = (level(&before, last) - level(&before, top)).max(0);
         let whole = (lag + lead).max(1);
         let span = before_age - age;
@@ -104,24 +102,6 @@ impl Listening {
             Direction::Reverse => (4 * last + 7) % 12,
         };
         Some(Heard { place, age: before_age - part, direction })
-    }
-
-    /// The samples of a tick with the bridge off: true if no terminal reaches `silence` (code). Then they are taken.
-    #[inline]
-    pub fn hears_nothing(&mut self, silence: u16, codes: &[u16; 3], sample_at: u16) -> bool {
-        let quiet = self.ticks >= SETTLED && codes.iter().all(|code| *code < silence);
-        if quiet {
-            (self.previous, self.sampled_at) = (*codes, sample_at);
-        }
-        quiet
-    }
-
-    /// So many ticks have passed.
-    #[inline]
-    pub const fn pass(&mut self, ticks: u32) {
-        self.ticks = self.ticks.saturating_add(ticks);
-        self.quiet = self.quiet.saturating_add(ticks);
-        self.still = self.still.saturating_add(ticks);
     }
 
     /// The rotor turns: more than a revolution in one direction.

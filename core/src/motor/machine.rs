@@ -107,10 +107,9 @@ pub struct Machine {
     /// Ticks in this state, saturating.
     age: u32,
     command: Command,
-    /// Ticks since the last valid command, saturating; saturated at boot: no master yet.
-    command_age: u32,
-    /// In so many ticks a row may hold by time alone.
-    left: u32,
+    /// Ticks since the last valid command, saturating; saturated at boot: no master yet. Below zero, what [`sleep`](Self::sleep) is still to
+    /// tell of the time before it.
+    command_age: i32,
     /// A Drive request would be a fresh edge.
     armed: bool,
     /// Standby was requested since the fault.
@@ -118,8 +117,6 @@ pub struct Machine {
     direction: Direction,
     /// HALL, SENSORLESS, OPEN_LOOP and CALIBRATION as sampled when leaving Standby.
     mode: Conditions,
-    /// This start is a sensorless one.
-    sensorless: bool,
     /// The next start runs the hall calibration.
     calibrate: bool,
     refusal: Refusal,
@@ -131,13 +128,11 @@ impl Default for Machine {
             state: State::Initialization,
             age: 0,
             command: Command::default(),
-            command_age: u32::MAX,
-            left: 0,
+            command_age: i32::MAX,
             armed: true,
             acknowledged: false,
             direction: Direction::Forward,
             mode: Conditions::empty(),
-            sensorless: false,
             calibrate: false,
             refusal: Refusal::None,
         }
@@ -147,7 +142,6 @@ impl Default for Machine {
 impl Machine {
     /// A valid command has arrived.
     pub fn handle_command(&mut self, command: Command) {
-        self.wake();
         self.command = command;
         self.command_age = 0;
         match command.request {
@@ -162,11 +156,11 @@ impl Machine {
         }
     }
 
-    /// A set-point has arrived: the request stays.
-    pub const fn handle_set_point(&mut self, speed: ElectricalSpeed) {
+    /// A set-point has arrived without a request, or with one that it [knows](Self::knows). Of the ticks before it, `slept` have not been told
+    /// yet.
+    pub const fn handle_set_point(&mut self, speed: ElectricalSpeed, slept: u32) {
         self.command.speed = speed;
-        self.command_age = 0;
-        self.wake();
+        self.command_age = slept.cast_signed().wrapping_neg();
     }
 
     /// Arms or withdraws the hall calibration; acts at the next start.
@@ -174,45 +168,50 @@ impl Machine {
         self.calibrate = run && CALIBRATES;
     }
 
-    /// True in the ordinary tick of a state, in which no row of the table can hold; else [`advance`](Self::advance) looks. Of the rows that ask for
-    /// standstill T47 alone waits for nothing else.
+    /// Time passes. True in the ordinary tick of a state, in which no row of the table can hold; else [`advance`](Self::advance) looks. The
+    /// conditions as in [`Inputs`].
     #[inline]
-    pub fn rests(&self, critical: bool, stopped: bool) -> bool {
-        self.left > 0 && !critical && !(stopped && self.state == State::SensorlessClosedLoop)
-    }
-
-    /// For how many ticks from now no row of the table can hold by time alone.
-    #[inline]
-    pub const fn rest(&self) -> u32 {
-        self.left.saturating_sub(1)
-    }
-
-    /// [`rest`](Self::rest), after everything was looked at.
-    fn rest_anew(&mut self, c: &MachineCoefficients) {
-        self.left = match self.state {
-            State::Initialization => c.boot.saturating_sub(self.age),
-            State::Standby if !self.wants_to_run() => u32::MAX,
-            State::Fault if !self.acknowledged => u32::MAX,
-            State::Standby | State::Fault => 0,
-            _ if self.calibrating() || !self.wants_to_run() || self.reversing() => 0,
+    pub fn rests(&mut self, c: &MachineCoefficients, critical: bool, stopped: bool, unhealthy: bool) -> bool {
+        self.age = self.age.saturating_add(1);
+        self.command_age = self.command_age.saturating_add(1);
+        match self.state {
+            State::Initialization => self.age < c.boot && !unhealthy,
+            State::Standby => !critical && !self.wants_to_run(),
+            State::Fault => !self.acknowledged,
             _ => {
-                let silent = c.command_timeout.saturating_sub(self.command_age);
-                silent.min(self.duration(c).saturating_sub(self.age))
+                !(critical || stopped || self.calibrating())
+                    && self.wants_to_run()
+                    && self.requested_direction() == self.direction
+                    && !self.command_expired(c)
+                    && self.age < self.duration(c)
             }
-        };
+        }
     }
 
-    /// So many ticks have passed.
+    /// For how many ticks from now no row of a driven state can hold by time alone, and nothing but time would change anything.
+    pub fn calm(&self, c: &MachineCoefficients) -> u32 {
+        let goes_on = self.state.is_driving()
+            && !self.calibrating()
+            && self.wants_to_run()
+            && self.requested_direction() == self.direction;
+        if !goes_on {
+            return 0;
+        }
+        let silent = c.command_timeout.saturating_sub_signed(self.command_age);
+        silent.min(self.duration(c).saturating_sub(self.age)).saturating_sub(1)
+    }
+
+    /// The same where it is calm and a set-point has just been heard; but from the last tick that it was told of, `slept` ago.
     #[inline]
-    pub const fn pass(&mut self, ticks: u32) {
-        self.age = self.age.saturating_add(ticks);
-        self.command_age = self.command_age.saturating_add(ticks);
-        self.left = self.left.saturating_sub(ticks);
+    pub fn calm_since(&self, c: &MachineCoefficients, slept: u32) -> u32 {
+        let silent = slept.saturating_add(c.command_timeout);
+        silent.min(self.duration(c).saturating_sub(self.age)).saturating_sub(1)
     }
 
-    /// Something has changed beside time.
-    pub const fn wake(&mut self) {
-        self.left = 0;
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.age = self.age.saturating_add(ticks);
+        self.command_age = self.command_age.saturating_add_unsigned(ticks);
     }
 
     /// This request was the last one, too, and has had its effect: once more it only says that the master is there. Drive and Reverse
@@ -230,20 +229,17 @@ impl Machine {
         matches!(self.command.request, Request::Drive | Request::Reverse)
     }
 
-    /// One tick: at most one transition fires.
+    /// One tick: time passes, at most one transition fires.
     pub fn step(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
-        self.pass(1);
-        if self.rests(inputs.critical, inputs.stopped) { None } else { self.advance(c, inputs) }
+        let rests = self.rests(c, inputs.critical, inputs.stopped, inputs.unhealthy);
+        if rests { None } else { self.advance(c, inputs) }
     }
 
     /// Where the tick does not rest: at most one transition fires.
     #[inline(never)]
     pub fn advance(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
         let conditions = self.conditions(c, inputs);
-        let Some(row) = transition(self.state, conditions) else {
-            self.rest_anew(c);
-            return None;
-        };
+        let row = transition(self.state, conditions)?;
         match row.to {
             State::Standby => {
                 let reversal = conditions.contains(Conditions::REVERSAL) && self.state.is_driving();
@@ -256,7 +252,7 @@ impl Machine {
             self.leave_standby(conditions);
         }
         let timed_out = row.to == State::Fault && row.all == Conditions::EXPIRED;
-        (self.state, self.age, self.left) = (row.to, 0, 0);
+        (self.state, self.age) = (row.to, 0);
         Some(Change { row, timed_out })
     }
 
@@ -271,8 +267,6 @@ impl Machine {
             .union(Conditions::OPEN_LOOP)
             .union(Conditions::CALIBRATION);
         self.mode = conditions.intersection(modes);
-        let others = Conditions::HALL.union(Conditions::CALIBRATION);
-        self.sensorless = self.mode.contains(Conditions::SENSORLESS) && !self.mode.intersects(others);
         self.armed = false;
         self.calibrate = false;
         self.direction = self.requested_direction();
@@ -389,12 +383,13 @@ impl Machine {
 
     /// This start is a sensorless one.
     pub const fn is_sensorless(&self) -> bool {
-        self.sensorless
+        let others = Conditions::HALL.union(Conditions::CALIBRATION);
+        self.mode.contains(Conditions::SENSORLESS) && !self.mode.intersects(others)
     }
 
     /// No valid command for the time-out.
     pub fn command_expired(&self, c: &MachineCoefficients) -> bool {
-        self.command_age >= c.command_timeout
+        self.command_age.max(0).unsigned_abs() >= c.command_timeout
     }
 
     /// Why the last start was refused; stays until Standby is requested.

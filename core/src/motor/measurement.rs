@@ -50,19 +50,6 @@ impl ChannelScale {
         ((product as i64 + self.bias) >> 32) as i32
     }
 
-    /// The least code that converts to `value` (raw I16F16) or more; 0 or the largest where there is none.
-    pub const fn code_of(&self, value: i32) -> u16 {
-        let (gain, least) = ((self.gain as i64) << 16, ((value as i64) << 32) - self.bias);
-        let code = quotient(least + gain - 1, gain);
-        if code < 0 {
-            0
-        } else if code > u16::MAX as i64 {
-            u16::MAX
-        } else {
-            code as u16
-        }
-    }
-
     /// Voltages of the three terminals. Only listening and reports ask for them.
     pub fn convert_all(&self, codes: &[u16; 3]) -> [Volts; 3] {
         codes.map(|code| Volts::from_bits(self.convert(code)))
@@ -193,6 +180,18 @@ impl Measurement {
     #[inline]
     pub const fn duty_within(&self, voltage: i32) -> u32 {
         ratio(voltage as u32, self.bus_voltage as u32)
+    }
+
+    /// The same, on a bus above [`BUS_MIN`], of a `voltage` that is positive and below the bus; else `None`. In 1/32 768.
+    #[inline]
+    pub const fn plain_duty(&self, voltage: i32) -> Option<u32> {
+        let bus = self.bus_voltage as u32;
+        // One comparison for both.
+        if (voltage as u32).wrapping_sub(1) < bus.wrapping_sub(1) {
+            Some(ratio(voltage as u32, bus))
+        } else {
+            None
+        }
     }
 }
 

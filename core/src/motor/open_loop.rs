@@ -26,8 +26,6 @@ pub struct OpenLoopCoefficients {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OpenLoop {
     angle: u32,
-    /// 2^-32 turn a tick, signed.
-    speed: i32,
     ramp: Ramp,
 }
 
@@ -55,16 +53,14 @@ impl OpenLoopCoefficients {
 impl OpenLoop {
     /// Starts at a rotor angle (u32 turn) from zero frequency.
     pub fn start(&mut self, angle: u32) {
-        *self = Self { angle, ..Self::default() };
+        *self = Self { angle, ramp: Ramp::default() };
     }
 
     /// One tick towards the set speed, or towards standstill.
     pub fn step(&mut self, c: &OpenLoopCoefficients, direction: Direction, run: bool) -> Field {
         let frequency = self.ramp.step(if run { c.speed } else { 0 }, c.rate);
         let speed = c.turns.apply32(frequency) * direction.sign();
-        // [`pass`](Self::pass) has turned it on by its speed until now.
-        self.angle = self.angle.wrapping_add((speed.wrapping_sub(self.speed)) as u32);
-        self.speed = speed;
+        self.angle = self.angle.wrapping_add(speed as u32);
         let level = c.level_start.saturating_add(c.slope.apply32(frequency));
         Field {
             angle: self.angle,
@@ -72,26 +68,6 @@ impl OpenLoop {
             frequency: frequency * direction.sign(),
             level: level.min(c.level).max(0),
         }
-    }
-
-    /// 2^-32 turn a tick, signed, as of the last tick.
-    pub const fn speed(&self) -> i32 {
-        self.speed
-    }
-
-    /// For how many ticks from now it turns on at the speed that it has.
-    pub fn rest(&self, c: &OpenLoopCoefficients, run: bool) -> u32 {
-        if self.ramp.rests_at(if run { c.speed } else { 0 }) { u32::MAX } else { 0 }
-    }
-
-    /// So many ticks have passed.
-    pub const fn pass(&mut self, ticks: u32) {
-        self.angle = self.angle_in(ticks);
-    }
-
-    /// The same so many quiet ticks later.
-    pub const fn angle_in(&self, ticks: u32) -> u32 {
-        self.angle.wrapping_add((self.speed as u32).wrapping_mul(ticks))
     }
 
     /// Rotor angle that the field is commutated for, u32 turn.

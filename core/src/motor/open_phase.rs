@@ -3,7 +3,6 @@
 //! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
 //! at rest a step that includes X carries nothing at a voltage that must drive a current.
 
-use super::band::Band;
 use super::commutation::Step;
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
@@ -67,14 +66,10 @@ impl OpenPhase {
         }
     }
 
-    /// Of bus currents (raw I16F16), those that a winding at rest carries.
-    pub const fn carrying(currents: Band) -> Band {
-        currents.above(NONE)
-    }
-
-    /// A winding at rest seems to carry none.
-    pub const fn is_resting(&self) -> bool {
-        self.resting > 0
+    /// A phase is open, by what the last steps showed.
+    #[inline]
+    pub const fn is_shown(&self) -> bool {
+        self.found
     }
 
     /// A phase is open.

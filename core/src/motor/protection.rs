@@ -79,10 +79,10 @@ pub struct ProtectionCoefficients {
 }
 
 impl ProtectionCoefficients {
-    /// Bus voltages that are no fault, raw I16F16.
+    /// Bus voltages that are no fault, and `least` to `most`, raw I16F16.
     #[inline]
-    pub const fn bus_voltage(&self) -> Band {
-        Band::new(self.under_voltage.trip, self.over_voltage.trip)
+    pub fn bus_voltage(&self, least: i32, most: i32) -> Band {
+        Band::new(self.under_voltage.trip.max(least), self.over_voltage.trip.min(most))
     }
 
     /// Bus currents that are no fault, raw I16F16.

@@ -77,11 +77,21 @@ impl Rotor {
     #[inline]
     pub const fn count_commutation(&mut self, sector: Option<u8>, backward: bool) {
         if let Some(sector) = sector
-            && !matches!(self.turned.sector, Some(counted) if counted == sector)
             && self.hall.is_mute()
         {
             self.turned.reach(sector, backward);
         }
+    }
+
+    /// One tick with an ordinary edge in the direction of `torque`, `ticks` after the last that was told: true. Else nothing is done.
+    #[inline]
+    pub fn turns(&mut self, c: &Coefficients, samples: &Samples, torque: Direction, ticks: u32) -> bool {
+        if !self.hall.turns(&c.hall, samples, torque, ticks) {
+            return false;
+        }
+        self.count_halls(matches!(torque, Direction::Reverse));
+        self.heed_speed(c);
+        true
     }
 
     /// The sensors' speed may have changed.
@@ -95,16 +105,14 @@ impl Rotor {
     }
 
     /// For how many ticks from now the hall sensors need no look, if their code stays.
-    #[inline]
-    pub const fn rest(&self) -> u32 {
-        self.hall.rest()
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn calm(&self, c: &Coefficients) -> u32 {
+        self.hall.calm(&c.hall)
     }
 
-    /// So many ticks have passed.
-    #[inline]
-    pub const fn pass(&mut self, ticks: u32) {
-        self.hall.pass(ticks);
-        self.open_loop.pass(ticks);
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.hall.sleep(ticks);
     }
 
     /// The hall lines mean something else from now on: what was measured by the old meaning is forgotten.
@@ -128,16 +136,6 @@ impl Rotor {
     /// One tick of the open-loop field; it slows to standstill unless `run`.
     pub fn step_open_loop(&mut self, c: &Coefficients, direction: Direction, run: bool) -> Field {
         self.open_loop.step(&c.open_loop, direction, run)
-    }
-
-    /// For how many ticks from now the field turns on at the speed that it has.
-    pub fn field_rest(&self, c: &Coefficients, run: bool) -> u32 {
-        self.open_loop.rest(&c.open_loop, run)
-    }
-
-    /// The field's speed, 2^-32 turn a tick, signed.
-    pub const fn field_speed(&self) -> i32 {
-        self.open_loop.speed()
     }
 
     /// The open-loop field stands still.
@@ -183,11 +181,6 @@ impl Rotor {
     /// Angle of the open-loop field, u32 turn.
     pub const fn field_angle(&self) -> u32 {
         self.open_loop.angle()
-    }
-
-    /// Angle so many quiet ticks later, u32 turn: of the field, or by the hall sensors.
-    pub const fn angle_in(&self, ticks: u32, field: bool) -> u32 {
-        if field { self.open_loop.angle_in(ticks) } else { self.hall.angle_in(ticks) }
     }
 
     /// Frequency of the open-loop field, a magnitude, raw I16F16 electrical rev/s.

@@ -12,6 +12,7 @@
 use super::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint, Sight};
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
+use super::interval::TICK;
 use super::listening::Listening;
 use super::pwm::PwmCommand;
 use super::rails::{Rail, RailCoefficients, Rails};
@@ -33,8 +34,6 @@ pub struct SensorlessCoefficients {
     pub emf_of_turns: Gain,
     /// No crossing for this long is speed 0 (parameter 85), 1/65 536 tick.
     pub timeout: u32,
-    /// Codes of terminals below this are silence: less than the noise.
-    pub silence: u16,
     /// Nothing heard for this long is a rotor at rest.
     pub rest: u32,
     /// Two locks together.
@@ -90,8 +89,6 @@ pub enum Plan {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sensorless {
     back_emf: BackEmf,
-    /// What the last driven tick showed.
-    sight: Sight,
     rotor: ZeroCrossing,
     listening: Listening,
     rails: Rails,
@@ -117,10 +114,56 @@ const STILL: u32 = 12;
 const ALIGNED_AT: u32 = (u32::MAX / 3) + 1;
 
 impl Sensorless {
-    /// Every tick of the terminals, whatever the state: true if they tell anything that [`observe`](Self::observe) is for. `applied` was in force until
-    /// this period's boundary.
+    /// One tick of the sensors, whatever the state. `applied` was in force until this period's boundary.
+    pub fn observe(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) {
+        self.rotor.advance();
+        if applied.step == Step::Coast && applied.commutations.is_empty() {
+            self.back_emf = BackEmf::default();
+            self.rotor.begin_coasting();
+            if self.phase == Phase::Kick {
+                return;
+            }
+            let voltage = c.back_emf.terminal.convert_all(&samples.phase_voltage);
+            let heard = self.listening.step(&voltage, c.back_emf.noise, applied.sample_at);
+            if let Some(heard) = heard
+                && (heard.direction == self.rotor.direction() || self.listening.agrees())
+            {
+                self.rotor.observe_coasting(heard.place, heard.age, heard.direction);
+            }
+            return;
+        }
+        self.listening.reset();
+        let point = self.operating_point(c, torque);
+        let sight = self.back_emf.step(&c.back_emf, samples, bus_voltage, applied, &point);
+        if !matches!(self.phase, Phase::Kick | Phase::Run) || (self.phase == Phase::Kick && self.age < c.rest)
+        {
+            return;
+        }
+        let starting = self.phase == Phase::Kick;
+        if !self.rotor.observe(&sight, c.emf_of_turns, starting) {
+            self.back_emf.reject();
+        }
+        if sight.crossing.is_some() || sight.late {
+            self.idle = 0;
+        }
+    }
+
+    /// Nobody has listened: what was heard before is of another time.
+    pub fn begin_listening(&mut self) {
+        self.listening.reset();
+    }
+
+    /// The ordinary tick of a running motor: true if its terminals show nothing that [`observe`](Self::observe) and [`step`](Self::step) would act
+    /// on; then they need not be called.
     #[inline]
-    pub fn hears(
+    pub fn passes(
         &mut self,
         c: &SensorlessCoefficients,
         samples: &Samples,
@@ -128,60 +171,77 @@ impl Sensorless {
         applied: &PwmCommand,
         torque: Direction,
     ) -> bool {
-        if coasts(applied) {
-            let silent = self.listening.hears_nothing(c.silence, &samples.phase_voltage, applied.sample_at);
-            return !silent || !self.back_emf.coasts();
-        }
-        let point = self.operating_point(c, torque);
-        let sight = self.back_emf.step(&c.back_emf, samples, bus_voltage, applied, &point);
-        self.sight = sight;
-        sight.crossing.is_some() || sight.late || sight.missed
-    }
-
-    /// What a tick has [heard](Self::hears). False if a running rotor turns on as it was thought to.
-    pub fn observe(&mut self, c: &SensorlessCoefficients, samples: &Samples, applied: &PwmCommand) -> bool {
-        if coasts(applied) {
-            self.coast(c, samples, applied);
-            return true;
-        }
-        self.listening.reset();
-        let starting = self.phase == Phase::Kick;
-        if !(starting && self.age > c.rest || self.phase == Phase::Run) {
-            return true;
-        }
-        let (sight, angle) = (self.sight, self.rotor.angle());
-        if !self.rotor.observe(&sight, c.emf_of_turns, starting) {
-            self.back_emf.reject();
-        }
-        let seen = sight.crossing.is_some() || sight.late;
-        if seen {
-            self.idle = 0;
-        }
-        seen || starting || sight.missed || self.rotor.angle() != angle || self.rotor.since() >= c.timeout
-    }
-
-    /// One tick with the bridge off.
-    fn coast(&mut self, c: &SensorlessCoefficients, samples: &Samples, applied: &PwmCommand) {
-        if !self.back_emf.coasts() {
-            self.back_emf = BackEmf::default();
-            self.listening.pass(1);
-        }
-        self.rotor.begin_coasting();
-        if self.phase == Phase::Kick {
-            self.listening.reset();
-            return;
-        }
-        let heard = self.listening.step(&c.back_emf, &samples.phase_voltage, applied.sample_at);
-        if let Some(heard) = heard
-            && (heard.direction == self.rotor.direction() || self.listening.agrees())
-        {
-            self.rotor.observe_coasting(heard.place, heard.age, heard.direction);
+        match self.back_emf.passes(&c.back_emf, samples, applied) {
+            Some(passes) => passes,
+            None => self.passes_at_all(c, samples, bus_voltage, applied, torque),
         }
     }
 
-    /// Nobody has listened: what was heard before is of another time.
-    pub fn begin_listening(&mut self) {
-        self.listening.reset();
+    #[inline(never)]
+    fn passes_at_all(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> bool {
+        if self.back_emf.is_changed_by(applied) {
+            let point = self.operating_point(c, torque);
+            self.back_emf.turns_over(&c.back_emf, applied, &point)
+        } else {
+            self.back_emf.passes_at_all(&c.back_emf, samples, bus_voltage, applied)
+        }
+    }
+
+    /// Another step may have been applied than the one that is watched.
+    #[inline]
+    pub const fn beware(&mut self) {
+        self.back_emf.beware();
+    }
+
+    /// What [`observe`](Self::observe) does in the tick of a running motor that finds the ordinary crossing, `ticks` after the last that was told: true. Else
+    /// nothing is done.
+    #[inline]
+    pub fn crosses(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+        ticks: u32,
+    ) -> bool {
+        if self.phase != Phase::Run {
+            return false;
+        }
+        let Some(crossing) = self.back_emf.crosses(&c.back_emf, samples, applied) else { return false };
+        if !self.rotor.crosses(&crossing, c.emf_of_turns, ticks) {
+            return false;
+        }
+        self.back_emf.take(samples, &crossing, applied.sample_at);
+        self.age = self.age.saturating_add(ticks).wrapping_sub(1);
+        self.idle = 0;
+        true
+    }
+
+    /// The ordinary tick of a running motor in which its crossing is near, or begins to show, `ticks` after the last that was told: what it saw. Else
+    /// nothing is done.
+    #[inline]
+    pub fn nears(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+        ticks: u32,
+    ) -> Option<Sight> {
+        let silent = self.rotor.since().saturating_add(ticks.saturating_mul(TICK));
+        if silent >= c.timeout { None } else { self.back_emf.nears(&c.back_emf, samples, applied) }
+    }
+
+    /// The crossing of which no more is in `sight` is overdue: what [`observe`](Self::observe) and [`step`](Self::step) do, `ticks` after the last that was
+    /// told.
+    pub fn wait(&mut self, c: &SensorlessCoefficients, sight: &Sight, ticks: u32) {
+        self.sleep(ticks);
+        self.rotor.observe(sight, c.emf_of_turns, false);
     }
 
     /// What a step that begins now may expect.
@@ -193,33 +253,24 @@ impl Sensorless {
         OperatingPoint { torque, interval: self.rotor.expected(), emf: self.emf }
     }
 
-    /// For how many ticks from now all that there is to do is to let time pass and [hear nothing](Self::hears_nothing), with the step `present` applied by the
-    /// end of this tick, in which it `changed` or not.
-    pub fn rest(&self, c: &SensorlessCoefficients, state: State, present: Step, torque: Direction) -> u32 {
-        match self.phase {
-            // It is not asked to move on, and no speed falls for want of evidence.
-            _ if !state.is_driving() => {
-                if self.speed(c) == 0 {
-                    u32::MAX
-                } else {
-                    0
-                }
-            }
-            Phase::Run => self.rotor.rest(c.timeout, self.back_emf.expects(present, torque)),
-            Phase::Align if self.level.value() == c.align_level => {
-                let end = if self.age <= c.align / 2 { c.align / 2 } else { c.align };
-                end.saturating_sub(self.age)
-            }
-            Phase::Listen | Phase::Brake | Phase::Align | Phase::Kick => 0,
+    /// For how many ticks from now only time would pass, as long as every one [`passes`](Self::passes), with the step `present` applied.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn calm(&self, c: &SensorlessCoefficients, present: Step, torque: Direction) -> u32 {
+        if !self.is_running() {
+            return 0;
         }
+        self.rotor.calm(c.timeout, self.back_emf.expects(present, torque))
     }
 
-    /// So many ticks have passed.
-    pub const fn pass(&mut self, ticks: u32) {
-        self.rotor.pass(ticks);
-        if self.back_emf.coasts() {
-            self.listening.pass(ticks);
-        }
+    /// For how many ticks from now the commutation to `present`, which this tick begins with the rotor at `angle` (u32 turn), leaves it so.
+    #[inline]
+    pub fn calm_in(&self, present: Step, torque: Direction, angle: u32) -> u32 {
+        self.back_emf.expects(present, torque).map_or(u32::MAX, |sector| self.rotor.held(sector, angle))
+    }
+
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.rotor.sleep(ticks);
         self.age = self.age.saturating_add(ticks);
         self.idle = self.idle.saturating_add(ticks);
     }
@@ -248,6 +299,8 @@ impl Sensorless {
 
     /// The sequence's next move in `state`.
     pub fn step(&mut self, c: &SensorlessCoefficients, state: State, torque: Direction) -> Plan {
+        self.age = self.age.saturating_add(1);
+        self.idle = self.idle.saturating_add(1);
         // In rotor lock the rotor is not yet turned.
         let released = state != State::RotorLock;
         match self.phase {
@@ -328,6 +381,18 @@ impl Sensorless {
         Plan::Level(level)
     }
 
+    /// One tick of a running motor that goes on behind a [`crossing`](Self::crosses), after which nothing fades: false, and nothing is done, if
+    /// [`step`](Self::step) is to look.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn runs_on(&mut self, c: &SensorlessCoefficients) -> bool {
+        if self.rotor.since() >= c.timeout || self.rotor.is_irregular() {
+            return false;
+        }
+        self.age = self.age.saturating_add(1);
+        self.idle = self.idle.saturating_add(1);
+        true
+    }
+
     fn run(&mut self, c: &SensorlessCoefficients) -> Plan {
         if self.rotor.is_lost() || self.rotor.since() >= c.timeout {
             self.end(Rail::Stall);
@@ -347,6 +412,7 @@ impl Sensorless {
     }
 
     /// Once a millisecond while driving: the bucket, and in closed loop the voltage's testimony.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn check(
         &mut self,
         c: &SensorlessCoefficients,
@@ -422,10 +488,4 @@ impl Sensorless {
     pub const fn phase(&self) -> Phase {
         self.phase
     }
-}
-
-/// All six switches were off for the whole period.
-#[inline]
-const fn coasts(applied: &PwmCommand) -> bool {
-    matches!(applied.step, Step::Coast) && applied.commutations.is_empty()
 }

@@ -4,10 +4,10 @@
 //! commutator finds its instants from it: crossing + 30 degrees - advance. A crossing that does not come is thereby commutated blind
 //! half an interval after it was due. What a level says for certain ("the rotor is not there yet") bounds the angle.
 
-use super::back_emf::{Level, Sight};
+use super::back_emf::{Crossing, Level, Sight};
 use super::commutation::Direction;
 use super::gain::Gain;
-use super::interval::{SIXTH, TICK, TWELFTH, part_of, speed_of, time_of};
+use super::interval::{SIXTH, TICK, TWELFTH, part_of, speed_of};
 use serde::{Deserialize, Serialize};
 
 /// Blind steps in a row that the duty fades over; then the rotor is lost.
@@ -76,29 +76,36 @@ pub struct ZeroCrossing {
 }
 
 impl ZeroCrossing {
-    /// So many ticks have passed: the last one is to be [observed](Self::observe).
+    /// Time passes: call first in every tick.
+    pub fn advance(&mut self) {
+        self.since = self.since.saturating_add(TICK);
+        self.fresh = self.fresh.saturating_add(TICK);
+        self.angle = self.angle.wrapping_add(self.speed as u32);
+    }
+
+    /// So many ticks have passed in which there was nothing to [`observe`](Self::observe).
     #[inline]
-    pub const fn pass(&mut self, ticks: u32) {
-        let time = time_of(ticks);
+    pub const fn sleep(&mut self, ticks: u32) {
+        let time = ticks.saturating_mul(TICK);
         self.since = self.since.saturating_add(time);
         self.fresh = self.fresh.saturating_add(time);
-        self.angle = self.angle_in(ticks);
+        self.angle = self.angle.wrapping_add((self.speed as u32).wrapping_mul(ticks));
     }
 
     /// For how many ticks from now only time would pass, if nothing new is seen: until no crossing for `timeout` (1/65 536 tick) is a rotor at rest, until
     /// the one that has not come bounds the speed, and until the rotor stands where it cannot be before the crossing of `expected` is seen.
-    #[inline]
-    pub fn rest(&self, timeout: u32, expected: Option<u8>) -> u32 {
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn calm(&self, timeout: u32, expected: Option<u8>) -> u32 {
         let until = |age: u32, end: u32| end.saturating_sub(age) / TICK;
         let bounded = if self.valid == 0 { u32::MAX } else { until(self.fresh, self.patience()) };
-        let held = expected.map_or(u32::MAX, |sector| self.held(sector));
+        let held = expected.map_or(u32::MAX, |sector| self.held(sector, self.angle));
         until(self.since, timeout.saturating_sub(1)).min(bounded).min(held)
     }
 
-    /// For how many ticks from now the rotor has not reached the crossing of `sector`.
-    #[inline]
-    fn held(&self, sector: u8) -> u32 {
-        let left = (crossing_of(sector).wrapping_sub(self.angle) as i32).wrapping_mul(self.direction.sign());
+    /// For how many ticks from now a rotor at `angle` (u32 turn) has not reached the crossing of `sector`.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn held(&self, sector: u8, angle: u32) -> u32 {
+        let left = (crossing_of(sector).wrapping_sub(angle) as i32).wrapping_mul(self.direction.sign());
         (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
     }
 
@@ -141,6 +148,34 @@ impl ZeroCrossing {
         } else if sight.level == Level::Before || (starting && !sight.passed) {
             self.hold(place, starting);
         }
+        true
+    }
+
+    /// The ordinary crossing of a running motor, in the sector after the last one's, `ticks` after the last that was told: true. Else nothing is done.
+    #[inline]
+    pub fn crosses(&mut self, crossing: &Crossing, back_emf: Gain, ticks: u32) -> bool {
+        let sector = crossing.sector;
+        let place = if sector >= 5 { 0 } else { 2 * sector + 2 };
+        let next = match self.direction {
+            Direction::Forward => (self.place, place),
+            Direction::Reverse => (place, self.place),
+        };
+        let follows = next.0 + 2 == next.1 || (next.0, next.1) == (10, 0);
+        let since = self.since.saturating_add(ticks.saturating_mul(TICK));
+        let each = elapsed(since, crossing.age);
+        let plausible = each >= 2 * (self.interval / 4) && each <= LONGEST && since <= LONGEST;
+        if !follows || !plausible || self.valid < 6 || self.consistent < PREPARED {
+            return false;
+        }
+        self.sleep(ticks);
+        self.coasting = false;
+        let offset = self.threshold_angle(crossing.threshold, back_emf);
+        let (here, error) = self.miss(place, offset, crossing.age);
+        self.learn(each, 1);
+        self.predict_by(6);
+        self.correct(place, (here, error), crossing.age, true);
+        self.why = Why::Accepted;
+        self.polarities |= 1 << (sector & 1);
         true
     }
 
@@ -208,7 +243,7 @@ impl ZeroCrossing {
     }
 
     /// Where the rotor was `age` ago, and how far that is from where it was thought to be, u32 turn: the margin.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn miss(&mut self, place: u8, offset: i32, age: i32) -> (u32, i32) {
         let sign = self.direction.sign();
         let here = TWELFTH.wrapping_mul(place.into()).wrapping_add((offset.wrapping_mul(sign)) as u32);
@@ -218,7 +253,7 @@ impl ZeroCrossing {
     }
 
     /// So many intervals took this time `each`.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn learn(&mut self, each: u32, intervals: u8) {
         let off = each.abs_diff(self.interval);
         if self.consistent < PREPARED {
@@ -232,7 +267,7 @@ impl ZeroCrossing {
     }
 
     /// The rotor was `here` `age` ago: half of a small `error` of a `prepared` estimate is believed, else all of it.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn correct(&mut self, place: u8, (here, error): (u32, i32), age: i32, prepared: bool) {
         let smooth = prepared && (error.saturating_abs() as u32) < SIXTH / 4;
         let corrected = if smooth { here.wrapping_sub((error / 2) as u32) } else { here };
@@ -251,7 +286,7 @@ impl ZeroCrossing {
 
     /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend from the pair before: the
     /// newest pair's middle lies one interval back, the one before three, the middle of the next interval half of one ahead.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn predict_by(&mut self, valid: u8) {
         let [a, b, c, d, e, f] = self.intervals;
         if valid == 0 {
@@ -339,19 +374,13 @@ impl ZeroCrossing {
         self.angle
     }
 
-    /// The same so many quiet ticks later.
-    #[inline]
-    pub const fn angle_in(&self, ticks: u32) -> u32 {
-        self.angle.wrapping_add((self.speed as u32).wrapping_mul(ticks))
-    }
-
     /// Speed that interpolates, 2^-32 turn a tick, signed.
     pub const fn speed(&self) -> i32 {
         self.speed
     }
 
     /// Speed over up to a revolution, but never more than the crossing that has not come allows.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn speed_bounded(&self) -> i32 {
         if self.valid == 0 || self.fresh <= self.patience() {
             return self.speed_mean;

@@ -6,6 +6,23 @@ use crate::motor::pwm::PwmCommand;
 use crate::motor::samples::{EdgeSource, Samples};
 
 impl BackEmf {
+    /// [`passes`](Self::passes) on a board with comparators: no edge, and the level is the expected one. The step is `age` old now.
+    #[inline(never)]
+    pub(super) fn edges_pass(&mut self, samples: &Samples, watch: Watch, age: i32) -> bool {
+        if !samples.edges.is_empty() {
+            return false;
+        }
+        if age >= self.blank {
+            match (self.passage, watch.is_beyond(self.code)) {
+                (Passage::Found, true) => {}
+                (Passage::Unseen | Passage::Healthy, false) => self.passage = Passage::Healthy,
+                _ => return false,
+            }
+        }
+        self.age = age;
+        true
+    }
+
     /// A crossing of the pattern that was left within the period that has ended: with two ticks a sector a commutation can be taken
     /// at the end of the very period in which the crossing before it came.
     pub(super) fn edges_before_change(

@@ -81,7 +81,7 @@ const fn weights() -> [[i32; 3]; 8] {
 
 /// What one sample says, signed as it rises: `2 v_f - v_g - v_h`, three times the back-EMF of a sinusoidal motor, twice that of a trapezoidal
 /// one, raw I16F16 V.
-#[inline]
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(super) fn signal(c: &BackEmfCoefficients, samples: &Samples, sector: u8) -> i32 {
     let [v_a, v_b, v_c] = samples.phase_voltage.map(i32::from);
     let [w_a, w_b, w_c] = WEIGHTS[usize::from(sector & 7)];

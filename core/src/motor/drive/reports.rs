@@ -27,7 +27,7 @@ impl Drive {
         if !core::mem::take(&mut self.reports.due) {
             return None;
         }
-        self.pass_time();
+        self.tell();
         Some(self.status())
     }
 
