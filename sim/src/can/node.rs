@@ -154,11 +154,15 @@ impl<const QUEUE: usize> Node<QUEUE> {
         }
     }
 
-    /// Ends bus-off once its time is over.
-    pub(super) fn recover(&mut self, now: u64) {
-        if self.to_see > 0 && now >= self.held_until {
+    /// Ends bus-off once its time is over. Returns when that is, ns.
+    pub(super) fn recover(&mut self, now: u64) -> u64 {
+        if self.to_see == 0 {
+            return u64::MAX;
+        }
+        if now >= self.held_until {
             self.rejoin();
         }
+        self.held_until
     }
 
     fn rejoin(&mut self) {
