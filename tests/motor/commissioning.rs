@@ -163,7 +163,7 @@ impl Run {
     }
 }
 
-/// What becomes of a speed in a mode: a name of the outcome, or what is wrong.
+/// Runs a motor at a speed in a mode. Returns the name of the outcome, or an error that says what is wrong.
 fn outcome(motor: MotorConfig, supply: f64, share: f64, mode: Mode) -> Result<&'static str, String> {
     let rpm = share * no_load_speed(&motor, supply);
     // Table 2: 500 rpm with 4 pole pairs.

@@ -193,7 +193,7 @@ fn a_flash_that_comes_late_leaves_what_has_been_written() {
     assert_eq!((stored.raw(number::SPEED_RATE), stored.raw(number::LOG_PERIOD)), (1234, 17));
 }
 
-/// What a flash with a fault holds may be another board's: it is overwritten when somebody asks for it.
+/// A flash with a fault may hold another board's set. The drive overwrites it only when a master asks for that.
 #[test]
 fn a_flash_with_a_fault_is_written_on_demand_alone() {
     let mut device = Device::booted(crate::support::blank(narx_sim::flash::KBYTE_512));

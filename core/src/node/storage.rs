@@ -311,7 +311,7 @@ impl Node {
             return;
         }
         let wanted = self.flash.wanted.take();
-        // What was to be stored is stored when the flash is back, a restore that waited behind it included.
+        // The store has failed. The drive stores the set again when the flash is back, also for a restore that waited behind it.
         if [Some(storing), wanted].iter().flatten().any(|store| store.part == Part::Set) {
             self.flash.due = Some(self.flash.now);
         }

@@ -28,7 +28,7 @@ pub struct Bus<const NODES: usize, const QUEUE: usize> {
     nodes: heapless::Vec<Node<QUEUE>, NODES>,
     /// Everything before this instant is settled, ns.
     now: u64,
-    /// Nothing happens of its own before this instant, ns; 0 where that is to be found out. Most ticks of a bench have no bit on the bus.
+    /// The bus changes nothing before this instant, ns; 0 if it has to be computed again. In most ticks of a bench the bus is idle.
     quiet_until: u64,
     /// When the next frame may start, ns.
     free_at: u64,

@@ -154,7 +154,7 @@ impl<const QUEUE: usize> Node<QUEUE> {
         }
     }
 
-    /// Ends bus-off once its time is over. Returns when that is, ns.
+    /// Ends bus-off once its time is over. Returns the instant of that end, ns; `u64::MAX` for a node that is not bus-off.
     pub(super) fn recover(&mut self, now: u64) -> u64 {
         if self.to_see == 0 {
             return u64::MAX;
