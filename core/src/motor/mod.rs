@@ -8,6 +8,7 @@
 
 pub mod drive;
 
+pub mod clock;
 pub mod samples;
 
 pub mod measurement;
