@@ -5,7 +5,6 @@ use crate::rotor::ScriptedRotor;
 use crate::scripted::Scripted;
 use crate::support::coefficients;
 use narx_core::dictionary::number;
-use narx_core::motor::clock::Instant;
 use narx_core::motor::event::{HallCalibration, Limiter};
 use narx_core::motor::open_loop::OpenLoop;
 use narx_core::motor::{Cause, Direction, Event, Lines, Request, State, Step};
@@ -111,18 +110,13 @@ fn open_loop_takes_its_own_level_and_stops_at_0() {
     };
     let (turning, stopping) = (build(500), build(0));
     let mut field = OpenLoop::default();
-    let mut now = Instant::default();
-    field.start(now, 0);
-    let mut step = |field: &mut OpenLoop, c: &_| {
-        now = now.next();
-        field.step(c, now, Direction::Forward, true)
-    };
+    field.start(0);
     for _ in 0..10_000 {
         // 4 % of 48 V.
-        assert_eq!(step(&mut field, &turning).level, Volts::from_milli(1_920).to_bits());
+        assert_eq!(field.step(&turning, Direction::Forward, true).level, Volts::from_milli(1_920).to_bits());
     }
     assert!(!field.stopped());
-    let ticks = (0..200_000).take_while(|_| step(&mut field, &stopping).frequency != 0);
+    let ticks = (0..200_000).take_while(|_| field.step(&stopping, Direction::Forward, true).frequency != 0);
     assert!(ticks.count() < 150_000);
 }
 

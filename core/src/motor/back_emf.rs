@@ -17,28 +17,26 @@
 //! the crossing is found where the flank, whose slope is known from the back-EMF constant, came from.
 
 mod edges;
+mod passing;
 mod window;
 
 use super::band::Band;
-use super::clock::Instant;
 use super::commutation::{Direction, Step};
 use super::gain::Gain;
-use super::interval::{TICK, fraction, speed_of};
+use super::interval::{TICK, fraction};
 use super::measurement::ChannelScale;
 use super::pwm::PwmCommand;
 use super::samples::{SampleMode, Samples};
 use serde::{Deserialize, Serialize};
-use window::signal;
+use window::{Mean, signal};
 
 /// Coefficients of the back-EMF station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BackEmfCoefficients {
     /// Scale of the phase terminals.
     pub terminal: ChannelScale,
-    /// Smallest signal of one sample that stands out of the noise, converter codes.
+    /// Smallest level of one sample that is told from noise, raw I16F16 V.
     pub noise: i32,
-    /// Terminals below this code show no back-EMF: less than the noise.
-    pub silence: u16,
     /// Least blanking after a commutation, 1/65 536 tick (parameter 86).
     pub discard: u32,
     /// First instant of a period at which a pattern changes, 1/65 536.
@@ -51,8 +49,6 @@ pub struct BackEmfCoefficients {
     pub delay_falling: i32,
     /// Volts of back-EMF per electrical rev/s (parameter 267), 0 unknown.
     pub back_emf: Gain,
-    /// The same per 2^-32 turn a tick.
-    pub emf_of_turns: Gain,
 }
 
 /// Where the motor is expected to run.
@@ -62,6 +58,8 @@ pub struct OperatingPoint {
     pub torque: Direction,
     /// Time of a sector, 1/65 536 tick; 0 unknown.
     pub interval: u32,
+    /// Line-to-line back-EMF at that speed, raw I16F16 V; 0 unknown.
+    pub emf: i32,
 }
 
 /// What the last sample of this step showed, if it is certain.
@@ -77,7 +75,7 @@ pub enum Level {
 }
 
 /// What one tick saw.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Sight {
     /// The rotor sector whose crossing is watched; `None` when no single phase floats.
     pub sector: Option<u8>,
@@ -95,7 +93,21 @@ pub struct Sight {
     pub missed: bool,
 }
 
-/// The first crossing after standstill must exceed the noise by this factor.
+/// The ordinary crossing of a running motor.
+#[derive(Clone, Copy)]
+pub struct Crossing {
+    /// The rotor's sector.
+    pub sector: u8,
+    /// How long before the present boundary, 1/65 536 tick, negative is after it.
+    pub age: i32,
+    /// The signal's value at it, signed as it rises, raw I16F16 V.
+    pub threshold: i32,
+    /// Its age without the delays of comparators, and the mean that showed it.
+    ago: i32,
+    mean: Mean,
+}
+
+/// What is told from noise, times this, is a rotor on its way.
 const FIRST_SIGN: i32 = 4;
 /// Samples that the mean reaches back at most.
 const WINDOW: usize = 8;
@@ -123,19 +135,7 @@ struct Watch {
     phase: u8,
 }
 
-/// What leaves a sample without news.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Quiet {
-    /// No sample is looked at before.
-    hidden: Instant,
-    /// The crossing is overdue: every sample is looked at from then on.
-    overdue: Instant,
-    /// Signals that say nothing new, codes, and the mode in which they are sampled.
-    band: Band,
-    mode: SampleMode,
-}
-
-/// State of the station. Signals are differences of converter codes.
+/// State of the station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BackEmf {
     step: Step,
@@ -143,6 +143,10 @@ pub struct BackEmf {
     whole: bool,
     watch: Option<Watch>,
     passage: Passage,
+    /// Signals, raw I16F16 V, that say nothing new as long as this step goes on and is sampled in the on-time; empty while there is more to
+    /// it than one comparison. A recording is without it.
+    #[serde(skip)]
+    stale: Band,
     /// Samples that the mean takes: 2^shift.
     shift: u8,
     /// Samples since the blanking.
@@ -152,23 +156,20 @@ pub struct BackEmf {
     code: u8,
     /// Where in its period the sample before was taken, 1/65 536.
     sampled_at: u16,
-    /// The first boundary of the step, and its age there, 1/65 536 tick.
-    began: Instant,
-    first_age: u32,
-    /// When its blanking ends, 1/65 536 tick.
-    blank: u32,
-    /// Expected time of the step, as it began, 1/65 536 tick; 0 unknown.
+    /// Age of the pattern at the present boundary, and when its blanking ends, 1/65 536 tick.
+    age: i32,
+    blank: i32,
+    /// What was expected of this step as it began: its time, 1/65 536 tick, 0 unknown; the flank that one mean may hold, and what is
+    /// told from noise, raw I16F16 V.
     interval: u32,
-    /// The flank that one mean may hold, and what stands out of the noise.
     flank: i32,
     noise: i32,
     /// Mean of the tick before.
     previous: i32,
     /// How long ago the signal has passed its threshold, while it is not yet believed.
     crossed: i32,
-    window: [i16; WINDOW],
+    window: [i32; WINDOW],
     sum: i32,
-    quiet: Quiet,
 }
 
 impl BackEmf {
@@ -189,187 +190,93 @@ impl BackEmf {
         previous_age - ((span * i64::from(part)) >> 16) as i32 + self.mean_delay()
     }
 
-    /// True if the step goes on as it did and this tick's sample says nothing new. Then the sample is taken.
+    /// What was applied in the period that has ended begins another step.
     #[inline]
-    pub fn rests(&mut self, now: Instant, samples: &Samples, applied: &PwmCommand) -> bool {
-        if applied.step != self.step || !applied.commutations.is_empty() {
-            return false;
-        }
-        if !self.quiet.hidden.is_due(now) {
-            return true;
-        }
-        let Some(watch) = self.watch else { return false };
-        let signal = signal(samples, watch);
-        let rests = samples.sample_mode == self.quiet.mode
-            && self.quiet.band.contains(signal)
-            && !self.quiet.overdue.is_due(now);
-        if rests {
-            (self.previous, self.sampled_at) = (signal, applied.sample_at);
-        }
-        rests
-    }
-
-    /// The next tick looks at everything.
-    pub const fn wake(&mut self, now: Instant) {
-        (self.quiet.hidden, self.quiet.band) = (now, Band::EMPTY);
+    pub fn is_changed_by(&self, applied: &PwmCommand) -> bool {
+        applied.step != self.step || !applied.commutations.is_empty()
     }
 
     /// One tick. `bus_voltage` is raw I16F16 V as it is now, `applied` was in force in the period that has ended.
-    #[inline]
     pub fn step(
         &mut self,
         c: &BackEmfCoefficients,
-        now: Instant,
         samples: &Samples,
         bus_voltage: i32,
         applied: &PwmCommand,
         point: &OperatingPoint,
     ) -> Sight {
+        let earlier = if c.comparator { self.edges_before_change(c, samples, applied) } else { None };
+        self.beware();
+        let missed = self.follow(c, applied, point);
+        let mut sight = Sight { missed, ..Sight::default() };
+        let Some(watch) = self.watch else { return earlier.unwrap_or(sight) };
+        sight.sector = Some(watch.sector);
         if c.comparator {
-            return self.step_by_edges(c, now, samples, applied, point);
-        }
-        let mut sight = Sight { missed: self.follow(c, now, applied, point), ..Sight::default() };
-        if let Some(watch) = self.watch {
-            sight.sector = Some(watch.sector);
-            self.look(c, now, (samples, applied.sample_at), bus_voltage, watch, &mut sight);
-        }
-        self.find(c, now, &mut sight);
-        sight
-    }
-
-    /// A crossing that was seen, or that stood beyond since the blanking, ends the watch of this step.
-    #[inline]
-    fn find(&mut self, c: &BackEmfCoefficients, now: Instant, sight: &mut Sight) {
-        if let Some(age) = sight.crossing {
-            let rises = self.watch.is_some_and(Watch::rises);
-            let delay = if rises { c.delay_rising } else { c.delay_falling };
-            sight.crossing = Some(age.saturating_add(delay));
-            if sight.threshold != 0 {
-                sight.threshold = c.terminal.convert_difference(sight.threshold);
+            self.edges(samples, watch, &mut sight);
+            // At rest a comparator's output says nothing.
+            sight.late &= point.interval > 0;
+        } else if self.age.saturating_add(applied.sample_at.into()) >= self.blank {
+            let unseen = self.passage == Passage::Unseen;
+            if !(unseen && self.demagnetises(c, samples, bus_voltage, self.age, watch)) {
+                self.sample(c, samples, applied.sample_at, watch, &mut sight);
             }
+        }
+        if let Some(age) = sight.crossing {
+            let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
+            sight.crossing = Some(age.saturating_add(delay));
         }
         if sight.crossing.is_some() || sight.late {
             self.passage = Passage::Found;
         }
         sight.passed = self.passage == Passage::Found;
-        if self.watch.is_none() || (sight.passed && c.comparator) {
-            self.quiet.hidden = now.after(u32::MAX);
-        } else if sight.passed && self.shift == 0 {
-            // A false crossing shows by samples that are certainly before it.
-            self.quiet.band = Band::new(self.before(self.quiet.mode), 1 << 20);
-        }
-    }
-
-    /// The sample of a step whose crossing is still to come.
-    #[inline]
-    fn look(
-        &mut self,
-        c: &BackEmfCoefficients,
-        now: Instant,
-        (samples, sample_at): (&Samples, u16),
-        bus_voltage: i32,
-        watch: Watch,
-        sight: &mut Sight,
-    ) {
-        let age = self.age(now);
-        let left = self.blank.saturating_sub(age.saturating_add(sample_at.into()));
-        if left > 0 {
-            // In a later tick the sample may be taken later.
-            self.quiet.hidden = now.after((left >> 16).max(1));
-            return;
-        }
-        self.wake(now);
-        let unseen = self.passage == Passage::Unseen;
-        if !(unseen && self.demagnetises(c, samples, bus_voltage, age, watch)) {
-            self.sample(samples, sample_at, watch, sight);
-        }
-    }
-
-    /// Age of the step at the boundary `now`, 1/65 536 tick.
-    #[inline]
-    const fn age(&self, now: Instant) -> u32 {
-        self.first_age.saturating_add(now.time_since(self.began))
-    }
-
-    /// The sector whose crossing is watched for.
-    #[inline]
-    pub fn watched(&self) -> Option<u8> {
-        if self.passage == Passage::Found { None } else { self.watch.map(|watch| watch.sector) }
-    }
-
-    /// From that tick on the crossing is overdue, and a sample before it is news; `None`: there is none.
-    #[inline]
-    pub fn expect(&mut self, overdue: Option<Instant>) {
-        self.quiet.overdue = overdue.unwrap_or(self.began.after(u32::MAX));
-    }
-
-    /// By `now` the crossing should have been seen.
-    #[inline]
-    pub const fn is_overdue(&self, now: Instant) -> bool {
-        self.quiet.overdue.is_due(now)
+        if c.comparator { earlier.unwrap_or(sight) } else { sight }
     }
 
     /// The crossing was too early to be one: it is looked for again.
-    pub fn reject(&mut self, now: Instant) {
+    pub fn reject(&mut self) {
         (self.passage, self.after_run) = (Passage::Unseen, 0);
-        self.wake(now);
+        self.beware();
     }
 
-    /// The bridge is off.
-    #[inline]
-    pub const fn coasts(&self) -> bool {
-        matches!(self.step, Step::Coast)
+    /// The sector whose crossing is still to come in `present`, the step that goes on from here.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn expects(&self, present: Step, torque: Direction) -> Option<u8> {
+        if present == self.step && self.passage == Passage::Found {
+            None
+        } else {
+            present.rotor_sector(torque)
+        }
     }
 
-    /// Takes over the changes of the period that has ended. True if a step ended unseen.
-    #[inline]
-    fn follow(
-        &mut self,
-        c: &BackEmfCoefficients,
-        now: Instant,
-        applied: &PwmCommand,
-        point: &OperatingPoint,
-    ) -> bool {
+    /// Ages the pattern by the period that has ended and takes over its changes. True if a step ended unseen.
+    fn follow(&mut self, c: &BackEmfCoefficients, applied: &PwmCommand, point: &OperatingPoint) -> bool {
+        self.age = self.age.saturating_add(TICK as i32);
         self.crossed = self.crossed.saturating_add(TICK as i32);
-        if applied.step == self.step && applied.commutations.is_empty() {
+        if !self.is_changed_by(applied) {
             return false;
         }
-        let mut missed = self.enter(c, now, applied.step, c.earliest, point);
-        for change in applied.commutations.iter() {
-            missed |= self.enter(c, now, change.step, change.instant, point);
+        let first = (applied.step, c.earliest);
+        let later = applied.commutations.iter().map(|change| (change.step, change.instant));
+        let mut missed = false;
+        for (step, instant) in core::iter::once(first).chain(later) {
+            if step != self.step {
+                missed |= self.passage != Passage::Found && self.whole && step.sector().is_some();
+                self.begin_late(c, step, instant, point);
+            }
         }
         missed
     }
 
-    /// `step` is in force from `instant` of the period that has ended. True if another one ended unseen.
-    #[inline]
-    fn enter(
-        &mut self,
-        c: &BackEmfCoefficients,
-        now: Instant,
-        step: Step,
-        instant: u16,
-        point: &OperatingPoint,
-    ) -> bool {
-        let changes = step != self.step;
-        let missed = changes && self.passage != Passage::Found && self.whole && step.sector().is_some();
-        if changes {
-            self.begin(c, now, step, instant, point);
-        }
-        missed
+    /// [`begin`](Self::begin) where time matters less than room.
+    #[inline(never)]
+    fn begin_late(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
+        self.begin(c, step, instant, point);
     }
 
     /// `step` began at `instant` of the period that has ended.
-    #[inline(never)]
-    fn begin(
-        &mut self,
-        c: &BackEmfCoefficients,
-        now: Instant,
-        step: Step,
-        instant: u16,
-        point: &OperatingPoint,
-    ) {
-        let OperatingPoint { torque, interval } = *point;
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn begin(&mut self, c: &BackEmfCoefficients, step: Step, instant: u16, point: &OperatingPoint) {
+        let OperatingPoint { torque, interval, emf } = *point;
         // The mean takes about an eighth of the step: one sample at 6 a step.
         let shift = match interval >> 16 {
             0 if interval == 0 => 3,
@@ -380,45 +287,38 @@ impl BackEmf {
         };
         self.whole = self.step.sector().is_some();
         (self.step, self.watch) = (step, watch(step, torque));
-        (self.passage, self.shift) = (Passage::Unseen, shift);
-        (self.began, self.first_age) = (now, TICK - u32::from(instant));
-        (self.blank, self.interval) = (blanking(c, interval), interval);
-        if shift > 0 {
-            let emf = if interval > 0 { c.emf_of_turns.apply32(speed_of(1, interval)) } else { 0 };
-            self.flank = c.terminal.codes_of_difference(emf / 4);
-        }
+        (self.passage, self.stale, self.shift) = (Passage::Unseen, Band::EMPTY, shift);
+        (self.age, self.blank, self.interval) =
+            (TICK as i32 - i32::from(instant), blanking(c, interval), interval);
+        self.flank = emf / 4;
         // A mean of 8 samples has a third of the noise.
         self.noise = if shift == 3 { c.noise / 2 } else { c.noise };
         // Nothing of the samples before counts: neither those in the window nor the last mean are looked at.
         (self.count, self.sum, self.after_run) = (0, 0, 0);
-        self.wake(now);
     }
 
     /// Off-time: at 2 noises of the unsigned signal, from either side.
     #[inline]
-    fn threshold(&self, mode: SampleMode) -> i32 {
-        match mode {
+    fn threshold(&self, samples: &Samples, watch: Watch) -> i32 {
+        match samples.sample_mode {
             SampleMode::OnTime => 0,
-            SampleMode::OffTime if self.watch.is_some_and(Watch::rises) => 2 * self.noise,
+            SampleMode::OffTime if watch.rises() => 2 * self.noise,
             SampleMode::OffTime => -2 * self.noise,
         }
     }
 
-    /// The least signal that does not say for certain that the rotor has not reached the crossing.
-    #[inline]
-    fn before(&self, mode: SampleMode) -> i32 {
-        // In the off-time a terminal before a rising crossing is below ground, and reads 0 wherever it is.
-        let hides = mode == SampleMode::OffTime && self.watch.is_some_and(Watch::rises);
-        if hides { -(1 << 20) } else { self.threshold(mode) - self.noise }
-    }
-
-    #[inline]
-    fn sample(&mut self, samples: &Samples, sample_at: u16, watch: Watch, sight: &mut Sight) {
-        let mode = samples.sample_mode;
-        let off_time = mode == SampleMode::OffTime;
-        let (noise, threshold) = (self.noise, self.threshold(mode));
+    fn sample(
+        &mut self,
+        c: &BackEmfCoefficients,
+        samples: &Samples,
+        sample_at: u16,
+        watch: Watch,
+        sight: &mut Sight,
+    ) {
+        let off_time = samples.sample_mode == SampleMode::OffTime;
+        let (noise, threshold) = (self.noise, self.threshold(samples, watch));
         let beyond = self.beyond();
-        let sample = self.mean(signal(samples, watch));
+        let sample = self.mean(signal(c, samples, watch.sector));
         let mean = sample.value;
         if mean < threshold - noise {
             if self.passage == Passage::Unseen {
@@ -447,25 +347,21 @@ impl BackEmf {
         }
         sight.late = self.passage == Passage::Unseen && self.after_run > 2 + (1 << self.shift) / 2;
         self.keep(sample, sample_at);
-        self.quiet.mode = mode;
-        if self.passage == Passage::Healthy && self.shift == 0 {
-            self.quiet.band = Band::new(-(1 << 20), threshold - 1);
-        }
     }
 
     /// Before anything is seen of a step, its winding's current may still hold the floating terminal at a rail: no evidence, and the mean starts
     /// anew. So for a rotor that nothing is known of however long it takes; one that turns may cross behind it, and from three eighths of the
     /// step on that is a late crossing.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn demagnetises(
         &mut self,
         c: &BackEmfCoefficients,
         samples: &Samples,
         bus_voltage: i32,
-        age: u32,
+        age: i32,
         watch: Watch,
     ) -> bool {
-        let overdue = self.interval > 0 && age > self.interval / 8 * 3;
+        let overdue = self.interval > 0 && age > (self.interval / 8 * 3) as i32;
         let held = !overdue && is_held(c, samples, bus_voltage, watch);
         if held {
             (self.count, self.sum) = (0, 0);
@@ -484,8 +380,9 @@ impl Watch {
 
 /// Blanking = max(time floor, an eighth of the step), but a sample before the crossing must be left: at most a quarter of
 /// the step.
-fn blanking(c: &BackEmfCoefficients, interval: u32) -> u32 {
-    if interval == 0 { c.discard } else { c.discard.max(interval / 8).min(interval / 4) }
+fn blanking(c: &BackEmfCoefficients, interval: u32) -> i32 {
+    let blank = if interval == 0 { c.discard } else { c.discard.max(interval / 8).min(interval / 4) };
+    blank.min(i32::MAX as u32) as i32
 }
 
 /// What a running step with torque in `torque` shows.
@@ -498,10 +395,10 @@ fn watch(step: Step, torque: Direction) -> Option<Watch> {
 #[inline]
 fn is_held(c: &BackEmfCoefficients, samples: &Samples, bus_voltage: i32, watch: Watch) -> bool {
     let code = samples.phase_voltage.get(usize::from(watch.phase)).copied().unwrap_or(0);
-    let (terminal, noise) = (c.terminal.convert(code), c.terminal.convert_difference(c.noise));
+    let terminal = c.terminal.convert(code);
     if watch.rises() {
-        terminal > bus_voltage - noise
+        terminal > bus_voltage - c.noise
     } else {
-        samples.sample_mode == SampleMode::OnTime && terminal < noise
+        samples.sample_mode == SampleMode::OnTime && terminal < c.noise
     }
 }

@@ -18,17 +18,17 @@ pub struct CommutatorCoefficients {
     pub advance: u32,
 }
 
-/// State of the commutator: the sector it last commutated to, and where the rotor leaves that.
+/// State of the commutator: the sector it last commutated to, and how long that goes on without a look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Commutator {
     sector: Option<u8>,
     step: Step,
+    /// For this speed, with torque in this direction,
+    speed: i32,
     torque: Direction,
-    backward: bool,
-    /// Advance included, u32 turn.
-    boundary: u32,
-    /// Ticks from the last step to the next that changes something, if the rotor turns on as it does.
-    left: u32,
+    /// nothing changes at boundaries between this angle (u32 turn) and so far beyond, against the motion.
+    until: u32,
+    span: u32,
 }
 
 impl Commutator {
@@ -38,7 +38,7 @@ impl Commutator {
     }
 
     /// The step at `earliest`, and the changes later in this period, for a rotor at `angle` (at the period's boundary)
-    /// turning by `speed` a tick, with torque in `torque`.
+    /// turning by `speed` a tick, with torque in `torque`. Most ticks lie within a sector.
     #[inline]
     pub fn step(
         &mut self,
@@ -47,68 +47,142 @@ impl Commutator {
         speed: i32,
         torque: Direction,
     ) -> (Step, Commutations) {
-        let (first, backward) = (self.step, speed < 0);
-        let (per_tick, ahead) = (speed.unsigned_abs(), distance(angle, self.boundary, speed));
-        let blind = part_of(per_tick as i32, c.earliest.into());
-        let seen = per_tick.saturating_add(blind / 2);
-        // Within the sector that it was, before its end at the first instant that counts, and no second one in view.
-        let plain = per_tick > 0 && seen < SIXTH && ahead > blind && ahead < INSIDE;
-        let known = torque == self.torque && backward == self.backward;
-        match self.sector {
-            Some(_) if plain && known && ahead >= seen => {
-                self.left = (ahead - seen).checked_div(per_tick).unwrap_or(0) + 1;
-                (first, Commutations::NONE)
-            }
-            Some(sector) if plain && known => {
-                let instant = instant_of(c, ahead, per_tick);
-                self.go_on(c, neighbour(sector, backward), (angle, speed, seen), torque);
-                (first, Commutations::one(Commutation { instant, step: self.step }))
-            }
-            _ => self.change(c, angle, speed, torque),
+        let left = distance(angle, self.until, speed);
+        if left < self.span && speed == self.speed && torque == self.torque {
+            (self.step, Commutations::NONE)
+        } else {
+            self.approach(c, angle, speed, torque)
         }
     }
 
-    /// `sector` goes on, for a rotor that sees so far ahead.
+    /// The rotor passes the boundary that it went on to, at the speed that it had: the commutation. `None` if there is more to it; then nothing is
+    /// changed, and [`step`](Self::step) looks. And for how many ticks from now the next step goes on.
+    #[inline]
+    pub fn pass(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> Option<(Commutation, u32)> {
+        let backward = speed < 0;
+        let next = neighbour(self.sector?, backward);
+        let ahead = distance(angle, entry(next, speed), speed).wrapping_sub(c.advance);
+        let per_tick = speed.unsigned_abs();
+        let seen = SIXTH - self.span;
+        let plain = speed == self.speed && torque == self.torque && seen < INSIDE && ahead < seen;
+        if !plain || ahead <= part_of(per_tick as i32, c.earliest.into()) {
+            return None;
+        }
+        let instant = instant_of(c, ahead, per_tick);
+        let step = Step::for_sector(next, torque);
+        self.until = before(entry(neighbour(next, backward), speed), seen.wrapping_add(c.advance), speed);
+        (self.sector, self.step) = (Some(next), step);
+        let ticks = distance(angle, self.until, speed).checked_div(per_tick).unwrap_or(0);
+        Some((Commutation { instant, step }, ticks))
+    }
+
+    /// Another speed, or another place, within the sector, and no boundary in view: for how many ticks from now that goes on. `None` if there is
+    /// more to it; then nothing is changed, and [`step`](Self::step) looks.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn follow(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> Option<u32> {
+        let backward = speed < 0;
+        let boundary = entry(neighbour(self.sector?, backward), speed);
+        let ahead = distance(angle, boundary, speed).wrapping_sub(c.advance);
+        let per_tick = speed.unsigned_abs();
+        let seen = seen_of(c, per_tick);
+        // The speed that it has is left alone: the angle may have moved back over the entry of its sector.
+        let plain = torque == self.torque && speed != self.speed && (1..SIXTH).contains(&seen);
+        if !plain || !(seen..INSIDE).contains(&ahead) {
+            return None;
+        }
+        (self.speed, self.span) = (speed, SIXTH - seen);
+        self.until = before(boundary, seen.wrapping_add(c.advance), speed);
+        (ahead - seen).checked_div(per_tick)
+    }
+
+    /// Another speed, or the boundary ahead in view: what a rotor does that goes on.
+    #[inline(never)]
+    fn approach(
+        &mut self,
+        c: &CommutatorCoefficients,
+        angle: u32,
+        speed: i32,
+        torque: Direction,
+    ) -> (Step, Commutations) {
+        let Some(sector) = self.sector else { return self.change(c, angle, speed, torque) };
+        let backward = speed < 0;
+        let next = neighbour(sector, backward);
+        let boundary = entry(next, speed);
+        let ahead = distance(angle, boundary, speed).wrapping_sub(c.advance);
+        let per_tick = speed.unsigned_abs();
+        let blind = part_of(per_tick as i32, c.earliest.into());
+        let seen = seen_of(c, per_tick);
+        // Within the sector that it was, before the boundary at the first instant that counts, and no second one in view.
+        let plain = torque == self.torque && per_tick > 0 && seen < SIXTH && ahead > blind && ahead < INSIDE;
+        if !plain {
+            return self.change(c, angle, speed, torque);
+        }
+        let first = self.step;
+        if ahead >= seen {
+            self.go_on(c, sector, (boundary, seen), speed, torque);
+            return (first, Commutations::NONE);
+        }
+        let instant = instant_of(c, ahead, per_tick);
+        self.go_on(c, next, (entry(neighbour(next, backward), speed), seen), speed, torque);
+        let mut commutations = Commutations::NONE;
+        commutations.push(Commutation { instant, step: self.step });
+        (first, commutations)
+    }
+
+    /// Until when `sector`, which ends at a boundary and sees so far ahead, goes on: as long as the rotor is no further back than its entry, and the
+    /// boundary is further ahead than this period sees.
     #[inline]
     fn go_on(
         &mut self,
         c: &CommutatorCoefficients,
         sector: u8,
-        (angle, speed, seen): (u32, i32, u32),
+        (boundary, seen): (u32, u32),
+        speed: i32,
         torque: Direction,
     ) {
-        let backward = speed < 0;
-        let boundary = before(entry(neighbour(sector, backward), speed), c.advance, speed);
-        let ahead = distance(angle, boundary, speed);
-        // Beyond half a turn ahead is behind.
-        let room = if ahead > u32::MAX / 2 || seen >= SIXTH { 0 } else { ahead.saturating_sub(seen) };
-        let left = room.checked_div(speed.unsigned_abs());
+        let until = before(boundary, seen.wrapping_add(c.advance), speed);
         *self = Self {
             sector: Some(sector),
             step: Step::for_sector(sector, torque),
+            speed,
             torque,
-            backward,
-            boundary,
-            left: left.map_or(u32::MAX, |ticks| ticks.saturating_add(1)),
+            until,
+            span: SIXTH - seen,
         };
     }
 
-    /// The step at the end of the period.
-    #[inline]
-    pub const fn present(&self) -> Step {
-        self.step
-    }
-
-    /// In how many ticks it has to be asked again if the rotor turns on as it does.
-    #[inline]
-    pub const fn rest(&self) -> u32 {
-        self.left
+    /// For how many ticks from now the present step goes on, with the rotor at `angle` now and turning by `speed` a tick. It may begin in this period.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn calm(&self, angle: u32, speed: i32) -> u32 {
+        let next = angle.wrapping_add(speed as u32);
+        let left = distance(next, self.until, speed);
+        if left >= self.span || speed != self.speed {
+            return 0;
+        }
+        left.checked_div(speed.unsigned_abs()).map_or(u32::MAX, |ticks| ticks + 1)
     }
 
     /// The sector that it last commutated to; `None` while it has not.
     #[inline]
     pub const fn sector(&self) -> Option<u8> {
         self.sector
+    }
+
+    /// The step that goes on.
+    pub const fn present(&self) -> Step {
+        self.step
     }
 
     #[inline(never)]
@@ -134,7 +208,7 @@ impl Commutator {
             commutations.push(Commutation { instant: last, step: Step::for_sector(sector, torque) });
         }
         let seen = window(c, speed).min(SIXTH);
-        self.go_on(c, sector, (angle, speed, seen), torque);
+        self.go_on(c, sector, (entry(neighbour(sector, speed < 0), speed), seen), speed, torque);
         (first, commutations)
     }
 
@@ -194,6 +268,12 @@ const fn before(boundary: u32, before: u32, speed: i32) -> u32 {
     if speed < 0 { boundary.wrapping_add(before) } else { boundary.wrapping_sub(before) }
 }
 
+/// How far ahead a boundary is taken in this period, u32 turn: to the middle of the next one's blind start.
+#[inline]
+fn seen_of(c: &CommutatorCoefficients, per_tick: u32) -> u32 {
+    per_tick.saturating_add(part_of(per_tick as i32, c.earliest.into()) / 2)
+}
+
 /// The sector after this one, in the direction of motion.
 const fn neighbour(sector: u8, backward: bool) -> u8 {
     match (sector, backward) {
@@ -207,10 +287,9 @@ const fn neighbour(sector: u8, backward: bool) -> u8 {
 /// A sector, less what the sector of an angle is rounded by.
 const INSIDE: u32 = SIXTH - (1 << 17);
 
-/// How far ahead a boundary is taken in this period, u32 turn: to the middle of the next one's blind start.
+/// [`seen_of`] a signed speed.
 fn window(c: &CommutatorCoefficients, speed: i32) -> u32 {
-    let per_tick = speed.saturating_abs();
-    (per_tick as u32).saturating_add(part_of(per_tick, c.earliest.into()) / 2)
+    seen_of(c, speed.saturating_abs() as u32)
 }
 
 /// When within this period the rotor leaves `sector`. A boundary that falls between the period's end and the middle of the

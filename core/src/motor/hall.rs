@@ -4,11 +4,10 @@
 //! (too early, backwards, not a neighbour) must still be there one tick later: that is the debounce, and it costs a
 //! healthy rotor nothing. 000 and 111 are never taken. Glitches are counted; faults come from counts, not from one.
 
-use super::clock::Instant;
 use super::commutation::{Direction, SECTOR, sector_of};
 use super::interval::{SIXTH, TICK, part_of, speed_of};
 use super::samples::{EdgeSource, Samples};
-use crate::units::ElectricalAngle;
+use crate::units::{ElectricalAngle, quotient};
 use serde::{Deserialize, Serialize};
 
 /// How the three hall lines belong to the phases.
@@ -79,14 +78,6 @@ pub struct HallEvents {
     pub sectors: i8,
 }
 
-impl HallEvents {
-    /// Anything at all.
-    #[inline]
-    pub const fn happened(self) -> bool {
-        self.sectors != 0 || self.invalid || self.jump
-    }
-}
-
 /// State of the hall station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hall {
@@ -98,27 +89,25 @@ pub struct Hall {
     mute: bool,
     /// A change that waits for its confirmation: sector and its age at the last boundary.
     candidate: Option<(u8, u32)>,
-    /// The boundary at which the last edge was accepted, and the edge's age then, 1/65 536 tick.
-    entered: Instant,
-    age: u32,
-    /// No edge for the time-out, or none at all yet.
-    still: bool,
+    /// Since the last accepted edge, in 1/65 536 tick, saturating.
+    since_edge: u32,
     /// The intervals of the present run in one direction, newest first, 0 where there is none; and how many there are.
     intervals: [u32; 6],
     valid: u8,
     /// Direction of the last edge.
     direction: Direction,
-    /// Angle at `entered`, u32 turn, and its change in a tick from then on, 2^-32 turn.
+    /// Angle at the present boundary, u32 turn.
     angle: u32,
-    interpolated: i32,
     /// Interpolation stays from here to so far beyond, u32 turn.
     from: u32,
     span: u32,
-    /// Speed over up to one revolution, 2^-32 turn a tick, signed.
+    /// Speed over up to one revolution, 2^-32 turn a tick, signed; what of it is interpolated; its bound by the edge that has not come.
     speed: i32,
-    /// When time alone changes something, if the code stays.
-    due: Instant,
-    /// Ticks in a row with the level 000 or 111; counted to [`INVALID_RUN_MAX`].
+    interpolated: i32,
+    bounded: i32,
+    /// Until the last edge is this old no bound has to be looked for, 1/65 536 tick.
+    unbounded: u32,
+    /// Ticks in a row with the level 000 or 111, saturating.
     invalid_run: u8,
     /// The rotor seems to have jumped, or to have turned round at speed: the sensors are not believed.
     doubt: bool,
@@ -132,18 +121,17 @@ impl Default for Hall {
             settled: false,
             mute: false,
             candidate: None,
-            entered: Instant::default(),
-            age: 0,
-            still: false,
+            since_edge: 0,
             intervals: [0; 6],
             valid: 0,
             direction: Direction::default(),
             angle: 0,
-            interpolated: 0,
             from: 0,
             span: u32::MAX,
             speed: 0,
-            due: Instant::default(),
+            interpolated: 0,
+            bounded: 0,
+            unbounded: u32::MAX,
             invalid_run: 0,
             doubt: false,
             diagnostics: HallDiagnostics::default(),
@@ -157,90 +145,106 @@ const INVALID_RUN_MAX: u8 = 3;
 const CONVINCING: u8 = 2;
 
 impl Hall {
-    /// One tick: takes the edges of the period that ended and the present level. Between deadlines a tick with the level of the last one and no edge
-    /// need not be told.
+    /// One tick: takes the edges of the period that ended and the present level. Most ticks have no edge, and the level of the present sector.
     #[inline]
-    pub fn step(&mut self, c: &HallCoefficients, now: Instant, samples: &Samples) -> HallEvents {
+    pub fn step(&mut self, c: &HallCoefficients, samples: &Samples) -> HallEvents {
+        self.since_edge = self.since_edge.saturating_add(TICK);
+        self.angle = self.angle.wrapping_add(self.interpolated as u32);
         let level = c.sectors[(samples.hall & 7) as usize];
-        let same = (self.settled && level == self.sector) || (self.mute && level == INVALID);
-        let events = if same && samples.edges.is_empty() {
-            self.invalid_run = (self.invalid_run + u8::from(self.mute)).min(INVALID_RUN_MAX);
-            HallEvents { invalid: self.mute, ..HallEvents::default() }
-        } else if let Some(age) = self.moves_on(c, now, samples, level) {
-            self.count(self.since_edge(now).saturating_sub(age));
-            self.enter(c, now, level, age);
+        let events = if self.settled && level == self.sector && samples.edges.is_empty() {
+            HallEvents::default()
+        } else if let Some(age) = self.moves_on(c, samples, level, self.since_edge) {
+            self.advance(c, level, age);
             HallEvents { sectors: self.direction.sign() as i8, ..HallEvents::default() }
         } else {
-            self.attend(c, now, samples, level)
+            self.attend(c, samples, level)
         };
-        if self.due.is_due(now) {
-            self.expire(c, now);
-        }
+        self.stay_plausible(c);
         events
     }
 
-    /// When [`step`](Self::step) has to be called even if the level stays.
+    /// The same of a tick in which a turning rotor shows its edge in the direction of `torque`, `ticks` after the last that was told: true. Else nothing is
+    /// done.
     #[inline]
-    pub const fn due(&self) -> Instant {
-        self.due
+    pub fn turns(&mut self, c: &HallCoefficients, samples: &Samples, torque: Direction, ticks: u32) -> bool {
+        let level = c.sectors[(samples.hall & 7) as usize];
+        let since = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
+        let Some(age) = self.moves_on(c, samples, level, since) else { return false };
+        if self.direction != torque {
+            return false;
+        }
+        self.since_edge = since;
+        self.advance(c, level, age);
+        self.stay_plausible(c);
+        true
     }
 
-    /// The next tick looks at everything.
-    pub const fn wake(&mut self, now: Instant) {
-        self.due = now;
-    }
-
-    /// What time alone brings: standstill, and the end of the span in which the angle is interpolated.
-    #[inline(never)]
-    fn expire(&mut self, c: &HallCoefficients, now: Instant) {
-        if !self.still && self.since_edge(now) >= c.timeout {
-            (self.still, self.valid, self.speed, self.doubt) = (true, 0, 0, false);
+    /// Interpolation stays near its sector, and the speed is one that an edge which has not come allows.
+    #[inline]
+    fn stay_plausible(&mut self, c: &HallCoefficients) {
+        if self.angle.wrapping_sub(self.from) > self.span {
+            self.clamp();
+        }
+        if self.since_edge > self.unbounded {
+            self.bound();
+        }
+        if self.since_edge >= c.timeout && (self.valid > 0 || self.speed != 0 || self.doubt) {
+            (self.valid, self.speed, self.bounded, self.doubt) = (0, 0, 0, false);
             self.intervals = [0; 6];
-            self.stand(c);
-        } else if self.angle(now).wrapping_sub(self.from) > self.span {
-            self.clamp(now);
+            self.rest(c);
         }
-        self.due = self.deadline(c, now);
     }
 
-    #[inline]
-    fn deadline(&self, c: &HallCoefficients, now: Instant) -> Instant {
-        let counts = self.mute && self.invalid_run < INVALID_RUN_MAX;
-        if counts || !(self.settled || self.mute) {
-            return now.next();
+    /// For how many ticks from now [`step`](Self::step) would find the present code and no edge, and nothing but time would pass.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn calm(&self, c: &HallCoefficients) -> u32 {
+        if !self.settled && !self.mute {
+            return 0;
         }
-        let standstill =
-            if self.still { u32::MAX } else { c.timeout.saturating_sub(self.age).div_ceil(TICK) };
+        // Until an edge is overdue, and until none is standstill.
+        let quiet = if self.since_edge >= c.timeout { u32::MAX } else { c.timeout - 1 };
+        let end = quiet.min(self.unbounded).saturating_sub(self.since_edge) / TICK;
+        let per_tick = self.interpolated.unsigned_abs();
         let passed = self.angle.wrapping_sub(self.from);
         let room = if self.interpolated < 0 { passed } else { self.span.saturating_sub(passed) };
-        let clamped = room.checked_div(self.interpolated.unsigned_abs()).unwrap_or(u32::MAX);
-        self.entered.after(standstill.min(clamped.saturating_add(1)))
+        let clamped = room.checked_div(per_tick).unwrap_or(u32::MAX);
+        end.min(clamped)
     }
 
-    /// Time since the last edge, 1/65 536 tick, saturating.
-    #[inline]
-    const fn since_edge(&self, now: Instant) -> u32 {
-        if self.still { u32::MAX } else { self.age.saturating_add(now.time_since(self.entered)) }
+    /// The present code, and no edge, for `ticks` that [`calm`](Self::calm) allowed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.since_edge = self.since_edge.saturating_add(ticks.saturating_mul(TICK));
+        self.angle = self.angle.wrapping_add((self.interpolated as u32).wrapping_mul(ticks));
+        if self.mute {
+            self.invalid_run = self.invalid_run.saturating_add(if ticks > 255 { 255 } else { ticks as u8 });
+        }
     }
 
     /// The edge that a turning rotor shows: one, to the next sector in the direction of motion, after a plausible interval, and
-    /// the level agrees. Its age.
+    /// the level agrees; `since` is the time since the last. Its age.
     #[inline]
-    fn moves_on(&self, c: &HallCoefficients, now: Instant, samples: &Samples, level: u8) -> Option<u32> {
+    fn moves_on(&self, c: &HallCoefficients, samples: &Samples, level: u8, since: u32) -> Option<u32> {
         let [edge] = samples.edges.as_slice() else { return None };
         let age = TICK - edge.instant as u32;
         let forward = edge.source == EdgeSource::Hall
             && level == after(self.sector, self.direction)
             && c.sectors[(edge.code & 7) as usize] == level;
         let settled = self.settled && !self.doubt && self.valid > 0;
-        let interval = self.since_edge(now).saturating_sub(age);
+        let interval = since.saturating_sub(age);
         (forward && settled && interval >= self.newest() / 2 && interval < c.timeout.min(LONGEST))
             .then_some(age)
     }
 
+    /// The rotor has entered the next sector, `age` before this tick's boundary.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn advance(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
+        self.count(self.since_edge.saturating_sub(age));
+        self.enter(c, sector, age);
+    }
+
     /// Something has changed, or waits.
     #[inline(never)]
-    fn attend(&mut self, c: &HallCoefficients, now: Instant, samples: &Samples, level: u8) -> HallEvents {
+    fn attend(&mut self, c: &HallCoefficients, samples: &Samples, level: u8) -> HallEvents {
         let mut events = HallEvents::default();
         // Lines without sensors never had a code that they could lose.
         let has_code = self.invalid_run == 0 && self.sector != INVALID;
@@ -248,22 +252,21 @@ impl Hall {
         let mut captured = false;
         for edge in samples.edges.iter().filter(|edge| edge.source == EdgeSource::Hall) {
             captured = true;
-            self.observe(c, now, edge.code, TICK - edge.instant as u32, &mut events);
+            self.observe(c, edge.code, TICK - edge.instant as u32, &mut events);
         }
-        self.confirm(c, now, waiting, level, &mut events);
+        self.confirm(c, waiting, level, &mut events);
         // A level that no edge explained: without capture it *is* the edge; with capture its edge belongs to the
         // next tick, unless it was lost, and then the candidate is confirmed there.
-        self.invalid_run = if level == INVALID { (self.invalid_run + 1).min(INVALID_RUN_MAX) } else { 0 };
+        self.invalid_run = if level == INVALID { self.invalid_run.saturating_add(1) } else { 0 };
         if level == INVALID {
             events.invalid = true;
         } else if self.sector != level && !captured && self.candidate.is_none() {
             if c.captured && self.sector != INVALID {
                 self.candidate = Some((level, 0));
             } else {
-                self.observe_sector(c, now, level, SAMPLED_AGE, &mut events);
+                self.observe_sector(c, level, SAMPLED_AGE, &mut events);
             }
         }
-        self.due = now;
         self.settled = self.candidate.is_none() && self.sector == level && level != INVALID;
         self.mute = self.candidate.is_none() && level == INVALID;
         if events.invalid && has_code {
@@ -273,8 +276,8 @@ impl Hall {
     }
 
     /// Forgets position and speed; the counts stay.
-    pub fn forget(&mut self, now: Instant) {
-        *self = Self { diagnostics: self.diagnostics, entered: now, due: now, ..Self::default() };
+    pub fn forget(&mut self) {
+        *self = Self { diagnostics: self.diagnostics, ..Self::default() };
     }
 
     /// A candidate of the tick before that the level still shows is accepted, with the better time stamp if its edge
@@ -282,7 +285,6 @@ impl Hall {
     fn confirm(
         &mut self,
         c: &HallCoefficients,
-        now: Instant,
         waiting: Option<(u8, u32)>,
         level: u8,
         events: &mut HallEvents,
@@ -295,28 +297,23 @@ impl Hall {
             Some((newer, age)) if newer == sector => age,
             _ => age.saturating_add(TICK),
         };
-        self.accept(c, now, sector, age, events);
+        self.accept(c, sector, age, events);
     }
 
-    fn observe(&mut self, c: &HallCoefficients, now: Instant, code: u8, age: u32, events: &mut HallEvents) {
+    fn observe(&mut self, c: &HallCoefficients, code: u8, age: u32, events: &mut HallEvents) {
         match c.sectors[(code & 7) as usize] {
             INVALID => events.invalid = true,
-            sector => self.observe_sector(c, now, sector, age, events),
+            sector => self.observe_sector(c, sector, age, events),
         }
     }
 
-    fn observe_sector(
-        &mut self,
-        c: &HallCoefficients,
-        now: Instant,
-        sector: u8,
-        age: u32,
-        events: &mut HallEvents,
-    ) {
+    fn observe_sector(&mut self, c: &HallCoefficients, sector: u8, age: u32, events: &mut HallEvents) {
         if self.sector == INVALID {
+            self.sector = sector;
+            self.angle = centre(c, sector);
             // The rotor may turn already: what is left of this sector is no interval.
-            (self.sector, self.still) = (sector, true);
-            self.stand(c);
+            self.since_edge = u32::MAX;
+            self.rest(c);
             return;
         }
         let direction = match (sector + 6 - self.sector) % 6 {
@@ -333,24 +330,24 @@ impl Hall {
                 return;
             }
         };
-        let interval = self.since_edge(now).saturating_sub(age);
+        let interval = self.since_edge.saturating_sub(age);
         let plausible = self.valid > 0 && direction == self.direction && interval >= self.newest() / 2;
         if plausible {
-            self.accept(c, now, sector, age, events);
+            self.accept(c, sector, age, events);
         } else {
             self.candidate = Some((sector, age));
         }
     }
 
     /// The rotor has entered `sector` `age` before this tick's boundary.
-    fn accept(&mut self, c: &HallCoefficients, now: Instant, sector: u8, age: u32, events: &mut HallEvents) {
+    fn accept(&mut self, c: &HallCoefficients, sector: u8, age: u32, events: &mut HallEvents) {
         let turned = match (sector + 6 - self.sector) % 6 {
             0 => return,
             step @ 1..=3 => step as i8,
             step => step as i8 - 6,
         };
         let direction = if turned > 0 { Direction::Forward } else { Direction::Reverse };
-        let interval = self.since_edge(now).saturating_sub(age);
+        let interval = self.since_edge.saturating_sub(age);
         let moving = self.speed.unsigned_abs() >= c.interpolation_min.max(1);
         self.doubt |= turned.abs() > 1 || (moving && direction != self.direction);
         if turned.abs() > 1 || direction != self.direction || interval >= c.timeout {
@@ -361,11 +358,11 @@ impl Hall {
         }
         self.direction = direction;
         events.sectors = events.sectors.saturating_add(turned);
-        self.enter(c, now, sector, age);
+        self.enter(c, sector, age);
     }
 
     /// One more interval of the present run.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn count(&mut self, interval: u32) {
         let [a, b, c, d, e, _] = self.intervals;
         if interval.max(a) > LONGEST {
@@ -377,29 +374,30 @@ impl Hall {
     }
 
     /// Angle and speed at the beginning of `sector`, which was `age` ago.
-    #[inline]
-    fn enter(&mut self, c: &HallCoefficients, now: Instant, sector: u8, age: u32) {
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn enter(&mut self, c: &HallCoefficients, sector: u8, age: u32) {
         let direction = self.direction;
-        (self.entered, self.age, self.still, self.sector) = (now, age, false, sector);
+        self.since_edge = age;
+        self.sector = sector;
         self.speed = self.measure();
+        self.angle = entry(c, sector, direction).wrapping_add(part_of(self.speed, age as i32));
+        self.bounded = self.speed;
+        self.unbounded = if self.valid == 0 { u32::MAX } else { self.newest() };
         if self.speed.unsigned_abs() < c.interpolation_min.max(1) {
-            self.stand(c);
+            self.rest(c);
         } else {
-            self.angle = entry(c, sector, direction).wrapping_add(part_of(self.speed, age as i32));
-            self.interpolated = self.speed;
             // From the edge behind to half a sector beyond the edge ahead.
+            self.interpolated = self.speed;
             self.span = SIXTH / 2 + SIXTH;
             let behind = if direction == Direction::Forward { SIXTH / 2 } else { SIXTH };
             self.from = centre(c, sector).wrapping_sub(behind);
         }
-        self.due = self.deadline(c, now);
     }
 
     /// Below the speed floor the middle of the sector stands for all of it.
-    fn stand(&mut self, c: &HallCoefficients) {
+    fn rest(&mut self, c: &HallCoefficients) {
         if self.sector != INVALID {
-            self.angle = centre(c, self.sector);
-            (self.from, self.span, self.interpolated) = (self.angle, 0, 0);
+            (self.from, self.span, self.interpolated) = (centre(c, self.sector), 0, 0);
         }
     }
 
@@ -416,45 +414,45 @@ impl Hall {
         newest
     }
 
-    /// To the nearer end of the span, where it stays.
-    fn clamp(&mut self, now: Instant) {
-        let beyond = self.angle(now).wrapping_sub(self.from).wrapping_sub(self.span);
+    /// To the nearer end of the span.
+    fn clamp(&mut self) {
+        let beyond = self.angle.wrapping_sub(self.from).wrapping_sub(self.span);
         let ahead = beyond < (u32::MAX - self.span) / 2;
         self.angle = if ahead { self.from.wrapping_add(self.span) } else { self.from };
-        self.interpolated = 0;
     }
 
-    /// Angle at the boundary `now`, u32 turn.
-    #[inline]
-    pub const fn angle(&self, now: Instant) -> u32 {
-        self.angle.wrapping_add((self.interpolated as u32).wrapping_mul(now.since(self.entered)))
+    /// The edge is overdue: the speed is no more than it allows.
+    fn bound(&mut self) {
+        // Within the bound, by multiplication: the 64-bit division is for the edge that is overdue.
+        let sixth = (SIXTH as u64) << 16;
+        if self.speed.unsigned_abs() as u64 * self.since_edge as u64 > sixth {
+            let bound = quotient(sixth as i64, self.since_edge.into()).min(i32::MAX.into()) as i32;
+            self.bounded = self.speed.clamp(-bound, bound);
+        }
     }
 
-    /// Speed since the last edge, 2^-32 turn a tick, signed.
-    #[inline]
+    /// Angle at this tick's boundary, u32 turn.
+    pub const fn angle(&self) -> u32 {
+        self.angle
+    }
+
+    /// Speed that interpolates, 2^-32 turn a tick, signed.
     pub const fn speed(&self) -> i32 {
         self.speed
     }
 
-    /// Speed for the speed loop: the measured one, but never more than the edge that has not come by `now` allows.
+    /// Speed for the speed loop: the measured one, but never more than the edge that has not come allows.
     #[inline]
-    pub fn speed_bounded(&self, now: Instant) -> i32 {
-        let since = self.since_edge(now);
-        if self.valid == 0 || since <= self.newest() {
-            return self.speed;
-        }
-        let bound = speed_of(1, since);
-        self.speed.min(bound).max(-bound)
+    pub const fn speed_bounded(&self) -> i32 {
+        self.bounded
     }
 
     /// No edge for the time-out.
-    #[inline]
-    pub const fn stopped(&self) -> bool {
-        self.still
+    pub const fn stopped(&self, c: &HallCoefficients) -> bool {
+        self.since_edge >= c.timeout
     }
 
     /// The position is not to be believed: torque by it could be torque in any direction.
-    #[inline]
     pub const fn doubtful(&self) -> bool {
         self.doubt || self.invalid_run >= INVALID_RUN_MAX
     }

@@ -98,6 +98,7 @@ impl CurrentLimit {
 
     /// Once a millisecond: the ramp moves from the soft-start value once the rotor `turns`, and the ratings are looked at.
     /// Bus voltage and filtered bus current, raw I16F16; `phase_current` is the estimated mean phase current, raw I16F16 A. True if a bound changed.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn update(
         &mut self,
         c: &LimitCoefficients,

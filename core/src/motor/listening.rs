@@ -8,10 +8,9 @@
 //!  reverse   (back-EMF inverted) A from 330 down to 210     A -> C at 210, C -> B at  90, B -> A at 330
 //! ```
 
-use super::back_emf::BackEmfCoefficients;
-use super::clock::Instant;
 use super::commutation::Direction;
 use super::interval::TICK;
+use crate::units::{Volts, quotient};
 use serde::{Deserialize, Serialize};
 
 /// The highest terminal changed: the rotor was there.
@@ -30,17 +29,14 @@ pub struct Heard {
 pub struct Listening {
     /// The highest terminal, 0 to 2, once one is.
     highest: Option<u8>,
-    /// Terminals of the tick before, converter codes, and where in its period they were sampled, 1/65 536.
-    previous: [u16; 3],
-    sampled_at: u16,
-    /// The last tick in which the bridge was on.
-    began: Instant,
-    /// The last tick in which a terminal was above the noise.
-    loud: Instant,
-    /// The last tick in which another terminal became the highest.
-    changed: Instant,
-    /// The windings carry no more current.
-    settled: bool,
+    previous: [i32; 3],
+    previous_age: i32,
+    /// Ticks of listening, saturating.
+    ticks: u32,
+    /// Ticks since a terminal was above the noise, saturating.
+    quiet: u32,
+    /// Ticks since the highest terminal changed, saturating.
+    still: u32,
     /// Changes in a row in one direction.
     run: u8,
     direction: Direction,
@@ -53,83 +49,54 @@ const CONVINCING: u8 = 4;
 
 impl Listening {
     /// The bridge is on: nothing can be heard.
-    #[inline]
-    pub fn reset(&mut self, now: Instant) {
-        *self = Self { began: now, loud: now, changed: now, ..Self::default() };
-    }
-
-    /// True if the samples of a tick with the bridge off say nothing new. Then they are taken.
-    #[inline]
-    pub fn rests(&mut self, c: &BackEmfCoefficients, now: Instant, codes: &[u16; 3], sample_at: u16) -> bool {
-        if !self.settled {
-            return false;
-        }
-        let [a, b, c_] = *codes;
-        let top = a.max(b).max(c_);
-        let is_loud = top >= c.silence;
-        if is_loud {
-            let Some(highest) = self.highest else { return false };
-            let last = match highest {
-                0 => a,
-                1 => b,
-                _ => c_,
-            };
-            if i32::from(top) - i32::from(last) >= c.noise {
-                return false;
-            }
-            self.loud = now;
-        }
-        (self.previous, self.sampled_at) = (*codes, sample_at);
-        true
+    pub fn reset(&mut self) {
+        *self = Self::default();
     }
 
     /// One tick with the bridge off.
-    pub fn step(
-        &mut self,
-        c: &BackEmfCoefficients,
-        now: Instant,
-        codes: &[u16; 3],
-        sample_at: u16,
-    ) -> Option<Heard> {
+    pub fn step(&mut self, voltage: &[Volts; 3], noise: i32, sample_at: u16) -> Option<Heard> {
+        let now = voltage.map(Volts::to_bits);
         let age = -i32::from(sample_at);
-        let before = core::mem::replace(&mut self.previous, *codes);
-        let before_age = TICK as i32 - i32::from(core::mem::replace(&mut self.sampled_at, sample_at));
-        self.settled = self.settled || now.since(self.began) >= SETTLED;
-        if !self.settled {
-            (self.loud, self.changed) = (now, now);
+        let before = core::mem::replace(&mut self.previous, now);
+        let before_age = core::mem::replace(&mut self.previous_age, age).saturating_add(TICK as i32);
+        self.ticks = self.ticks.saturating_add(1);
+        self.quiet = self.quiet.saturating_add(1);
+        self.still = self.still.saturating_add(1);
+        if self.ticks < SETTLED {
+            (self.quiet, self.still) = (0, 0);
             return None;
         }
-        let [on_a, on_b, on_c] = *codes;
-        let top = if on_a >= on_b && on_a >= on_c {
+        let [a, b, c] = now;
+        let top = if a >= b && a >= c {
             0
-        } else if on_b >= on_c {
+        } else if b >= c {
             1
         } else {
             2_u8
         };
-        let level = |codes: &[u16; 3], phase: u8| i32::from(codes[usize::from(phase.min(2))]);
+        let level = |values: &[i32; 3], phase: u8| values.get(usize::from(phase)).copied().unwrap_or(0);
         // Neither is rest disproved here, nor is rotation: an offset about as high as the noise is heard in some ticks and not in others.
-        if level(codes, top) < i32::from(c.silence) {
+        if level(&now, top) < noise {
             return None;
         }
-        self.loud = now;
+        self.quiet = 0;
         let Some(last) = self.highest else {
             self.highest = Some(top);
             return None;
         };
         // By more than the noise, or two that are equal would change places for ever.
-        let lead = level(codes, top) - level(codes, last);
-        if top == last || lead < c.noise {
+        let lead = level(&now, top) - level(&now, last);
+        if top == last || lead < noise {
             return None;
         }
         let direction = if top == (last + 1) % 3 { Direction::Forward } else { Direction::Reverse };
         self.run = if direction == self.direction { self.run.saturating_add(1) } else { 1 };
-        (self.highest, self.direction, self.changed) = (Some(top), direction, now);
+        (self.highest, self.direction, self.still) = (Some(top), direction, 0);
         // Where the two were equal, between the two samples.
-        let lag = (level(&before, last) - level(&before, top)).clamp(0, 0x3FFF);
+        let lag = (level(&before, last) - level(&before, top)).max(0);
+        let whole = (lag + lead).max(1);
         let span = before_age - age;
-        // 14 bits, and a span of at most two periods 17.
-        let part = span * lag / (lag + lead).max(1);
+        let part = quotient(i64::from(span) * i64::from(lag), whole.into()) as i32;
         let place = match direction {
             Direction::Forward => (4 * top + 1) % 12,
             Direction::Reverse => (4 * last + 7) % 12,
@@ -137,15 +104,7 @@ impl Listening {
         Some(Heard { place, age: before_age - part, direction })
     }
 
-    /// Keeps the distance of its instants below the clock's range.
-    pub fn renew(&mut self, now: Instant) {
-        for instant in [&mut self.began, &mut self.loud, &mut self.changed] {
-            *instant = instant.within_reach(now);
-        }
-    }
-
     /// The rotor turns: more than a revolution in one direction.
-    #[inline]
     pub const fn is_turning(&self) -> bool {
         self.run >= CONVINCING
     }
@@ -161,12 +120,12 @@ impl Listening {
     }
 
     /// Ticks for which the same terminal was the highest: a converter's offset is no rotation.
-    pub const fn still(&self, now: Instant) -> u32 {
-        now.since(self.changed)
+    pub const fn still(&self) -> u32 {
+        self.still
     }
 
     /// Ticks for which nothing was heard.
-    pub const fn quiet(&self, now: Instant) -> u32 {
-        now.since(self.loud)
+    pub const fn quiet(&self) -> u32 {
+        self.quiet
     }
 }

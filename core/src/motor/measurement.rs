@@ -50,28 +50,9 @@ impl ChannelScale {
         ((product as i64 + self.bias) >> 32) as i32
     }
 
-    /// The least code that converts to `value` (raw I16F16) or more; 0 or the largest where there is none.
-    pub const fn code_of(&self, value: i32) -> u16 {
-        let (gain, least) = ((self.gain as i64) << 16, ((value as i64) << 32) - self.bias);
-        let code = quotient(least + gain - 1, gain);
-        if code < 0 {
-            0
-        } else if code > u16::MAX as i64 {
-            u16::MAX
-        } else {
-            code as u16
-        }
-    }
-
     /// Voltages of the three terminals. Only listening and reports ask for them.
     pub fn convert_all(&self, codes: &[u16; 3]) -> [Volts; 3] {
         codes.map(|code| Volts::from_bits(self.convert(code)))
-    }
-
-    /// Codes of a difference (raw I16F16), rounded down: by a 32-bit division, whose divisor keeps the 7 and more bits of a channel's gain.
-    pub const fn codes_of_difference(&self, difference: i32) -> i32 {
-        let gain = (self.gain >> 16) as i32;
-        difference / if gain > 0 { gain } else { 1 }
     }
 
     /// Raw I16F16 of a difference of `codes`, within 2^18: zero and offset cancel.
@@ -117,7 +98,7 @@ pub struct Measurement {
 /// long as nothing is driven and not at power-up alone, because what is wrong then may be mended, and a shunt's amplifier drifts as it warms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct ZeroCurrent {
-    /// A first-order mean of 64 ms, raw I16F16 with 6 extra bits.
+    /// A first-order mean of 1024 ticks, raw I16F16 with 10 extra bits.
     mean: i64,
     /// The same, no more than is credible.
     zero: i32,
@@ -133,8 +114,8 @@ impl ZeroCurrent {
         if current.saturating_abs() > Self::FLOWS {
             return;
         }
-        self.mean += i64::from(current) - (self.mean >> 6);
-        self.zero = ((self.mean >> 6) as i32).clamp(-Self::MAX, Self::MAX);
+        self.mean += i64::from(current) - (self.mean >> 10);
+        self.zero = ((self.mean >> 10) as i32).clamp(-Self::MAX, Self::MAX);
     }
 }
 
@@ -151,7 +132,7 @@ impl Measurement {
         Amps::from_bits(bus_current)
     }
 
-    /// Once a millisecond with the bridge off, in a step that answered `bus_current`: what the current's channel reads is its zero.
+    /// The bridge was off in the last step, which answered `bus_current`: what its channel read is its zero, from the next on.
     pub fn find_zero(&mut self, scales: &MeasurementScales, bus_current: Amps) {
         self.zero.find(bus_current.to_bits() + self.zero.zero - scales.bus_current.offset);
     }
@@ -199,6 +180,18 @@ impl Measurement {
     #[inline]
     pub const fn duty_within(&self, voltage: i32) -> u32 {
         ratio(voltage as u32, self.bus_voltage as u32)
+    }
+
+    /// The same, on a bus above [`BUS_MIN`], of a `voltage` that is positive and below the bus; else `None`. In 1/32 768.
+    #[inline]
+    pub const fn plain_duty(&self, voltage: i32) -> Option<u32> {
+        let bus = self.bus_voltage as u32;
+        // One comparison for both.
+        if (voltage as u32).wrapping_sub(1) < bus.wrapping_sub(1) {
+            Some(ratio(voltage as u32, bus))
+        } else {
+            None
+        }
     }
 }
 

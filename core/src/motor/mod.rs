@@ -8,7 +8,6 @@
 
 pub mod drive;
 
-pub mod clock;
 pub mod samples;
 
 pub mod measurement;

@@ -1,6 +1,5 @@
 //! Open loop: a field that turns by itself, from standstill up a frequency ramp.
 
-use super::clock::Instant;
 use super::commutation::Direction;
 use super::ramp::Ramp;
 use serde::{Deserialize, Serialize};
@@ -26,11 +25,7 @@ pub struct OpenLoopCoefficients {
 /// State of the generator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OpenLoop {
-    /// Angle at the boundary `at`, u32 turn.
     angle: u32,
-    at: Instant,
-    /// 2^-32 turn a tick, signed.
-    speed: i32,
     ramp: Ramp,
 }
 
@@ -57,17 +52,15 @@ impl OpenLoopCoefficients {
 
 impl OpenLoop {
     /// Starts at a rotor angle (u32 turn) from zero frequency.
-    pub fn start(&mut self, now: Instant, angle: u32) {
-        *self = Self { angle, at: now, ..Self::default() };
+    pub fn start(&mut self, angle: u32) {
+        *self = Self { angle, ramp: Ramp::default() };
     }
 
     /// One tick towards the set speed, or towards standstill.
-    pub fn step(&mut self, c: &OpenLoopCoefficients, now: Instant, direction: Direction, run: bool) -> Field {
+    pub fn step(&mut self, c: &OpenLoopCoefficients, direction: Direction, run: bool) -> Field {
         let frequency = self.ramp.step(if run { c.speed } else { 0 }, c.rate);
         let speed = c.turns.apply32(frequency) * direction.sign();
-        // Until now it has turned on by its speed of before.
-        self.angle = self.angle(now).wrapping_add(speed.wrapping_sub(self.speed) as u32);
-        (self.speed, self.at) = (speed, now);
+        self.angle = self.angle.wrapping_add(speed as u32);
         let level = c.level_start.saturating_add(c.slope.apply32(frequency));
         Field {
             angle: self.angle,
@@ -77,14 +70,9 @@ impl OpenLoop {
         }
     }
 
-    /// It turns on at the speed that it has.
-    pub fn is_steady(&self, c: &OpenLoopCoefficients, run: bool) -> bool {
-        self.ramp.rests_at(if run { c.speed } else { 0 })
-    }
-
     /// Rotor angle that the field is commutated for, u32 turn.
-    pub const fn angle(&self, now: Instant) -> u32 {
-        self.angle.wrapping_add((self.speed as u32).wrapping_mul(now.since(self.at)))
+    pub const fn angle(&self) -> u32 {
+        self.angle
     }
 
     /// Magnitude, electrical rev/s, raw I16F16.

@@ -3,7 +3,6 @@
 //! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
 //! at rest a step that includes X carries nothing at a voltage that must drive a current.
 
-use super::band::Band;
 use super::commutation::Step;
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
@@ -58,24 +57,19 @@ impl OpenPhase {
         self.resting = if pressing { self.resting.saturating_add(1) } else { 0 };
     }
 
-    /// From the next tick on `step` is applied: what has been seen of the one before is judged. True if a phase is open.
+    /// From the next tick on `step` is applied: what has been seen of the one before is judged.
     #[inline]
-    pub fn change(&mut self, step: Step) -> bool {
+    pub fn change(&mut self, step: Step) {
         if step != self.step {
             self.judge();
             (self.step, self.ticks, self.carrying) = (step, 0, 0);
         }
+    }
+
+    /// A phase is open, by what the last steps showed.
+    #[inline]
+    pub const fn is_shown(&self) -> bool {
         self.found
-    }
-
-    /// Of bus currents (raw I16F16), those that a winding at rest carries.
-    pub const fn carrying(currents: Band) -> Band {
-        currents.above(NONE)
-    }
-
-    /// A winding at rest seems to carry none.
-    pub const fn is_resting(&self) -> bool {
-        self.resting > 0
     }
 
     /// A phase is open.

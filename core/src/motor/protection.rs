@@ -79,10 +79,10 @@ pub struct ProtectionCoefficients {
 }
 
 impl ProtectionCoefficients {
-    /// Bus voltages that are no fault, raw I16F16.
+    /// Bus voltages that are no fault, and `least` to `most`, raw I16F16.
     #[inline]
-    pub const fn bus_voltage(&self) -> Band {
-        Band::new(self.under_voltage.trip, self.over_voltage.trip)
+    pub fn bus_voltage(&self, least: i32, most: i32) -> Band {
+        Band::new(self.under_voltage.trip.max(least), self.over_voltage.trip.min(most))
     }
 
     /// Bus currents that are no fault, raw I16F16.
@@ -215,11 +215,6 @@ impl Protection {
     /// Something has changed that does not come with every tick's samples: the next tick looks at everything.
     pub const fn wake(&mut self) {
         self.quiet = false;
-    }
-
-    /// The speed beyond which a driven episode is too fast, raw I16F16 electrical rev/s.
-    pub const fn overspeed_trip(&self) -> i32 {
-        self.overspeed_trip
     }
 
     /// Everything is at rest, and `speed` (while the bridge is on, else 0; a magnitude, raw I16F16 electrical rev/s) does not stir it. Within

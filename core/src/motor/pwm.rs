@@ -29,8 +29,6 @@ pub struct PwmCommand {
 pub struct Commutations([Option<Commutation>; 2]);
 
 /// One pattern change.
-// Moved by words.
-#[repr(align(4))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Commutation {
     /// When, in 1/65 536 of the period.

@@ -63,6 +63,7 @@ pub struct Rails {
 
 impl Rails {
     /// Once a millisecond while driven: the bucket leaks.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn leak(&mut self, c: &RailCoefficients) {
         self.leak = if self.bucket > 0 { self.leak + 1 } else { 0 };
         if self.leak >= c.leak.max(1) {
@@ -89,6 +90,7 @@ impl Rails {
     /// Once a millisecond in closed loop: `voltage` applied, mean phase `current`, and the speed that the crossings claim; all raw
     /// I16F16. What the resistance leaves of the voltage is back-EMF; a copper between 0.85 and 1.9 times nominal (cold, and at 190 degrees) and a
     /// back-EMF between 0.72 and 1.3 times what the speed claims are believed (hot magnets leave 0.8, a strong lot has 1.05). True when they have disagreed for long.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn is_wrong_lock(&mut self, c: &RailCoefficients, voltage: i32, current: i32, speed: i32) -> bool {
         if c.back_emf == Gain::ZERO || c.resistance == Gain::ZERO {
             return false;

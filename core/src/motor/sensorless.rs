@@ -9,9 +9,10 @@
 //!     +-- at rest --> Align (two locks) --> Kick ------+
 //! ```
 
-use super::back_emf::{BackEmf, BackEmfCoefficients, Level, OperatingPoint};
-use super::clock::Instant;
+use super::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint, Sight};
 use super::commutation::{Direction, Step};
+use super::gain::Gain;
+use super::interval::TICK;
 use super::listening::Listening;
 use super::pwm::PwmCommand;
 use super::rails::{Rail, RailCoefficients, Rails};
@@ -29,6 +30,8 @@ pub struct SensorlessCoefficients {
     pub back_emf: BackEmfCoefficients,
     /// Desynchronisation and stall.
     pub rails: RailCoefficients,
+    /// Volts of back-EMF per 2^-32 turn a tick, 0 unknown.
+    pub emf_of_turns: Gain,
     /// No crossing for this long is speed 0 (parameter 85), 1/65 536 tick.
     pub timeout: u32,
     /// Nothing heard for this long is a rotor at rest.
@@ -90,17 +93,18 @@ pub struct Sensorless {
     listening: Listening,
     rails: Rails,
     phase: Phase,
-    /// The tick in which this phase began.
-    since: Instant,
+    /// Ticks in this phase.
+    age: u32,
     level: Ramp,
-    /// The last tick in which the kick saw anything.
-    seen: Instant,
+    /// Ticks since the kick saw anything.
+    idle: u32,
+    /// Back-EMF, raw I16F16 V, at the speed (2^-32 turn a tick) that it was last asked for.
+    emf: i32,
+    emf_at: i32,
     /// Closed loop has just begun, from a rotor that was caught coasting (true) or brought up (false).
     begun: Option<bool>,
     /// This episode's rotor turned already when it was taken.
     caught: bool,
-    /// When the sequence has to go on.
-    due: Instant,
 }
 
 /// Rests (5 ms) for which the same terminal is the highest, in which a rotor at 333 electrical rpm would have shown another: what is slower
@@ -110,305 +114,308 @@ const STILL: u32 = 12;
 const ALIGNED_AT: u32 = (u32::MAX / 3) + 1;
 
 impl Sensorless {
-    /// The terminals in one tick, whatever the state; `applied` was in force until this period's boundary. True if the estimate has changed.
-    #[inline]
-    pub fn sense(
+    /// One tick of the sensors, whatever the state. `applied` was in force until this period's boundary.
+    pub fn observe(
         &mut self,
         c: &SensorlessCoefficients,
-        now: Instant,
         samples: &Samples,
         bus_voltage: i32,
         applied: &PwmCommand,
         torque: Direction,
-    ) -> bool {
-        if coasts(applied) {
-            let heard = !self.listening.rests(&c.back_emf, now, &samples.phase_voltage, applied.sample_at);
-            return (heard || !self.back_emf.coasts()) && self.coast(c, now, samples, applied);
-        }
-        if samples.edges.is_empty() && self.back_emf.rests(now, samples, applied) {
-            return false;
-        }
-        self.observe(c, now, samples, bus_voltage, applied, torque)
-    }
-
-    /// A tick with the bridge on whose sample may say something new.
-    #[inline(never)]
-    fn observe(
-        &mut self,
-        c: &SensorlessCoefficients,
-        now: Instant,
-        samples: &Samples,
-        bus_voltage: i32,
-        applied: &PwmCommand,
-        torque: Direction,
-    ) -> bool {
-        if self.back_emf.coasts() {
-            self.listening.reset(now);
-        }
-        let point = OperatingPoint { torque, interval: self.rotor.expected() };
-        let sight = self.back_emf.step(&c.back_emf, now, samples, bus_voltage, applied, &point);
-        let starting = self.phase == Phase::Kick;
-        let runs = self.phase == Phase::Run;
-        let follows = runs || (starting && now.since(self.since) > c.rest);
-        let seen = sight.crossing.is_some() || sight.late;
-        let before = sight.level == Level::Before && (sight.passed || self.back_emf.is_overdue(now));
-        let bounds = before || (starting && (sight.level == Level::Before || !sight.passed));
-        if !follows || !(seen || sight.missed || bounds) {
-            self.expect();
-            return false;
-        }
-        let angle = self.rotor.angle(now);
-        if !self.rotor.observe(now, &sight, c.back_emf.emf_of_turns, starting) {
-            self.back_emf.reject(now);
-        }
-        if seen {
-            self.seen = now;
-        }
-        if runs {
-            self.due = self.rotor.silent_at(c.timeout);
-        }
-        self.expect();
-        seen || sight.missed || self.rotor.angle(now) != angle
-    }
-
-    /// From when on the crossing that is watched is overdue.
-    #[inline]
-    fn expect(&mut self) {
-        let reached = self.back_emf.watched().map(|sector| self.rotor.overdue_at(sector));
-        self.back_emf.expect(reached);
-    }
-
-    /// A tick with the bridge off in which a terminal has become the highest, or the bridge has just gone off.
-    #[inline(never)]
-    fn coast(
-        &mut self,
-        c: &SensorlessCoefficients,
-        now: Instant,
-        samples: &Samples,
-        applied: &PwmCommand,
-    ) -> bool {
-        if !self.back_emf.coasts() {
+    ) {
+        self.rotor.advance();
+        if applied.step == Step::Coast && applied.commutations.is_empty() {
             self.back_emf = BackEmf::default();
-            self.listening.reset(now);
-        }
-        self.rotor.begin_coasting(now);
-        if self.phase == Phase::Kick {
-            self.listening.reset(now);
-            return false;
-        }
-        let heard = self.listening.step(&c.back_emf, now, &samples.phase_voltage, applied.sample_at);
-        match heard {
-            Some(heard) if heard.direction == self.rotor.direction() || self.listening.agrees() => {
-                self.rotor.observe_coasting(now, heard.place, heard.age, heard.direction);
-                true
+            self.rotor.begin_coasting();
+            if self.phase == Phase::Kick {
+                return;
             }
-            _ => false,
+            let voltage = c.back_emf.terminal.convert_all(&samples.phase_voltage);
+            let heard = self.listening.step(&voltage, c.back_emf.noise, applied.sample_at);
+            if let Some(heard) = heard
+                && (heard.direction == self.rotor.direction() || self.listening.agrees())
+            {
+                self.rotor.observe_coasting(heard.place, heard.age, heard.direction);
+            }
+            return;
+        }
+        self.listening.reset();
+        let point = self.operating_point(c, torque);
+        let sight = self.back_emf.step(&c.back_emf, samples, bus_voltage, applied, &point);
+        if !matches!(self.phase, Phase::Kick | Phase::Run) || (self.phase == Phase::Kick && self.age < c.rest)
+        {
+            return;
+        }
+        let starting = self.phase == Phase::Kick;
+        if !self.rotor.observe(&sight, c.emf_of_turns, starting) {
+            self.back_emf.reject();
+        }
+        if sight.crossing.is_some() || sight.late {
+            self.idle = 0;
         }
     }
 
     /// Nobody has listened: what was heard before is of another time.
-    pub fn begin_listening(&mut self, now: Instant) {
-        self.listening.reset(now);
-        self.rotor.skip(now);
-        self.wake(now);
+    pub fn begin_listening(&mut self) {
+        self.listening.reset();
     }
 
-    /// The next tick looks at everything.
-    pub const fn wake(&mut self, now: Instant) {
-        self.back_emf.wake(now);
-    }
-
-    /// Keeps the distance of its instants below the clock's range while nothing else is asked of it.
-    pub fn renew(&mut self, now: Instant) {
-        self.listening.renew(now);
-        self.rotor.pass(now);
-    }
-
-    /// When the sequence has to go on even if the terminals show nothing new; while the bridge is on.
+    /// The ordinary tick of a running motor: true if its terminals show nothing that [`observe`](Self::observe) and [`step`](Self::step) would act
+    /// on; then they need not be called.
     #[inline]
-    pub const fn due(&self) -> Instant {
-        self.due
-    }
-
-    /// The sequence changes nothing before it is [due](Self::due).
-    pub const fn waits(&self, c: &SensorlessCoefficients) -> bool {
-        match self.phase {
-            Phase::Run => true,
-            Phase::Align => self.level.value() == c.align_level,
-            Phase::Listen | Phase::Brake | Phase::Kick => false,
+    pub fn passes(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> bool {
+        match self.back_emf.passes(&c.back_emf, samples, applied) {
+            Some(passes) => passes,
+            None => self.passes_at_all(c, samples, bus_voltage, applied, torque),
         }
     }
 
-    fn deadline(&self, c: &SensorlessCoefficients, now: Instant) -> Instant {
-        match self.phase {
-            Phase::Align => {
-                let half = self.since.after(c.align / 2 + 1);
-                if half.is_due(now) { self.since.after(c.align + 1) } else { half }
-            }
-            Phase::Listen | Phase::Brake | Phase::Kick | Phase::Run => now.next(),
+    #[inline(never)]
+    fn passes_at_all(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> bool {
+        if self.back_emf.is_changed_by(applied) {
+            let point = self.operating_point(c, torque);
+            self.back_emf.turns_over(&c.back_emf, applied, &point)
+        } else {
+            self.back_emf.passes_at_all(&c.back_emf, samples, bus_voltage, applied)
         }
+    }
+
+    /// Another step may have been applied than the one that is watched.
+    #[inline]
+    pub const fn beware(&mut self) {
+        self.back_emf.beware();
+    }
+
+    /// What [`observe`](Self::observe) does in the tick of a running motor that finds the ordinary crossing, `ticks` after the last that was told: true. Else
+    /// nothing is done.
+    #[inline]
+    pub fn crosses(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+        ticks: u32,
+    ) -> bool {
+        if self.phase != Phase::Run {
+            return false;
+        }
+        let Some(crossing) = self.back_emf.crosses(&c.back_emf, samples, applied) else { return false };
+        if !self.rotor.crosses(&crossing, c.emf_of_turns, ticks) {
+            return false;
+        }
+        self.back_emf.take(samples, &crossing, applied.sample_at);
+        self.age = self.age.saturating_add(ticks).wrapping_sub(1);
+        self.idle = 0;
+        true
+    }
+
+    /// The ordinary tick of a running motor in which its crossing is near, or begins to show, `ticks` after the last that was told: what it saw. Else
+    /// nothing is done.
+    #[inline]
+    pub fn nears(
+        &mut self,
+        c: &SensorlessCoefficients,
+        samples: &Samples,
+        applied: &PwmCommand,
+        ticks: u32,
+    ) -> Option<Sight> {
+        let silent = self.rotor.since().saturating_add(ticks.saturating_mul(TICK));
+        if silent >= c.timeout { None } else { self.back_emf.nears(&c.back_emf, samples, applied) }
+    }
+
+    /// The crossing of which no more is in `sight` is overdue: what [`observe`](Self::observe) and [`step`](Self::step) do, `ticks` after the last that was
+    /// told.
+    pub fn wait(&mut self, c: &SensorlessCoefficients, sight: &Sight, ticks: u32) {
+        self.sleep(ticks);
+        self.rotor.observe(sight, c.emf_of_turns, false);
+    }
+
+    /// What a step that begins now may expect.
+    fn operating_point(&mut self, c: &SensorlessCoefficients, torque: Direction) -> OperatingPoint {
+        if self.rotor.speed() != self.emf_at {
+            self.emf_at = self.rotor.speed();
+            self.emf = c.emf_of_turns.apply32(self.emf_at.saturating_abs());
+        }
+        OperatingPoint { torque, interval: self.rotor.expected(), emf: self.emf }
+    }
+
+    /// For how many ticks from now only time would pass, as long as every one [`passes`](Self::passes), with the step `present` applied.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn calm(&self, c: &SensorlessCoefficients, present: Step, torque: Direction) -> u32 {
+        if !self.is_running() {
+            return 0;
+        }
+        self.rotor.calm(c.timeout, self.back_emf.expects(present, torque))
+    }
+
+    /// For how many ticks from now the commutation to `present`, which this tick begins with the rotor at `angle` (u32 turn), leaves it so.
+    #[inline]
+    pub fn calm_in(&self, present: Step, torque: Direction, angle: u32) -> u32 {
+        self.back_emf.expects(present, torque).map_or(u32::MAX, |sector| self.rotor.held(sector, angle))
+    }
+
+    /// So many of these ticks have passed.
+    pub const fn sleep(&mut self, ticks: u32) {
+        self.rotor.sleep(ticks);
+        self.age = self.age.saturating_add(ticks);
+        self.idle = self.idle.saturating_add(ticks);
     }
 
     /// The master starts the motor (`State::RotorLock`), or T47 wants it caught or restarted.
-    pub fn start(&mut self, now: Instant, fresh: bool) {
+    pub fn start(&mut self, fresh: bool) {
         if fresh {
             self.rails.reset();
         }
-        self.go(now, Phase::Listen);
+        self.go(Phase::Listen);
         self.begun = None;
     }
 
     /// A start was ended: the rotor that was being brought up coasts, and is listened to.
-    pub fn end_start(&mut self, now: Instant) {
+    pub fn end_start(&mut self) {
         if self.is_kicking() {
-            self.go(now, Phase::Listen);
+            self.go(Phase::Listen);
         }
     }
 
-    fn go(&mut self, now: Instant, phase: Phase) {
-        (self.phase, self.since, self.seen) = (phase, now, now);
-        if !self.back_emf.coasts() {
-            self.listening.reset(now);
-        }
+    fn go(&mut self, phase: Phase) {
+        (self.phase, self.age, self.idle) = (phase, 0, 0);
         self.level = Ramp::default();
         self.caught = false;
     }
 
     /// The sequence's next move in `state`.
-    #[inline]
-    pub fn step(
-        &mut self,
-        c: &SensorlessCoefficients,
-        now: Instant,
-        state: State,
-        torque: Direction,
-    ) -> Plan {
+    pub fn step(&mut self, c: &SensorlessCoefficients, state: State, torque: Direction) -> Plan {
+        self.age = self.age.saturating_add(1);
+        self.idle = self.idle.saturating_add(1);
         // In rotor lock the rotor is not yet turned.
         let released = state != State::RotorLock;
-        if self.phase == Phase::Run {
-            self.due = self.rotor.silent_at(c.timeout);
-            return self.run(c, now);
-        }
-        let plan = self.lead(c, now, released, torque);
-        self.due = self.deadline(c, now);
-        plan
-    }
-
-    /// The sequence up to closed loop.
-    #[inline(never)]
-    fn lead(&mut self, c: &SensorlessCoefficients, now: Instant, released: bool, torque: Direction) -> Plan {
         match self.phase {
-            Phase::Listen => self.listen(c, now, released, torque),
-            Phase::Brake => self.brake(c, now),
-            Phase::Align if now.since(self.since) > c.align && released => self.kick_off(c, now, torque),
-            Phase::Align => self.align(c, now, torque),
-            Phase::Kick => self.kick(c, now),
-            Phase::Run => self.run(c, now),
+            Phase::Listen => self.listen(c, released, torque),
+            Phase::Brake => self.brake(c),
+            Phase::Align if self.age > c.align && released => self.kick_off(c, torque),
+            Phase::Align => self.align(c, torque),
+            Phase::Kick => self.kick(c),
+            Phase::Run => self.run(c),
         }
     }
 
-    fn listen(
-        &mut self,
-        c: &SensorlessCoefficients,
-        now: Instant,
-        released: bool,
-        torque: Direction,
-    ) -> Plan {
-        if self.listening.is_turning() && self.rotor.since(now) < c.timeout {
+    fn listen(&mut self, c: &SensorlessCoefficients, released: bool, torque: Direction) -> Plan {
+        if self.listening.is_turning() && self.rotor.since() < c.timeout {
             if self.listening.direction() != torque {
-                self.go(now, Phase::Brake);
+                self.go(Phase::Brake);
             } else if released && self.rotor.is_prepared() {
-                self.go(now, Phase::Run);
+                self.go(Phase::Run);
                 (self.begun, self.caught) = (Some(true), true);
                 return Plan::Speed(0);
             }
-        } else if self.listening.quiet(now) >= c.rest
-            || now.since(self.since).min(self.listening.still(now)) >= STILL * c.rest
-        {
+        } else if self.listening.quiet() >= c.rest || self.age.min(self.listening.still()) >= STILL * c.rest {
             // Stillness counts from here: what was at rest for long before may just have begun to turn.
-            self.go(now, Phase::Align);
+            self.go(Phase::Align);
         }
         Plan::Coast
     }
 
     /// A rotor that turns backward: shorted where that gives no more than the phase current limit, else left to coast. Nothing is
     /// returned to the bus either way. What is slow enough is brought to rest by the locks.
-    fn brake(&mut self, c: &SensorlessCoefficients, now: Instant) -> Plan {
+    fn brake(&mut self, c: &SensorlessCoefficients) -> Plan {
         const LISTEN_AGAIN: u32 = 64;
         let speed = self.rotor.speed().saturating_abs();
-        if now.since(self.since) > LISTEN_AGAIN {
-            self.go(now, Phase::Listen);
+        if self.age > LISTEN_AGAIN {
+            self.go(Phase::Listen);
         }
         if speed < c.brake_max { Plan::Short } else { Plan::Coast }
     }
 
     /// Two locks, 60 degrees apart, the second from the side that the rotor is to turn to: one that rests on the dead point of the
     /// first is off that of the second. Three-phase, which damps the swing.
-    fn align(&mut self, c: &SensorlessCoefficients, now: Instant, torque: Direction) -> Plan {
+    fn align(&mut self, c: &SensorlessCoefficients, torque: Direction) -> Plan {
         let level = self.level.step(c.align_level, c.align_rate);
         let step = match torque {
-            _ if now.since(self.since) > c.align / 2 => Step::LockCA,
+            _ if self.age > c.align / 2 => Step::LockCA,
             Direction::Forward => Step::LockC,
             Direction::Reverse => Step::LockA,
         };
         Plan::Hold(step, level)
     }
 
-    fn kick_off(&mut self, c: &SensorlessCoefficients, now: Instant, torque: Direction) -> Plan {
-        self.go(now, Phase::Kick);
-        self.rotor.start(now, ALIGNED_AT, torque);
-        self.kick(c, now)
+    fn kick_off(&mut self, c: &SensorlessCoefficients, torque: Direction) -> Plan {
+        self.go(Phase::Kick);
+        self.rotor.start(ALIGNED_AT, torque);
+        self.kick(c)
     }
 
-    fn kick(&mut self, c: &SensorlessCoefficients, now: Instant) -> Plan {
-        let age = now.since(self.since);
+    fn kick(&mut self, c: &SensorlessCoefficients) -> Plan {
         // The locks' current dies away first.
-        if age < c.rest {
-            self.seen = now;
+        if self.age < c.rest {
+            self.idle = 0;
             return Plan::Coast;
         }
         let level = self.level.step(c.kick_level, c.kick_rate);
         if self.rotor.is_prepared() {
-            self.go(now, Phase::Run);
+            self.go(Phase::Run);
             self.begun = Some(false);
             return Plan::Speed(0);
         }
-        if age > c.kick_limit {
-            self.end(now, Rail::Stall);
+        if self.age > c.kick_limit {
+            self.end(Rail::Stall);
             return Plan::Coast;
         }
-        if level >= c.kick_level && now.since(self.seen) > c.kick_patience {
+        if level >= c.kick_level && self.idle > c.kick_patience {
             self.rotor.force_step();
-            self.seen = now;
+            self.idle = 0;
         }
         Plan::Level(level)
     }
 
-    #[inline]
-    fn run(&mut self, c: &SensorlessCoefficients, now: Instant) -> Plan {
-        if self.rotor.is_lost() || self.rotor.since(now) >= c.timeout {
-            self.end(now, Rail::Stall);
+    /// One tick of a running motor that goes on behind a [`crossing`](Self::crosses), after which nothing fades: false, and nothing is done, if
+    /// [`step`](Self::step) is to look.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn runs_on(&mut self, c: &SensorlessCoefficients) -> bool {
+        if self.rotor.since() >= c.timeout || self.rotor.is_irregular() {
+            return false;
+        }
+        self.age = self.age.saturating_add(1);
+        self.idle = self.idle.saturating_add(1);
+        true
+    }
+
+    fn run(&mut self, c: &SensorlessCoefficients) -> Plan {
+        if self.rotor.is_lost() || self.rotor.since() >= c.timeout {
+            self.end(Rail::Stall);
             return Plan::Coast;
         }
         if self.rotor.is_irregular() {
-            self.end(now, Rail::Desynchronised);
+            self.end(Rail::Desynchronised);
             return Plan::Coast;
         }
         Plan::Speed(self.rotor.fade())
     }
 
     /// This episode is over: the bridge goes off and the drive listens.
-    #[inline(never)]
-    pub fn end(&mut self, now: Instant, rail: Rail) {
+    pub fn end(&mut self, rail: Rail) {
         self.rails.count(rail);
-        self.go(now, Phase::Listen);
+        self.go(Phase::Listen);
     }
 
     /// Once a millisecond while driving: the bucket, and in closed loop the voltage's testimony.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn check(
         &mut self,
         c: &SensorlessCoefficients,
-        now: Instant,
         driven: bool,
         voltage: i32,
         current: i32,
@@ -416,7 +423,7 @@ impl Sensorless {
     ) {
         self.rails.leak(&c.rails);
         if self.phase == Phase::Run && driven && self.rails.is_wrong_lock(&c.rails, voltage, current, speed) {
-            self.end(now, Rail::WrongLock);
+            self.end(Rail::WrongLock);
         }
     }
 
@@ -447,9 +454,8 @@ impl Sensorless {
     }
 
     /// The bridge is off, and no terminal has shown a turning rotor for long enough: it stands.
-    pub fn hears_rest(&self, c: &SensorlessCoefficients, now: Instant) -> bool {
-        let coasts = self.back_emf.coasts();
-        coasts && (self.listening.quiet(now) >= c.rest || self.listening.still(now) >= STILL * c.rest)
+    pub fn hears_rest(&self, c: &SensorlessCoefficients) -> bool {
+        self.listening.quiet() >= c.rest || self.listening.still() >= STILL * c.rest
     }
 
     /// The estimator runs the motor.
@@ -464,13 +470,13 @@ impl Sensorless {
 
     /// Estimated speed, 2^-32 turn a tick, signed; 0 when none is known.
     #[inline]
-    pub fn speed(&self, c: &SensorlessCoefficients, now: Instant) -> i32 {
+    pub fn speed(&self, c: &SensorlessCoefficients) -> i32 {
         let heard = match self.phase {
             Phase::Run => true,
             Phase::Kick => self.rotor.is_prepared(),
             _ => self.listening.is_turning(),
         };
-        if heard && self.rotor.since(now) < c.timeout { self.rotor.speed_bounded(now) } else { 0 }
+        if heard && self.rotor.since() < c.timeout { self.rotor.speed_bounded() } else { 0 }
     }
 
     /// The why-channel: the last step's crossing, its margin, crossings accepted.
@@ -482,10 +488,4 @@ impl Sensorless {
     pub const fn phase(&self) -> Phase {
         self.phase
     }
-}
-
-/// All six switches were off for the whole period.
-#[inline]
-const fn coasts(applied: &PwmCommand) -> bool {
-    matches!(applied.step, Step::Coast) && applied.commutations.is_empty()
 }

@@ -4,8 +4,7 @@
 //! commutator finds its instants from it: crossing + 30 degrees - advance. A crossing that does not come is thereby commutated blind
 //! half an interval after it was due. What a level says for certain ("the rotor is not there yet") bounds the angle.
 
-use super::back_emf::{Level, Sight};
-use super::clock::Instant;
+use super::back_emf::{Crossing, Level, Sight};
 use super::commutation::Direction;
 use super::gain::Gain;
 use super::interval::{SIXTH, TICK, TWELFTH, part_of, speed_of};
@@ -43,9 +42,7 @@ const LONGEST: u32 = 1 << 28;
 /// State of the estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ZeroCrossing {
-    /// The boundary at which `angle`, `since` and `fresh` hold.
-    at: Instant,
-    /// u32 turn.
+    /// At the present boundary, u32 turn.
     angle: u32,
     /// Predicted for the next interval, 2^-32 turn a tick, signed.
     speed: i32,
@@ -79,46 +76,49 @@ pub struct ZeroCrossing {
 }
 
 impl ZeroCrossing {
-    /// Brings angle and ages to the boundary `now`.
+    /// Time passes: call first in every tick.
+    pub fn advance(&mut self) {
+        self.since = self.since.saturating_add(TICK);
+        self.fresh = self.fresh.saturating_add(TICK);
+        self.angle = self.angle.wrapping_add(self.speed as u32);
+    }
+
+    /// So many ticks have passed in which there was nothing to [`observe`](Self::observe).
     #[inline]
-    pub fn pass(&mut self, now: Instant) {
-        let time = now.time_since(self.at);
+    pub const fn sleep(&mut self, ticks: u32) {
+        let time = ticks.saturating_mul(TICK);
         self.since = self.since.saturating_add(time);
         self.fresh = self.fresh.saturating_add(time);
-        self.angle = self.angle(now);
-        self.at = now;
+        self.angle = self.angle.wrapping_add((self.speed as u32).wrapping_mul(ticks));
     }
 
-    /// What has passed until `now` is not counted: nobody has looked.
-    pub const fn skip(&mut self, now: Instant) {
-        self.at = now;
+    /// For how many ticks from now only time would pass, if nothing new is seen: until no crossing for `timeout` (1/65 536 tick) is a rotor at rest, until
+    /// the one that has not come bounds the speed, and until the rotor stands where it cannot be before the crossing of `expected` is seen.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn calm(&self, timeout: u32, expected: Option<u8>) -> u32 {
+        let until = |age: u32, end: u32| end.saturating_sub(age) / TICK;
+        let bounded = if self.valid == 0 { u32::MAX } else { until(self.fresh, self.patience()) };
+        let held = expected.map_or(u32::MAX, |sector| self.held(sector, self.angle));
+        until(self.since, timeout.saturating_sub(1)).min(bounded).min(held)
     }
 
-    /// The tick in which no crossing for `timeout` (1/65 536 tick) is a rotor at rest.
-    #[inline]
-    pub const fn silent_at(&self, timeout: u32) -> Instant {
-        self.at.after(timeout.saturating_sub(self.since).div_ceil(TICK))
-    }
-
-    /// The tick in which the rotor is thought to have reached the crossing of `sector`: it is held there if it has not.
-    #[inline]
-    pub fn overdue_at(&self, sector: u8) -> Instant {
-        let left = (crossing_of(sector).wrapping_sub(self.angle) as i32).wrapping_mul(self.direction.sign());
-        self.at.after((left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX))
+    /// For how many ticks from now a rotor at `angle` (u32 turn) has not reached the crossing of `sector`.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn held(&self, sector: u8, angle: u32) -> u32 {
+        let left = (crossing_of(sector).wrapping_sub(angle) as i32).wrapping_mul(self.direction.sign());
+        (left.max(0) as u32).checked_div(self.speed.unsigned_abs()).unwrap_or(u32::MAX)
     }
 
     /// Nothing is known but, perhaps, where the rotor rests.
-    pub fn start(&mut self, now: Instant, angle: u32, direction: Direction) {
+    pub fn start(&mut self, angle: u32, direction: Direction) {
         let accepted = self.accepted;
-        *self =
-            Self { at: now, angle, direction, since: u32::MAX, fresh: u32::MAX, accepted, ..Self::default() };
+        *self = Self { angle, direction, since: u32::MAX, fresh: u32::MAX, accepted, ..Self::default() };
     }
 
     /// What a driven step showed. `starting`: the rotor is being brought to speed, and a level that stands beyond the crossing
     /// means that it is ahead, so that the step is over; nothing is commutated by prediction yet. False if the crossing was too early to
     /// be one.
-    pub fn observe(&mut self, now: Instant, sight: &Sight, back_emf: Gain, starting: bool) -> bool {
-        self.pass(now);
+    pub fn observe(&mut self, sight: &Sight, back_emf: Gain, starting: bool) -> bool {
         if sight.missed && self.valid > 0 {
             self.blind = self.blind.saturating_add(1);
             self.consistent = 0;
@@ -126,7 +126,7 @@ impl ZeroCrossing {
         }
         let Some(sector) = sight.sector else { return true };
         self.coasting = false;
-        let place = if sector >= 5 { 0 } else { 2 * sector + 2 };
+        let place = 2 * ((sector + 1) % 6);
         if let Some(age) = sight.crossing {
             let offset = self.threshold_angle(sight.threshold, back_emf);
             if starting && self.valid == 0 && self.since == u32::MAX {
@@ -151,20 +151,47 @@ impl ZeroCrossing {
         true
     }
 
+    /// The ordinary crossing of a running motor, in the sector after the last one's, `ticks` after the last that was told: true. Else nothing is done.
+    #[inline]
+    pub fn crosses(&mut self, crossing: &Crossing, back_emf: Gain, ticks: u32) -> bool {
+        let sector = crossing.sector;
+        let place = if sector >= 5 { 0 } else { 2 * sector + 2 };
+        let next = match self.direction {
+            Direction::Forward => (self.place, place),
+            Direction::Reverse => (place, self.place),
+        };
+        let follows = next.0 + 2 == next.1 || (next.0, next.1) == (10, 0);
+        let since = self.since.saturating_add(ticks.saturating_mul(TICK));
+        let each = elapsed(since, crossing.age);
+        let plausible = each >= 2 * (self.interval / 4) && each <= LONGEST && since <= LONGEST;
+        if !follows || !plausible || self.valid < 6 || self.consistent < PREPARED {
+            return false;
+        }
+        self.sleep(ticks);
+        self.coasting = false;
+        let offset = self.threshold_angle(crossing.threshold, back_emf);
+        let (here, error) = self.miss(place, offset, crossing.age);
+        self.learn(each, 1);
+        self.predict_by(6);
+        self.correct(place, (here, error), crossing.age, true);
+        self.why = Why::Accepted;
+        self.polarities |= 1 << (sector & 1);
+        true
+    }
+
     /// The bridge went off: fewer places show from now on, and the first takes a moment to be heard.
-    pub fn begin_coasting(&mut self, now: Instant) {
+    pub fn begin_coasting(&mut self) {
         if !self.coasting {
-            self.pass(now);
             (self.coasting, self.fresh) = (true, 0);
         }
     }
 
     /// A crossing of two terminals of the coasting motor at `place` (twelfths of a turn, 0..=11), `age` ago, while it turns in
     /// `direction`.
-    pub fn observe_coasting(&mut self, now: Instant, place: u8, age: i32, direction: Direction) {
-        self.pass(now);
+    pub fn observe_coasting(&mut self, place: u8, age: i32, direction: Direction) {
         if direction != self.direction {
-            self.start(now, self.angle, direction);
+            let angle = self.angle;
+            self.start(angle, direction);
         }
         self.polarities = 3;
         self.coasting = true;
@@ -180,11 +207,10 @@ impl ZeroCrossing {
 
     /// Twelfths from the last crossing to `place` in the direction of motion, 0..=11.
     fn twelfths_to(&self, place: u8) -> u8 {
-        let (from, to) = match self.direction {
-            Direction::Forward => (self.place, place),
-            Direction::Reverse => (place, self.place),
-        };
-        if to >= from { to - from } else { to + 12 - from }
+        match self.direction {
+            Direction::Forward => (place + 12 - self.place) % 12,
+            Direction::Reverse => (self.place + 12 - place) % 12,
+        }
     }
 
     /// How far beyond the true crossing the threshold lay, in the direction of motion, u32 turn. With E the line-to-line back-EMF the
@@ -217,7 +243,7 @@ impl ZeroCrossing {
     }
 
     /// Where the rotor was `age` ago, and how far that is from where it was thought to be, u32 turn: the margin.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn miss(&mut self, place: u8, offset: i32, age: i32) -> (u32, i32) {
         let sign = self.direction.sign();
         let here = TWELFTH.wrapping_mul(place.into()).wrapping_add((offset.wrapping_mul(sign)) as u32);
@@ -227,7 +253,7 @@ impl ZeroCrossing {
     }
 
     /// So many intervals took this time `each`.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn learn(&mut self, each: u32, intervals: u8) {
         let off = each.abs_diff(self.interval);
         if self.consistent < PREPARED {
@@ -241,7 +267,7 @@ impl ZeroCrossing {
     }
 
     /// The rotor was `here` `age` ago: half of a small `error` of a `prepared` estimate is believed, else all of it.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn correct(&mut self, place: u8, (here, error): (u32, i32), age: i32, prepared: bool) {
         let smooth = prepared && (error.saturating_abs() as u32) < SIXTH / 4;
         let corrected = if smooth { here.wrapping_sub((error / 2) as u32) } else { here };
@@ -260,7 +286,7 @@ impl ZeroCrossing {
 
     /// Speed over a pair of intervals, in which rising and falling delays cancel, carried on with the trend from the pair before: the
     /// newest pair's middle lies one interval back, the one before three, the middle of the next interval half of one ahead.
-    #[inline]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn predict_by(&mut self, valid: u8) {
         let [a, b, c, d, e, f] = self.intervals;
         if valid == 0 {
@@ -343,10 +369,9 @@ impl ZeroCrossing {
         self.angle = self.angle.wrapping_add(step as u32);
     }
 
-    /// Angle at the boundary `now`, u32 turn.
-    #[inline]
-    pub const fn angle(&self, now: Instant) -> u32 {
-        self.angle.wrapping_add((self.speed as u32).wrapping_mul(now.since(self.at)))
+    /// Angle at this tick's boundary, u32 turn.
+    pub const fn angle(&self) -> u32 {
+        self.angle
     }
 
     /// Speed that interpolates, 2^-32 turn a tick, signed.
@@ -354,20 +379,13 @@ impl ZeroCrossing {
         self.speed
     }
 
-    /// Speed over up to a revolution, 2^-32 turn a tick, signed.
-    #[inline]
-    pub const fn speed_mean(&self) -> i32 {
-        self.speed_mean
-    }
-
-    /// Speed over up to a revolution, but never more than the crossing that has not come by `now` allows.
-    #[inline]
-    pub fn speed_bounded(&self, now: Instant) -> i32 {
-        let fresh = self.fresh.saturating_add(now.time_since(self.at));
-        if self.valid == 0 || fresh <= self.patience() {
+    /// Speed over up to a revolution, but never more than the crossing that has not come allows.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub fn speed_bounded(&self) -> i32 {
+        if self.valid == 0 || self.fresh <= self.patience() {
             return self.speed_mean;
         }
-        let bound = speed_of(self.sixths(), fresh);
+        let bound = speed_of(self.sixths(), self.fresh);
         self.speed_mean.min(bound).max(-bound)
     }
 
@@ -386,10 +404,9 @@ impl ZeroCrossing {
         self.interval
     }
 
-    /// Time from the last accepted crossing to the boundary `now`, 1/65 536 tick.
-    #[inline]
-    pub const fn since(&self, now: Instant) -> u32 {
-        self.since.saturating_add(now.time_since(self.at))
+    /// Since the last accepted crossing, 1/65 536 tick.
+    pub const fn since(&self) -> u32 {
+        self.since
     }
 
     /// Which way it turns.

@@ -15,7 +15,7 @@ const CALIBRATES: bool = cfg!(feature = "hall-calibration");
 /// Vectors that begin with a hall calibration, which this build may leave out.
 const CALIBRATIONS: [&str; 3] = ["hall-calibration", "rotor-lock-fault", "rotor-lock-stop"];
 
-/// 64 bits are divided as 128 are.
+/// Without `shortcuts` 64 bits are divided by a loop.
 #[test]
 fn quotients_are_those_of_128_bits() {
     // Nearest, halves away from zero, a denominator of 0 as 1, saturating beyond +-2^46.

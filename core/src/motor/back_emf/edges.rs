@@ -1,40 +1,33 @@
 //! Back-EMF comparators with capture: their edges take the place of samples.
 
-use super::{BackEmf, BackEmfCoefficients, Level, OperatingPoint, Passage, Sight, Watch};
-use crate::motor::clock::Instant;
+use super::{BackEmf, BackEmfCoefficients, Level, Passage, Sight, Watch};
 use crate::motor::interval::TICK;
 use crate::motor::pwm::PwmCommand;
 use crate::motor::samples::{EdgeSource, Samples};
 
 impl BackEmf {
-    /// One tick of comparators.
+    /// [`passes`](Self::passes) on a board with comparators: no edge, and the level is the expected one. The step is `age` old now.
     #[inline(never)]
-    pub(super) fn step_by_edges(
-        &mut self,
-        c: &BackEmfCoefficients,
-        now: Instant,
-        samples: &Samples,
-        applied: &PwmCommand,
-        point: &OperatingPoint,
-    ) -> Sight {
-        let earlier = self.edges_before_change(c, now, samples, applied);
-        let mut sight = Sight { missed: self.follow(c, now, applied, point), ..Sight::default() };
-        if let Some(watch) = self.watch {
-            sight.sector = Some(watch.sector);
-            self.edges(now, samples, watch, &mut sight);
-            // At rest a comparator's output says nothing.
-            sight.late &= point.interval > 0;
+    pub(super) fn edges_pass(&mut self, samples: &Samples, watch: Watch, age: i32) -> bool {
+        if !samples.edges.is_empty() {
+            return false;
         }
-        self.find(c, now, &mut sight);
-        earlier.unwrap_or(sight)
+        if age >= self.blank {
+            match (self.passage, watch.is_beyond(self.code)) {
+                (Passage::Found, true) => {}
+                (Passage::Unseen | Passage::Healthy, false) => self.passage = Passage::Healthy,
+                _ => return false,
+            }
+        }
+        self.age = age;
+        true
     }
 
     /// A crossing of the pattern that was left within the period that has ended: with two ticks a sector a commutation can be taken
     /// at the end of the very period in which the crossing before it came.
-    fn edges_before_change(
+    pub(super) fn edges_before_change(
         &mut self,
         c: &BackEmfCoefficients,
-        now: Instant,
         samples: &Samples,
         applied: &PwmCommand,
     ) -> Option<Sight> {
@@ -45,8 +38,7 @@ impl BackEmf {
         let mut crossing = None;
         let edges = samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator);
         for edge in edges.filter(|edge| edge.instant < change) {
-            // The step's age at the boundary before, and the time since.
-            let since = self.age(now).saturating_sub(TICK).saturating_add(edge.instant.into());
+            let since = self.age.saturating_add(edge.instant.into());
             if self.edge(watch, edge.code, since >= self.blank, true) {
                 let delay = if watch.rises() { c.delay_rising } else { c.delay_falling };
                 crossing = Some((TICK - u32::from(edge.instant)) as i32 + delay);
@@ -71,16 +63,15 @@ impl BackEmf {
     }
 
     /// The comparators' edges of the period that has ended.
-    fn edges(&mut self, now: Instant, samples: &Samples, watch: Watch, sight: &mut Sight) {
-        let since_beginning = self.age(now);
+    pub(super) fn edges(&mut self, samples: &Samples, watch: Watch, sight: &mut Sight) {
         for edge in samples.edges.iter().filter(|edge| edge.source == EdgeSource::Comparator) {
-            let age = TICK - u32::from(edge.instant);
-            let since = since_beginning.saturating_sub(age);
-            if self.edge(watch, edge.code, since >= self.blank, age <= since_beginning) {
-                sight.crossing = Some(age as i32);
+            let age = (TICK - u32::from(edge.instant)) as i32;
+            let since = self.age.saturating_sub(age);
+            if self.edge(watch, edge.code, since >= self.blank, age <= self.age) {
+                sight.crossing = Some(age);
             }
         }
-        if since_beginning < self.blank {
+        if self.age < self.blank {
             return;
         }
         let beyond = watch.is_beyond(self.code);

@@ -1,6 +1,7 @@
 //! The signal of a sample, and its mean over the last samples of a step.
 
-use super::{BackEmf, WINDOW, Watch};
+use super::{BackEmf, BackEmfCoefficients, WINDOW};
+use crate::motor::commutation::STEPS;
 use crate::motor::interval::TICK;
 use crate::motor::samples::Samples;
 
@@ -23,12 +24,12 @@ impl BackEmf {
     fn average(&self, signal: i32) -> Mean {
         // One spike must not outvote the window; but what the flank gives within it (a twelfth of the step at most, and the signal
         // spans 1.9 E in a step) must pass, or the crossing would move to the middle between two samples.
-        let widest = (16 * self.noise).max(self.flank).min(i16::MAX.into());
+        let widest = (16 * self.noise).max(self.flank);
         let signal = signal.min(widest).max(-widest);
         let wide = 1_u8 << self.shift;
         let full = self.count >= wide;
         let oldest = usize::from(self.count.wrapping_sub(wide)) % WINDOW;
-        let gone = if full { self.window.get(oldest).copied().unwrap_or(0).into() } else { 0 };
+        let gone = if full { self.window.get(oldest).copied().unwrap_or(0) } else { 0 };
         let sum = self.sum - gone + signal;
         let count = self.count + 1;
         let value = if count >= wide { sum >> self.shift } else { sum / i32::from(count.max(1)) };
@@ -46,7 +47,7 @@ impl BackEmf {
 
     fn store(&mut self, mean: Mean) {
         if let Some(slot) = self.window.get_mut(usize::from(self.count) % WINDOW) {
-            *slot = mean.signal as i16;
+            *slot = mean.signal;
         }
         self.sum = mean.sum;
         // Wraps by whole windows, so that places stay.
@@ -60,12 +61,29 @@ impl BackEmf {
     }
 }
 
-/// The signal of one sample, signed as it rises: `2 v_f - v_g - v_h` in converter codes, less than 2^14; three times the back-EMF of a sinusoidal motor,
-/// twice that of a trapezoidal one.
-#[inline]
-pub(super) fn signal(samples: &Samples, watch: Watch) -> i32 {
-    let [a, b, c] = samples.phase_voltage.map(i32::from);
-    let floating = samples.phase_voltage[usize::from(watch.phase.min(2))];
-    let signal = 3 * i32::from(floating) - (a + b + c);
-    if watch.rises() { signal } else { -signal }
+/// What each terminal adds to the [`signal`] by sector, in a table that three bits cannot miss.
+const WEIGHTS: [[i32; 3]; 8] = weights();
+
+const fn weights() -> [[i32; 3]; 8] {
+    let mut weights = [[0; 3]; 8];
+    let mut sector = 0;
+    while sector < STEPS.len() {
+        // Torque the other way takes the step opposite, in which the same phase floats.
+        if let Some(floating) = STEPS[sector].floating() {
+            let sign = if sector & 1 == 1 { 1 } else { -1 };
+            weights[sector] = [-sign; 3];
+            weights[sector][floating as usize] = 2 * sign;
+        }
+        sector += 1;
+    }
+    weights
+}
+
+/// What one sample says, signed as it rises: `2 v_f - v_g - v_h`, three times the back-EMF of a sinusoidal motor, twice that of a trapezoidal
+/// one, raw I16F16 V.
+#[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+pub(super) fn signal(c: &BackEmfCoefficients, samples: &Samples, sector: u8) -> i32 {
+    let [v_a, v_b, v_c] = samples.phase_voltage.map(i32::from);
+    let [w_a, w_b, w_c] = WEIGHTS[usize::from(sector & 7)];
+    c.terminal.convert_difference(w_a * v_a + w_b * v_b + w_c * v_c)
 }
