@@ -98,7 +98,7 @@ pub struct Sight {
 pub struct Crossing {
     /// The rotor's sector.
     pub sector: u8,
-    /// How long before the present boundary, 1/65 536 tick, negative is after it.
+    /// Age at the present boundary, 1/65 536 tick; negative if the crossing comes after that boundary.
     pub age: i32,
     /// The signal's value at it, signed as it rises, raw I16F16 V.
     pub threshold: i32,

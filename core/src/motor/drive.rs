@@ -278,7 +278,7 @@ impl Drive {
         }
     }
 
-    /// What is done once a millisecond, spread over its ticks. `speed` is that of a closed loop.
+    /// Does the work of the millisecond that falls into this tick. `speed` is that of a closed loop.
     #[cfg_attr(target_arch = "wasm32", inline(never))]
     #[cfg_attr(not(target_arch = "wasm32"), inline)]
     fn do_due(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {

@@ -31,7 +31,7 @@ impl BackEmf {
         Some(true)
     }
 
-    /// The same of any tick.
+    /// Takes a tick in which the step may be blanked, slow or sampled in the off-time, and answers as [`passes`](Self::passes).
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn passes_at_all(
         &mut self,
@@ -97,7 +97,7 @@ impl BackEmf {
         self.stale = Band::EMPTY;
     }
 
-    /// The same of the mean that this signal makes in a slow step.
+    /// Takes a sample of a slow step, if the mean that it makes is no news.
     #[inline(never)]
     fn sample_passes(&mut self, signal: i32, threshold: i32, sample_at: u16) -> bool {
         let mean = self.mean(signal);

@@ -82,7 +82,7 @@ impl Control {
         Some(self.output.duty)
     }
 
-    /// What [`cruise`](Self::cruise) builds on.
+    /// True if the speed loop alone decides the duty, and the current limiter waits at its voltage.
     #[inline]
     pub(super) fn is_settled(&self, c: &ControlCoefficients) -> bool {
         self.output.limiter == Limiter::Speed

@@ -24,7 +24,7 @@ pub(super) const SHORTCUTS: bool = cfg!(feature = "shortcuts");
 /// A page leaves out the shortest ones.
 const SAVES_TIME: bool = SHORTCUTS && cfg!(not(target_arch = "wasm32"));
 
-/// What goes on by itself.
+/// Sleep of the stations, and what must not change while they sleep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Calm {
     /// Of all stations, and of all but the commutator.
@@ -47,7 +47,7 @@ pub(super) struct Calm {
     /// They follow from the coefficients: a recording is without them.
     #[serde(skip)]
     bounds: Bounds,
-    /// What the loops stay within until their next turn.
+    /// Bounds within which the loops need no decision until their next turn.
     #[serde(skip)]
     lane: Known<Lane>,
 }

@@ -4,7 +4,7 @@ use super::Drive;
 use postcard::ser_flavors::Flavor;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Layout of the serialised [`Drive`] and of [`Event`]: changes with any field of theirs.
+/// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event): changes with any field of theirs.
 pub const LAYOUT_VERSION: u16 = 7;
 
 /// What the drive does with its inputs: rises with every change that moves a digest.
