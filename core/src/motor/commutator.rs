@@ -268,7 +268,7 @@ const fn before(boundary: u32, before: u32, speed: i32) -> u32 {
     if speed < 0 { boundary.wrapping_add(before) } else { boundary.wrapping_sub(before) }
 }
 
-/// Distance within which a boundary is taken in this period, u32 turn: it ends in the middle of the next period's blind start.
+/// Distance ahead within which a boundary is taken in this period, u32 turn. It reaches to the middle of the next period's blind start.
 #[inline]
 fn seen_of(c: &CommutatorCoefficients, per_tick: u32) -> u32 {
     per_tick.saturating_add(part_of(per_tick as i32, c.earliest.into()) / 2)

@@ -176,13 +176,13 @@ impl Measurement {
         Duty::from_bits(ratio(voltage, bus) as u16)
     }
 
-    /// The same, on a bus above 4 V, of a positive voltage below the bus, in 1/32 768.
+    /// Returns the [`duty`](Self::duty) in 1/32 768, for a bus above 4 V and a positive voltage below the bus.
     #[inline]
     pub const fn duty_within(&self, voltage: i32) -> u32 {
         ratio(voltage as u32, self.bus_voltage as u32)
     }
 
-    /// The same, on a bus above 4 V, of a `voltage` that is positive and below the bus; else `None`. In 1/32 768.
+    /// Returns the [`duty`](Self::duty) in 1/32 768, for a bus above 4 V; `None` unless `voltage` is positive and below the bus.
     #[inline]
     pub const fn plain_duty(&self, voltage: i32) -> Option<u32> {
         let bus = self.bus_voltage as u32;
