@@ -1,6 +1,7 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
-use narx_core::motor::machine::event::SlowMeasurements;
+use crate::scripted::NO_CALM;
+use narx_core::motor::event::SlowMeasurements;
 use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
@@ -137,13 +138,13 @@ impl Closed {
             _ => {}
         }
         let watched = self.watched.as_mut().map(|drive| {
-            drive.wake();
+            drive.handle_event(NO_CALM);
             (drive.step(&samples), drive.poll_status())
         });
         let output = self.drive.step(&samples);
         let status = self.drive.poll_status();
-        if let Some(expected) = watched {
-            assert_eq!(expected, (output, status), "tick {}", samples.tick);
+        if let Some(whole) = watched {
+            assert_eq!(whole, (output, status), "tick {}", samples.tick);
         }
         if let Some(status) = status {
             self.status = status;
@@ -163,7 +164,7 @@ impl Closed {
         self.drive.handle_event(event);
     }
 
-    /// From now on a second drive, which asks every station in every tick, must answer every tick alike.
+    /// From now on a second drive, which is made to look at everything in every tick, must answer every tick alike.
     pub(crate) fn watch(&mut self) {
         self.watched = Some(self.drive.clone());
     }

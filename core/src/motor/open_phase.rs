@@ -1,0 +1,118 @@
+//! Open phase: voltage is applied and no current flows where it should.
+//!
+//! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
+//! at rest a step that includes X carries nothing at a voltage that must drive a current.
+
+use super::commutation::Step;
+use crate::units::{Amps, Duty};
+use serde::{Deserialize, Serialize};
+
+/// Mean bus current below this is none: 60 mA, above converter offset and noise.
+const NONE: i32 = 65_536 * 60 / 1000;
+/// Duty from which a healthy winding at rest must carry current: 20 %.
+const DUTY_AT_REST: u16 = 32_768 / 5;
+
+/// Coefficients of the detector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OpenPhaseCoefficients {
+    /// Ticks at rest without current until it counts: 100 ms.
+    pub at_rest: u16,
+}
+
+/// State of the detector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OpenPhase {
+    step: Step,
+    /// Ticks in this step, and those of them with current.
+    ticks: u32,
+    carrying: u32,
+    /// Per phase: consecutive steps that fit "this phase is open".
+    evidence: [u8; 3],
+    resting: u16,
+    /// One of them has been reached.
+    found: bool,
+}
+
+/// Consecutive steps, three electrical revolutions.
+const EVIDENCE: u8 = 18;
+/// Fewer counted ticks in a step prove nothing. The current dips at every commutation, and in steps of 2 1/3 ticks a single sample falls into the dip of
+/// the same phase's steps revolution after revolution: a motor without load, whose current is near [`NONE`], then looks like one with an open phase.
+const COUNTED_MIN: u32 = 2;
+
+impl OpenPhase {
+    /// One tick of a step: is there current? The mean of the first one is still in part that of the step before.
+    #[inline]
+    pub const fn count(&mut self, current: Amps) {
+        // Wraps after days in one step.
+        self.ticks = self.ticks.wrapping_add(1);
+        if current.to_bits() > NONE && self.ticks > 1 {
+            self.carrying = self.carrying.wrapping_add(1);
+        }
+    }
+
+    /// The rotor is at rest (`stopped`), or not known to turn: a voltage must drive a current. Once a tick.
+    pub fn rest(&mut self, applied: Step, duty: Duty, current: Amps, stopped: bool) {
+        let pressing =
+            stopped && current.to_bits() <= NONE && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
+        self.resting = if pressing { self.resting.saturating_add(1) } else { 0 };
+    }
+
+    /// From the next tick on `step` is applied: what has been seen of the one before is judged.
+    #[inline]
+    pub fn change(&mut self, step: Step) {
+        if step != self.step {
+            self.judge();
+            (self.step, self.ticks, self.carrying) = (step, 0, 0);
+        }
+    }
+
+    /// A phase is open, by what the last steps showed.
+    #[inline]
+    pub const fn is_shown(&self) -> bool {
+        self.found
+    }
+
+    /// A phase is open.
+    #[inline]
+    pub const fn is_found(&self, c: &OpenPhaseCoefficients) -> bool {
+        self.found || self.resting >= c.at_rest
+    }
+
+    /// Forgets everything: the bridge is off.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// At the end of a step: a phase is suspect while every step with it was dead and every step without it alive. The
+    /// freewheeling rest of the step before may still show in a dead one; what is neither proves nothing.
+    #[inline(never)]
+    fn judge(&mut self) {
+        let counted = self.ticks.saturating_sub(1);
+        let Some(floating) = self.step.floating() else { return };
+        if counted < COUNTED_MIN {
+            (self.evidence, self.found) = ([0; 3], false);
+            return;
+        }
+        let quarter = counted / 4;
+        let [a, b, c] = self.evidence;
+        let index = usize::from(floating);
+        if self.carrying >= counted - quarter {
+            // Alive: of this step's phases none is open.
+            let count = [a, b, c].get(index).map_or(0, |count| count.saturating_add(1));
+            self.evidence = [0; 3];
+            if let Some(slot) = self.evidence.get_mut(index) {
+                *slot = count;
+            }
+            self.found = count >= EVIDENCE;
+        } else if self.carrying <= quarter {
+            // Dead: one of the two is.
+            self.evidence = [a.saturating_add(1), b.saturating_add(1), c.saturating_add(1)];
+            if let Some(slot) = self.evidence.get_mut(index) {
+                *slot = 0;
+            }
+            self.found = self.evidence.iter().any(|count| *count >= EVIDENCE);
+        } else {
+            (self.evidence, self.found) = ([0; 3], false);
+        }
+    }
+}
