@@ -31,7 +31,7 @@
 //! take everything as arguments, time included, and return what they answer.
 //!
 //! Features, all on by default, are what a small board may leave out: `names` and `description` (texts), `log`, `scope` and its `recorder`,
-//! `hall-calibration`, `accelerometer`, and `shortcuts` (the control tick's short ways, without which it takes longer and answers the same).
+//! `hall-calibration` and `accelerometer`.
 //! Whoever asks for what is left out is refused. Two are off by default: `update` (programming over CAN) and `code-flash` (parameters in the
 //! flash that the code runs from). A third, `blind`, is for checking the tests.
 #![no_std]

@@ -150,33 +150,13 @@ pub(crate) const fn ratio(numerator: i64, denominator: i32) -> i32 {
     saturate64(quotient(if numerator < 0 { numerator - half } else { numerator + half }, denominator))
 }
 
-/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. Nobody divides `i64::MIN` by -1, which has no 64 bits. Without the feature
-/// `shortcuts` it goes bit by bit, because the compiler's own division takes 1.1 KB.
-#[cfg_attr(feature = "shortcuts", inline)]
-#[cfg_attr(not(feature = "shortcuts"), inline(never))]
+/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. Nobody divides `i64::MIN` by -1, which has no 64 bits.
+#[inline]
 pub(crate) const fn quotient(numerator: i64, denominator: i64) -> i64 {
-    if cfg!(feature = "shortcuts") {
-        return match numerator.checked_div(denominator) {
-            Some(quotient) => quotient,
-            None => 0,
-        };
+    match numerator.checked_div(denominator) {
+        Some(quotient) => quotient,
+        None => 0,
     }
-    if denominator == 0 {
-        return 0;
-    }
-    // The numerator leaves at the top, the quotient comes in at the bottom.
-    let (mut bits, divisor, mut rest) = (numerator.unsigned_abs(), denominator.unsigned_abs(), 0);
-    let mut left = u64::BITS;
-    while left > 0 {
-        rest = rest << 1 | bits >> 63;
-        bits <<= 1;
-        if rest >= divisor {
-            rest -= divisor;
-            bits |= 1;
-        }
-        left -= 1;
-    }
-    if numerator ^ denominator < 0 { (bits as i64).wrapping_neg() } else { bits as i64 }
 }
 
 /// The nearest `i32`.

@@ -1438,7 +1438,7 @@ typedef struct narx_hall_settings_t {
 // A hall station: memory that the caller owns. It may be copied and moved between calls.
 typedef struct narx_hall_t {
     // Private.
-    uint64_t words[14];
+    uint64_t words[15];
 } narx_hall_t;
 
 // One time-stamped edge.
@@ -1542,7 +1542,7 @@ typedef struct narx_state_settings_t {
 // A state machine: memory that the caller owns. It may be copied and moved between calls.
 typedef struct narx_state_machine_t {
     // Private.
-    uint64_t words[9];
+    uint64_t words[11];
 } narx_state_machine_t;
 
 // What the machine looks at in one tick; flags are not 0 where they hold.
@@ -1615,7 +1615,7 @@ typedef struct narx_zero_crossing_settings_t {
 // A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved between calls.
 typedef struct narx_zero_crossing_t {
     // Private.
-    uint64_t words[36];
+    uint64_t words[37];
 } narx_zero_crossing_t;
 
 // Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the command before

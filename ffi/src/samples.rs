@@ -2,7 +2,7 @@
 
 use crate::status::narx_status_t::{self, *};
 use heapless::Vec;
-use narx_core::motor::samples::EDGES_MAX;
+use narx_core::motor::sense::samples::EDGES_MAX;
 use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 
 /// Edges that one period can carry; more are counted in narx_samples_t.edges_lost.

@@ -4,7 +4,7 @@ use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWo
 use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::device::Queues;
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::{Board, PwmCommand, Samples, Step};
 #[cfg(feature = "update")]
 use narx_core::node::update;

@@ -1,6 +1,6 @@
 //! How fast the plant runs: `cargo run --release -p narx-sim --example plant_speed -- SECONDS`.
 
-use narx_core::motor::commutation::sector_of;
+use narx_core::motor::commutate::commutation::sector_of;
 use narx_core::motor::{Direction, PwmCommand, Rectification, Step};
 use narx_core::units::{Duty, ElectricalAngle};
 use narx_sim::plant::{Plant, PlantConfig};

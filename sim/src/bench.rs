@@ -38,7 +38,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use narx_core::dictionary::Parameters;
 use narx_core::motor::drive::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
-use narx_core::motor::event::Health;
+use narx_core::motor::machine::event::Health;
 use narx_core::motor::{Coefficients, Drive, Event, PwmCommand, Status};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::recording::{Header, Kind, Recorder};

@@ -6,7 +6,7 @@ use crate::session::{Session, SessionConfig, SessionError};
 use alloc::format;
 use alloc::string::String;
 use core::f64::consts::TAU;
-use narx_core::motor::fault::{Cause, FaultWord};
+use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_core::motor::{State, Status};
 
 /// What is run.

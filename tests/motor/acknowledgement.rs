@@ -1,5 +1,6 @@
 //! What acknowledges a fault (T61).
 
+use narx_core::motor::clock::Instant;
 use narx_core::motor::machine::{Inputs, Machine, MachineCoefficients};
 use narx_core::motor::{Command, State};
 use narx_core::units::ElectricalSpeed;
@@ -17,17 +18,21 @@ fn a_set_point_acknowledges_no_fault() {
         calibrated: false,
         parameters_fit: true,
     };
-    machine.step(&c, &inputs);
+    let mut now = Instant::default().next();
+    machine.step(&c, now, &inputs);
     inputs.critical = true;
-    machine.step(&c, &inputs);
+    now = now.next();
+    machine.step(&c, now, &inputs);
     assert_eq!(machine.state(), State::Fault);
     inputs.critical = false;
     for _ in 0..100 {
-        machine.handle_set_point(ElectricalSpeed::ZERO, 0);
-        machine.step(&c, &inputs);
+        machine.handle_set_point(now, ElectricalSpeed::ZERO);
+        now = now.next();
+        machine.step(&c, now, &inputs);
     }
     assert_eq!(machine.state(), State::Fault);
-    machine.handle_command(Command::default());
-    machine.step(&c, &inputs);
+    machine.handle_command(now, Command::default());
+    now = now.next();
+    machine.step(&c, now, &inputs);
     assert_eq!(machine.state(), State::Standby);
 }

@@ -1,7 +1,6 @@
 //! Drive and plant in a loop, with a master that repeats its command and a background that measures slowly.
 
-use crate::scripted::NO_CALM;
-use narx_core::motor::event::SlowMeasurements;
+use narx_core::motor::machine::event::SlowMeasurements;
 use narx_core::motor::{Coefficients, Command, Drive, Event, PwmCommand, Request, Samples, State, Status};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};
 use narx_sim::commissioning::{Mode, Nameplate};
@@ -138,13 +137,13 @@ impl Closed {
             _ => {}
         }
         let watched = self.watched.as_mut().map(|drive| {
-            drive.handle_event(NO_CALM);
+            drive.wake();
             (drive.step(&samples), drive.poll_status())
         });
         let output = self.drive.step(&samples);
         let status = self.drive.poll_status();
-        if let Some(whole) = watched {
-            assert_eq!(whole, (output, status), "tick {}", samples.tick);
+        if let Some(expected) = watched {
+            assert_eq!(expected, (output, status), "tick {}", samples.tick);
         }
         if let Some(status) = status {
             self.status = status;
@@ -164,7 +163,7 @@ impl Closed {
         self.drive.handle_event(event);
     }
 
-    /// From now on a second drive, which is made to look at everything in every tick, must answer every tick alike.
+    /// From now on a second drive, which asks every station in every tick, must answer every tick alike.
     pub(crate) fn watch(&mut self) {
         self.watched = Some(self.drive.clone());
     }

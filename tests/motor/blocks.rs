@@ -5,14 +5,14 @@ use narx_core::blocks::{
     Commutation, CommutationSettings, Fault, FaultSettings, Hall, HallSettings, Pi, PiSettings, Position,
     Ramp, RampSettings, StateMachine, StateSettings, ZeroCrossing, ZeroCrossingSettings,
 };
-use narx_core::motor::event::{Command, Health};
-use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::Gain;
+use narx_core::motor::guard::protection::Evidence;
+use narx_core::motor::guard::rails::Rail;
+use narx_core::motor::machine::event::{Command, Health};
+use narx_core::motor::machine::state::TRANSITIONS;
 use narx_core::motor::machine::{Change, Inputs};
-use narx_core::motor::protection::Evidence;
-use narx_core::motor::rails::Rail;
-use narx_core::motor::state::TRANSITIONS;
-use narx_core::motor::zero_crossing::Why;
+use narx_core::motor::rotor::zero_crossing::Why;
+use narx_core::motor::sense::front_end::Channel;
 use narx_core::motor::{
     Cause, Direction, FaultWord, Leg, PwmCommand, Request, SampleMode, Samples, State, Step,
 };

@@ -4,9 +4,9 @@ use narx_core::blocks::{
     Commutation, CommutationSettings, Fault, FaultSettings, Hall, HallSettings, Position, ZeroCrossing,
     ZeroCrossingSettings,
 };
-use narx_core::motor::front_end::Channel;
-use narx_core::motor::protection::Evidence;
-use narx_core::motor::pwm::Commutation as Change;
+use narx_core::motor::commutate::pwm::Commutation as Change;
+use narx_core::motor::guard::protection::Evidence;
+use narx_core::motor::sense::front_end::Channel;
 use narx_core::motor::{Direction, Edge, EdgeSource, PwmCommand, SampleMode, Samples, Step};
 use narx_core::units::{Amps, Volts};
 use proptest::prelude::*;

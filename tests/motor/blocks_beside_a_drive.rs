@@ -5,8 +5,8 @@ use narx_core::blocks::{
     ZeroCrossingSettings,
 };
 use narx_core::dictionary::number;
-use narx_core::motor::event::Event;
 use narx_core::motor::machine::Inputs;
+use narx_core::motor::machine::event::Event;
 use narx_core::motor::{Direction, Drive, PwmCommand, Samples, State, Status, Step};
 use narx_core::recording::{Player, Recording};
 use narx_core::units::{ElectricalAngle, ElectricalSpeed};

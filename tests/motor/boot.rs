@@ -4,7 +4,7 @@ use crate::rotor::ScriptedRotor;
 use crate::scripted::{BOOT, Scripted, bus_code};
 use crate::support::coefficients;
 use narx_core::dictionary::number;
-use narx_core::motor::event::Health;
+use narx_core::motor::machine::event::Health;
 use narx_core::motor::{Event, FaultWord, Request, State};
 
 fn drive(changes: &[(u16, i32)]) -> Scripted {

@@ -2,8 +2,8 @@
 
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
-use narx_core::motor::event::{HallCalibration, HallWiring, Limiter};
-use narx_core::motor::hall::sectors;
+use narx_core::motor::machine::event::{HallCalibration, HallWiring, Limiter};
+use narx_core::motor::rotor::hall::sectors;
 use narx_core::motor::{Cause, Event, FaultWord, Request, State};
 use narx_sim::plant::{HallConfig, Injection, Phase, PlantConfig};
 

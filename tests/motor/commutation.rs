@@ -1,7 +1,9 @@
 //! Sectors, the commutation table against back-EMF, and the instants of the commutator against a rotor in floating point.
 
-use narx_core::motor::commutation::{LOCKS, STEPS, sector_of};
-use narx_core::motor::commutator::{Commutator, CommutatorCoefficients};
+use narx_core::motor::clock::Instant;
+use narx_core::motor::commutate::commutation::{LOCKS, STEPS, sector_of};
+use narx_core::motor::commutate::commutator::{Commutator, CommutatorCoefficients};
+use narx_core::motor::commutate::pwm::Commutations;
 use narx_core::motor::{Direction, Leg, Step};
 use narx_core::units::ElectricalAngle;
 use proptest::prelude::*;
@@ -220,6 +222,59 @@ proptest! {
             for change in commutations.iter() {
                 prop_assert!(change.instant >= last);
                 last = change.instant;
+            }
+        }
+    }
+}
+
+proptest! {
+    /// A rotor that turns on as it did, after any leap, changes nothing until the tick in which the commutator has to be asked again.
+    #[test]
+    fn nothing_changes_while_the_commutator_rests(
+        earliest in 0..40_000_u16, advance in 0..1_u32 << 28, torque in prop::bool::ANY,
+        rotor in prop::collection::vec((any::<u32>(), prop_oneof![-(1 << 27)..1 << 27, any::<i32>()]), 1..20),
+    ) {
+        let c = CommutatorCoefficients { earliest, advance };
+        let torque = if torque { Direction::Forward } else { Direction::Reverse };
+        let mut commutator = Commutator::default();
+        for (start, speed) in rotor {
+            let (first, changes) = commutator.step(&c, start, speed, torque);
+            let present = changes.last().map_or(first, |change| change.step);
+            let (mut on, mut angle) = (commutator, start);
+            prop_assert!(commutator.ticks_left() > 0, "never before the next tick");
+            for tick in 1..commutator.ticks_left().min(51) {
+                angle = angle.wrapping_add_signed(speed);
+                let (first, changes) = on.step(&c, angle, speed, torque);
+                prop_assert_eq!((first, changes.is_empty()), (present, true), "tick {}", tick);
+            }
+        }
+    }
+
+    /// A commutator that is asked only when its rest is over, or when speed or torque is another, gives in every tick the pattern of one that is asked
+    /// in every tick.
+    #[test]
+    fn a_commutator_that_is_asked_when_due_is_one_that_looks(
+        earliest in 0..40_000_u16, advance in 0..1_u32 << 28, start: u32,
+        rotor in prop::collection::vec((prop_oneof![-(1 << 27)..1 << 27, any::<i32>()], prop::bool::ANY, 1..200_u32), 1..10),
+    ) {
+        let c = CommutatorCoefficients { earliest, advance };
+        let (mut sleeps, mut looks) = (Commutator::default(), Commutator::default());
+        let (mut now, mut angle) = (Instant::default(), start);
+        for (speed, torque, ticks) in rotor {
+            let torque = if torque { Direction::Forward } else { Direction::Reverse };
+            let mut due = now;
+            for tick in 0..ticks {
+                now = now.next();
+                angle = angle.wrapping_add_signed(speed);
+                let expected = looks.step(&c, angle, speed, torque);
+                let found = if due.is_due(now) {
+                    let found = sleeps.step(&c, angle, speed, torque);
+                    due = now.after(sleeps.ticks_left());
+                    found
+                } else {
+                    (sleeps.present(), Commutations::NONE)
+                };
+                prop_assert_eq!(found, expected, "speed {}, tick {}", speed, tick);
             }
         }
     }

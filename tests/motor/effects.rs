@@ -2,7 +2,7 @@
 
 use crate::bench::{Closed, MOTOR, Outcome, RPM};
 use narx_core::dictionary::number;
-use narx_core::motor::event::Health;
+use narx_core::motor::machine::event::Health;
 use narx_core::motor::{Cause, Event, Request, State};
 use narx_sim::plant::{Injection, LoadConfig, PlantConfig, SupplyConfig};
 use std::f64::consts::TAU;

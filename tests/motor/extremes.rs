@@ -1,7 +1,7 @@
 //! Extreme parameters: whatever set builds, the tick's arithmetic neither overflows nor divides by 0 (tests check both), on any samples.
 
 use narx_core::dictionary::{Access, Category, Dictionary, Parameters, number};
-use narx_core::motor::event::SlowMeasurements;
+use narx_core::motor::machine::event::SlowMeasurements;
 use narx_core::motor::{
     Board, Coefficients, Command, Drive, Edge, EdgeSource, Event, Leg, Lines, Request, Samples, State, Step,
 };

@@ -3,8 +3,9 @@
 use crate::rotor::{ScriptedRotor, code_at, error_degrees, sector_at};
 use crate::support::coefficients_on;
 use narx_core::dictionary::number;
-use narx_core::motor::commutator::Commutator;
-use narx_core::motor::hall::{Hall, HallCoefficients};
+use narx_core::motor::clock::Instant;
+use narx_core::motor::commutate::commutator::Commutator;
+use narx_core::motor::rotor::hall::{Hall, HallCoefficients, HallEvents};
 use narx_core::motor::{Board, Coefficients, Direction, Edge, EdgeSource, Samples, Step};
 
 /// Factory values, but a time-out of 1 s and interpolation from 10 rpm, so that 1 rev/s can be measured.
@@ -13,15 +14,38 @@ fn coefficients(capture: bool) -> Coefficients {
     coefficients_on(&board, &[(number::HALL_PERIOD_TIMEOUT, 1000), (number::HALL_INTERPOLATION_SPEED, 10)])
 }
 
+/// A station, and the clock beside it.
+#[derive(Clone, Copy, Default)]
+struct Station {
+    hall: Hall,
+    now: Instant,
+}
+
+impl Station {
+    /// One tick more, and a look at it.
+    fn next(&mut self, c: &HallCoefficients, samples: &Samples) -> HallEvents {
+        self.now = self.now.next();
+        self.hall.step(c, self.now, samples)
+    }
+
+    fn angle(&self) -> u32 {
+        self.hall.angle(self.now)
+    }
+
+    fn speed_bounded(&self) -> i32 {
+        self.hall.speed_bounded(self.now)
+    }
+}
+
 /// A station that has seen `turns` revolutions.
-fn running(c: &HallCoefficients, rotor: &mut ScriptedRotor, turns: f64) -> Hall {
-    let mut hall = Hall::default();
+fn running(c: &HallCoefficients, rotor: &mut ScriptedRotor, turns: f64) -> Station {
+    let mut station = Station::default();
     let mut samples = Samples::default();
     for _ in 0..(turns / rotor.speed.abs()) as u64 {
         rotor.advance(&mut samples);
-        hall.step(c, &samples);
+        station.next(c, &samples);
     }
-    hall
+    station
 }
 
 fn level(hall: u8) -> Samples {
@@ -42,20 +66,20 @@ fn all_sequences_of_four_codes() {
         let angle = (sector as f64 + 1.0) / 6.0;
         let mut rotor = ScriptedRotor::new(angle, frequency, capture);
         let start = running(&c, &mut rotor, 3.0);
-        assert_eq!(start.sector(), Some(sector), "prepared");
+        assert_eq!(start.hall.sector(), Some(sector), "prepared");
         let here = code_at(angle);
         for sequence in 0..8_u32.pow(4) {
             let codes = [0, 3, 6, 9].map(|shift| (sequence >> shift & 7) as u8);
-            let mut hall = start;
+            let mut station = start;
             let mut turned = 0;
             for code in codes.into_iter().chain([here; 3]) {
-                let events = hall.step(&c, &level(code));
+                let events = station.next(&c, &level(code));
                 turned += events.sectors.unsigned_abs();
-                assert!(hall.sector().is_some_and(|sector| sector < 6));
+                assert!(station.hall.sector().is_some_and(|sector| sector < 6));
                 assert_eq!(events.invalid, code == 0 || code == 7);
             }
             // However wild, three samples of the truth bring it back.
-            assert_eq!(hall.sector(), Some(sector), "{codes:?} from sector {sector}");
+            assert_eq!(station.hall.sector(), Some(sector), "{codes:?} from sector {sector}");
             let glitches = codes.iter().filter(|code| **code != here).count();
             if glitches == 1 {
                 // In and out again.
@@ -78,16 +102,16 @@ struct Accuracy {
 fn accuracy(frequency: f64, capture: bool, start: f64) -> Accuracy {
     let c = coefficients(capture);
     let mut rotor = ScriptedRotor::new(start, frequency, capture);
-    let mut hall = running(&c.hall, &mut rotor, 3.0);
+    let mut station = running(&c.hall, &mut rotor, 3.0);
     let mut samples = Samples::default();
     let (mut speed, mut sum, mut worst, mut ticks) = (0.0_f64, 0.0, 0.0_f64, 0);
     for _ in 0..(2.0 / rotor.speed.abs()) as u64 + 50 {
         rotor.advance(&mut samples);
-        hall.step(&c.hall, &samples);
-        let found = c.speed_of_turns.apply32(hall.speed_bounded()) as f64 / 65_536.0;
+        station.next(&c.hall, &samples);
+        let found = c.speed_of_turns.apply32(station.speed_bounded()) as f64 / 65_536.0;
         speed = speed.max((found / frequency - 1.0).abs());
         // Positive: ahead in the direction of motion.
-        let error = error_degrees(hall.angle(), rotor.angle) * frequency.signum();
+        let error = error_degrees(station.angle(), rotor.angle) * frequency.signum();
         sum += error;
         worst = worst.max(error.abs());
         ticks += 1;
@@ -135,7 +159,7 @@ enum Glitch {
 }
 
 /// Ticks in which the pattern differs from that of an undisturbed run, for one glitch.
-fn disturbed(c: &Coefficients, rotor: &ScriptedRotor, start: Hall, code: u8, kind: Glitch) -> (u32, u32) {
+fn disturbed(c: &Coefficients, rotor: &ScriptedRotor, start: Station, code: u8, kind: Glitch) -> (u32, u32) {
     let torque = if rotor.speed > 0.0 { Direction::Forward } else { Direction::Reverse };
     let mut rotor = rotor.clone();
     let (mut clean, mut dirty) = (start, start);
@@ -144,7 +168,7 @@ fn disturbed(c: &Coefficients, rotor: &ScriptedRotor, start: Hall, code: u8, kin
     for tick in 0..(2.0 / rotor.speed.abs()) as u32 {
         let mut samples = Samples::default();
         rotor.advance(&mut samples);
-        clean.step(&c.hall, &samples);
+        clean.next(&c.hall, &samples);
         if tick == 3 {
             let truth = code_at(rotor.angle);
             match kind {
@@ -157,9 +181,9 @@ fn disturbed(c: &Coefficients, rotor: &ScriptedRotor, start: Hall, code: u8, kin
                 }
             }
         }
-        dirty.step(&c.hall, &samples);
-        let mut step = |which: usize, hall: &Hall| -> Step {
-            commutators[which].step(&c.commutator, hall.angle(), hall.speed(), torque).0
+        dirty.next(&c.hall, &samples);
+        let mut step = |which: usize, station: &Station| -> Step {
+            commutators[which].step(&c.commutator, station.angle(), station.hall.speed(), torque).0
         };
         if step(0, &clean) == step(1, &dirty) {
             run = 0;
@@ -183,15 +207,15 @@ fn glitches_hardly_disturb_the_pattern() {
             for back in [false, true] {
                 let frequency = 10_000.0 / (6.0 * ticks_a_sector) * if back { -1.0 } else { 1.0 };
                 let mut rotor = ScriptedRotor::new(0.123, frequency, capture);
-                let mut hall = running(&c.hall, &mut rotor, 3.0);
+                let mut station = running(&c.hall, &mut rotor, 3.0);
                 for _ in 0..(6.0 * ticks_a_sector) as u32 {
                     for code in 0..8 {
-                        let found = disturbed(&c, &rotor, hall, code, kind);
+                        let found = disturbed(&c, &rotor, station, code, kind);
                         (wrong, longest) = (wrong.max(found.0), longest.max(found.1));
                     }
                     let mut samples = Samples::default();
                     rotor.advance(&mut samples);
-                    hall.step(&c.hall, &samples);
+                    station.next(&c.hall, &samples);
                 }
             }
             println!(
@@ -210,26 +234,26 @@ fn standstill_does_not_alias() {
     let c = coefficients(true);
     for rest in [9_000_u32, 65_500, 65_535, 65_536, 65_537, 70_000, 131_072, 140_000] {
         let mut rotor = ScriptedRotor::new(0.3, 50.0, true);
-        let mut hall = running(&c.hall, &mut rotor, 2.0);
+        let mut station = running(&c.hall, &mut rotor, 2.0);
         rotor.speed = 0.0;
         let mut samples = Samples::default();
         for tick in 0..rest {
             rotor.advance(&mut samples);
-            hall.step(&c.hall, &samples);
+            station.next(&c.hall, &samples);
             if tick > 10_000 {
-                assert!(hall.stopped(&c.hall) && hall.speed_bounded() == 0, "after {tick} ticks");
+                assert!(station.hall.stopped() && station.speed_bounded() == 0, "after {tick} ticks");
             }
         }
         rotor.speed = 20.0 / 10_000.0;
         for _ in 0..1200 {
             rotor.advance(&mut samples);
-            hall.step(&c.hall, &samples);
-            let speed = c.speed_of_turns.apply32(hall.speed_bounded()) as f64 / 65_536.0;
+            station.next(&c.hall, &samples);
+            let speed = c.speed_of_turns.apply32(station.speed_bounded()) as f64 / 65_536.0;
             assert!(speed < 20.1, "{speed} rev/s after a rest of {rest} ticks");
         }
-        let speed = c.speed_of_turns.apply32(hall.speed_bounded()) as f64 / 65_536.0;
+        let speed = c.speed_of_turns.apply32(station.speed_bounded()) as f64 / 65_536.0;
         assert!((speed - 20.0).abs() < 0.05, "{speed}");
-        assert_eq!(hall.sector(), Some(sector_at(rotor.angle)));
+        assert_eq!(station.hall.sector(), Some(sector_at(rotor.angle)));
     }
 }
 
@@ -240,44 +264,46 @@ fn power_up_while_turning() {
         let c = coefficients(capture);
         for phase in 0..60 {
             let mut rotor = ScriptedRotor::new(phase as f64 / 60.0, 50.0, capture);
-            let mut hall = Hall::default();
+            let mut station = Station::default();
             let mut samples = Samples::default();
             for _ in 0..400 {
                 rotor.advance(&mut samples);
-                hall.step(&c.hall, &samples);
-                let speed = c.speed_of_turns.apply32(hall.speed_bounded()) as f64 / 65_536.0;
+                station.next(&c.hall, &samples);
+                let speed = c.speed_of_turns.apply32(station.speed_bounded()) as f64 / 65_536.0;
                 assert!(speed < 52.0, "{speed} rev/s at phase {phase}, capture {capture}");
             }
         }
     }
 }
 
-/// Sensors that fall silent while a drive does not look are counted as if it had looked: once.
+/// Sensors that fall silent and are looked at only when that is due are counted as if it had been in every tick: once.
 #[test]
-fn sleeping_through_an_invalid_code_counts_it() {
+fn an_invalid_code_counts_once_however_seldom_it_is_looked_at() {
     let c = coefficients(false).hall;
     let mut rotor = ScriptedRotor::new(0.1, 20.0, false);
     let mut mute = running(&c, &mut rotor, 2.0);
     for _ in 0..3 {
-        mute.step(&c, &level(7));
+        mute.next(&c, &level(7));
     }
-    assert!(mute.is_mute());
+    assert!(mute.hall.is_mute());
     for ticks in [1, 254, 255, 300] {
-        let (mut sleeps, mut looks) = (mute, mute);
-        sleeps.sleep(ticks);
-        for _ in 0..ticks {
-            looks.step(&c, &level(7));
+        let (mut sleeps, mut looks) = (mute.hall, mute);
+        for tick in 1..=ticks {
+            looks.next(&c, &level(7));
+            if tick == ticks || sleeps.due().is_due(looks.now) {
+                sleeps.step(&c, looks.now, &level(7));
+            }
         }
-        assert_eq!(sleeps.diagnostics(), looks.diagnostics(), "{ticks} ticks");
+        assert_eq!(sleeps, looks.hall, "{ticks} ticks");
     }
-    assert_eq!(mute.diagnostics().invalid, 1);
+    assert_eq!(mute.hall.diagnostics().invalid, 1);
     // Again for every time that they come and go, until there is no more room.
     for _ in 0..70_000 {
         for code in [1, 1, 7] {
-            mute.step(&c, &level(code));
+            mute.next(&c, &level(code));
         }
     }
-    assert_eq!(mute.diagnostics().invalid, u16::MAX);
+    assert_eq!(mute.hall.diagnostics().invalid, u16::MAX);
 }
 
 /// Lines without sensors have no code that could be lost.
@@ -285,10 +311,72 @@ fn sleeping_through_an_invalid_code_counts_it() {
 fn a_drive_without_sensors_counts_no_invalid_codes() {
     let c = coefficients(false).hall;
     for code in [0, 7] {
-        let mut none = Hall::default();
+        let mut none = Station::default();
         for _ in 0..100_000 {
-            assert!(none.step(&c, &level(code)).invalid);
+            assert!(none.next(&c, &level(code)).invalid);
         }
-        assert_eq!(none.diagnostics().invalid, 0);
+        assert_eq!(none.hall.diagnostics().invalid, 0);
+    }
+}
+
+/// The sensors of a rotor that does everything that moves a deadline: it turns at any speed, creeps, stands for longer than the time-out, turns round,
+/// and its code is disturbed or gone.
+fn anything(capture: bool) -> impl Iterator<Item = Samples> {
+    let turns = [(800.0, 0), (33.3, 0), (-20.0, 0), (-1.5, 0), (0.0, 12_000), (-4.0, 0), (0.3, 0), (90.0, 0)];
+    let mut rotor = ScriptedRotor::new(0.3, 0.0, capture);
+    let mut samples = Samples::default();
+    let mut tick = 0_u32;
+    turns.into_iter().flat_map(|(frequency, ticks)| std::iter::repeat_n(frequency, ticks.max(9_000))).map(
+        move |frequency| {
+            rotor.speed = frequency / 10_000.0;
+            rotor.advance(&mut samples);
+            tick += 1;
+            let mut seen = samples.clone();
+            match tick % 4_001 {
+                // A glitch of one sample, and a jump of three.
+                1_000 => seen.hall ^= 1,
+                1_500..1_503 => seen.hall ^= 7,
+                // The supply of the sensors fails.
+                2_000..2_300 => seen.hall = 7,
+                _ => {}
+            }
+            seen
+        },
+    )
+}
+
+/// A station that is stepped only when it is due, or when code or edges say something new, is in every tick as one that is made to look at everything.
+#[test]
+fn a_station_that_is_stepped_when_due_is_one_that_looks_in_every_tick() {
+    for capture in [false, true] {
+        let c = coefficients(capture).hall;
+        let (mut sleeps, mut looks) = (Hall::default(), Hall::default());
+        let (mut now, mut told) = (Instant::default(), u8::MAX);
+        let (mut stepped, mut timed, mut ticks) = (0, 0, 0);
+        for samples in anything(capture) {
+            now = now.next();
+            looks.wake(now);
+            let expected = looks.step(&c, now, &samples);
+            let (news, due) = (samples.hall != told || !samples.edges.is_empty(), sleeps.due().is_due(now));
+            let found = if news || due {
+                told = samples.hall;
+                stepped += 1;
+                timed += u32::from(!news);
+                sleeps.step(&c, now, &samples)
+            } else {
+                // What a lost code says it says again.
+                HallEvents { invalid: sleeps.is_mute(), ..HallEvents::default() }
+            };
+            ticks += 1;
+            assert_eq!(found, expected, "capture {capture}, tick {ticks}");
+            assert_eq!(sleeps, looks, "capture {capture}, tick {ticks}");
+        }
+        println!(
+            "capture {capture}: stepped in {stepped} of {ticks} ticks, in {timed} by the deadline alone"
+        );
+        assert!(
+            timed > 10 && stepped < ticks / 2,
+            "{stepped} of {ticks} ticks, {timed} by the deadline alone"
+        );
     }
 }

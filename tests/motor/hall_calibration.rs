@@ -1,7 +1,9 @@
 //! The hall calibration by itself: what three lines of one rotor do, and what they do not.
 
 use crate::rotor::code_at;
-use narx_core::motor::hall_calibration::{HallCalibration, HallCalibrationCoefficients, HallCalibrator};
+use narx_core::motor::rotor::hall_calibration::{
+    HallCalibration, HallCalibrationCoefficients, HallCalibrator,
+};
 
 /// 1024 ticks a revolution.
 const SPEED: u32 = 1 << 22;

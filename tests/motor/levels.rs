@@ -2,7 +2,7 @@
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::event::Limiter;
+use narx_core::motor::machine::event::Limiter;
 use narx_core::motor::{Board, BuildError, Coefficients, Request, State};
 use narx_sim::plant::PlantConfig;
 

@@ -1,8 +1,8 @@
 //! Current ratings and their names.
 
-use narx_core::motor::event::Limiter;
+use narx_core::motor::control::limits::{CurrentLimit, LimitCoefficients};
 use narx_core::motor::gain::Gain;
-use narx_core::motor::limits::{CurrentLimit, LimitCoefficients};
+use narx_core::motor::machine::event::Limiter;
 use narx_core::units::{Celsius, Volts};
 
 const AMPERE: i32 = 1 << 16;

@@ -5,8 +5,9 @@ use crate::rotor::ScriptedRotor;
 use crate::scripted::Scripted;
 use crate::support::coefficients;
 use narx_core::dictionary::number;
-use narx_core::motor::event::{HallCalibration, Limiter};
-use narx_core::motor::open_loop::OpenLoop;
+use narx_core::motor::clock::Instant;
+use narx_core::motor::machine::event::{HallCalibration, Limiter};
+use narx_core::motor::rotor::open_loop::OpenLoop;
 use narx_core::motor::{Cause, Direction, Event, Lines, Request, State, Step};
 use narx_core::units::Volts;
 use narx_sim::plant::{Injection, MotorConfig, Phase, PlantConfig};
@@ -69,14 +70,18 @@ fn coasting_down_has_a_name() {
 
 /// Sensors that lie for a few milliseconds: when they are believed again the motor goes on and reaches its speed. What flows then
 /// is bounded, and in most cases nothing flows back into the bus; in the rest the lie itself had braked the rotor before it was doubted.
+/// Where in a step the lie begins decides how much flows, so it begins at several places.
 #[test]
 fn a_doubt_that_passes_is_no_surge() {
-    let (mut peak, mut fed, mut doubts) = (0.0_f64, 0, 0);
-    for supply in [24.0, 48.0] {
-        let running = running(supply);
+    let (mut peaks, mut fed, mut doubts) = (Vec::new(), 0, 0);
+    for (supply, place) in
+        [24.0, 48.0].into_iter().flat_map(|supply| [0, 13, 26].map(|place| (supply, place)))
+    {
+        let mut running = running(supply);
+        assert_eq!(running.run(place), Outcome::Running);
         let lies = Phase::ALL.into_iter().flat_map(|line| [(line, false), (line, true)]);
         for ((line, high), ticks) in lies.flat_map(|lie| [20, 50, 80].map(|ticks| (lie, ticks))) {
-            let context = format!("{supply} V, {line:?} {high} for {ticks} ticks");
+            let context = format!("{supply} V, {line:?} {high} for {ticks} ticks from {place}");
             let mut closed = running.clone();
             closed.plant.inject(Injection::HallStuck { line, high });
             assert_eq!(closed.run(ticks), Outcome::Running, "{context}");
@@ -85,15 +90,18 @@ fn a_doubt_that_passes_is_no_surge() {
             (closed.peak, closed.bus_max) = (0.0, 0.0);
             assert_eq!(closed.run(10_000), Outcome::Running, "{context}");
             assert!((closed.rpm() - RPM).abs() < 0.02 * RPM, "{context}: {} rpm", closed.rpm());
-            peak = peak.max(closed.peak);
+            peaks.push(closed.peak);
             fed += u32::from(closed.bus_max > running.bus_max + 2.0);
         }
     }
-    println!("{doubts} of 36 doubted; afterwards at most {peak:.1} A, {fed} fed the bus");
-    assert!(doubts >= 12, "{doubts}");
-    // Between 6.5 and 8.5 A, by where in a step the doubt comes.
-    assert!(peak <= 9.0, "{peak:.1} A");
-    assert!(fed <= 10, "{fed}");
+    peaks.sort_by(f64::total_cmp);
+    let (median, peak) = (peaks[peaks.len() / 2], peaks[peaks.len() - 1]);
+    println!("{doubts} of 108 doubted; afterwards {median:.1} A, at most {peak:.1} A, {fed} fed the bus");
+    assert!(doubts >= 36, "{doubts}");
+    assert!(median <= 3.0, "{median:.1} A");
+    // What the phase current limit allows (Table 2).
+    assert!(peak <= 12.0, "{peak:.1} A");
+    assert!(fed <= 30, "{fed}");
 }
 
 /// Parameter 87 is the level of open loop also where rotor lock has a higher one, and a set-point of 0 written live stops the field.
@@ -110,13 +118,18 @@ fn open_loop_takes_its_own_level_and_stops_at_0() {
     };
     let (turning, stopping) = (build(500), build(0));
     let mut field = OpenLoop::default();
-    field.start(0);
+    let mut now = Instant::default();
+    field.start(now, 0);
+    let mut step = |field: &mut OpenLoop, c: &_| {
+        now = now.next();
+        field.step(c, now, Direction::Forward, true)
+    };
     for _ in 0..10_000 {
         // 4 % of 48 V.
-        assert_eq!(field.step(&turning, Direction::Forward, true).level, Volts::from_milli(1_920).to_bits());
+        assert_eq!(step(&mut field, &turning).level, Volts::from_milli(1_920).to_bits());
     }
     assert!(!field.stopped());
-    let ticks = (0..200_000).take_while(|_| field.step(&stopping, Direction::Forward, true).frequency != 0);
+    let ticks = (0..200_000).take_while(|_| step(&mut field, &stopping).frequency != 0);
     assert!(ticks.count() < 150_000);
 }
 

@@ -1,13 +1,14 @@
 //! The stateful machine around the table, explored breadth first to a fixpoint.
 //!
-//! A node is the machine's whole memory (by its serialised form) with the two ages cut off above every threshold that they are
-//! compared with, which loses nothing, and a few ghosts: what the specification needs to remember, kept by the
+//! A node is the machine's whole memory (by its serialised form) as it is at the clock's beginning, with its three times cut off above every threshold
+//! that they are compared with, which loses nothing, and a few ghosts: what the specification needs to remember, kept by the
 //! test alone. From each node every event and every tick (512 combinations of inputs and enables) is tried.
 
-use narx_core::motor::event::{Command, Refusal, Request};
+use narx_core::motor::clock::Instant;
 use narx_core::motor::machine::MachineCoefficients;
+use narx_core::motor::machine::event::{Command, Refusal, Request};
+use narx_core::motor::machine::state::Conditions;
 use narx_core::motor::machine::{Change, Inputs, Machine};
-use narx_core::motor::state::Conditions;
 use narx_core::motor::{Direction, State};
 use narx_core::units::ElectricalSpeed;
 use serde::{Deserialize, Serialize};
@@ -18,25 +19,28 @@ use std::sync::LazyLock;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Memory {
     pub(crate) state: State,
+    pub(crate) at: Instant,
     pub(crate) age: u32,
     pub(crate) command: Command,
-    pub(crate) command_age: i32,
+    pub(crate) command_age: u32,
+    pub(crate) due: Instant,
     pub(crate) armed: bool,
     pub(crate) acknowledged: bool,
     pub(crate) direction: Direction,
     pub(crate) mode: Conditions,
+    pub(crate) sensorless: bool,
     pub(crate) calibrate: bool,
     pub(crate) refusal: Refusal,
 }
 
-/// Each lasts for a tick at least in which nothing else ends.
-pub(crate) const BOOT: u32 = 2;
-const LOCK: u32 = 2;
-const RAMP: u32 = 2;
+/// Each lasts for a tick at least in which nothing else ends, and for one in which the machine rests.
+pub(crate) const BOOT: u32 = 3;
+const LOCK: u32 = 3;
+const RAMP: u32 = 3;
 const WAIT: u32 = 2;
-const TIMEOUT: u32 = 3;
+const TIMEOUT: u32 = 4;
 /// Above every threshold.
-const AGE_MAX: u32 = 4;
+const AGE_MAX: u32 = 5;
 
 pub(crate) fn coefficients(enables: u8) -> MachineCoefficients {
     MachineCoefficients {
@@ -53,7 +57,12 @@ pub(crate) fn coefficients(enables: u8) -> MachineCoefficients {
     }
 }
 
-fn memory(machine: &Machine) -> Memory {
+/// The present instant of every node: its next tick is the one after.
+pub(crate) fn start() -> Instant {
+    Instant::default()
+}
+
+pub(crate) fn memory(machine: &Machine) -> Memory {
     postcard::from_bytes(&bytes(machine)).unwrap()
 }
 
@@ -106,9 +115,24 @@ fn key(memory: &Memory, ghost: Ghost) -> (Vec<u8>, Ghost) {
     (bytes(memory), ghost)
 }
 
-fn bounded(mut memory: Memory) -> Memory {
+/// The same memory with its ages as of `now`.
+pub(crate) fn as_of(now: Instant, mut memory: Memory) -> Memory {
+    let passed = now.since(memory.at);
+    memory.age = memory.age.saturating_add(passed);
+    memory.command_age = memory.command_age.saturating_add(passed);
+    memory.at = now;
+    memory
+}
+
+/// The memory at `now`, moved to the clock's beginning: only distances of instants count.
+fn bounded(now: Instant, memory: Memory) -> Memory {
+    let mut memory = as_of(now, memory);
     memory.age = memory.age.min(AGE_MAX);
-    memory.command_age = memory.command_age.min(AGE_MAX.cast_signed());
+    memory.command_age = memory.command_age.min(AGE_MAX);
+    memory.at = start();
+    // What is due in the next tick stays so, and nothing that lasts is farther away than the longest time.
+    let left = if memory.due.is_due(now.next()) { 0 } else { memory.due.since(now) };
+    memory.due = start().after(if left > AGE_MAX { u32::MAX } else { left });
     memory
 }
 
@@ -130,7 +154,7 @@ struct Explored {
 /// Explores from power-up; `check` sees every tick.
 fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Change>)) -> Explored {
     let first = (
-        bounded(memory(&Machine::default())),
+        bounded(start(), memory(&Machine::default())),
         Ghost { fresh: true, standby_since_fault: false, reversing: false },
     );
     let mut seen = HashMap::from([(key(&first.0, first.1), ())]);
@@ -141,15 +165,21 @@ fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Cha
         for input in &all {
             let mut after = machine(&before);
             let mut ghost_after = ghost;
+            let mut now = start();
             match *input {
                 Input::Request(request) => {
-                    after.handle_command(Command { request, speed: ElectricalSpeed::ZERO });
+                    after.handle_command(now, Command { request, speed: ElectricalSpeed::ZERO });
                     ghost_after = ghost_request(before.state, request, ghost);
                 }
                 Input::Calibrate(run) => after.handle_calibration(run),
                 Input::Tick { bits, enables } => {
                     let inputs = inputs(bits);
-                    let change = after.step(&coefficients(enables), &inputs);
+                    // The drive wakes a machine whose health has changed.
+                    if inputs.unhealthy {
+                        after.wake(now);
+                    }
+                    now = now.next();
+                    let change = after.step(&coefficients(enables), now, &inputs);
                     let memory = memory(&after);
                     check(&before, ghost, inputs, enables, &memory, change);
                     if let Some(change) = change {
@@ -159,7 +189,7 @@ fn explore(mut check: impl FnMut(&Memory, Ghost, Inputs, u8, &Memory, Option<Cha
                 }
             }
             explored.edges += 1;
-            let after = bounded(memory(&after));
+            let after = bounded(now, memory(&after));
             if seen.insert(key(&after, ghost_after), ()).is_none() {
                 waiting.push_back((after, ghost_after));
             }
@@ -251,7 +281,7 @@ fn check_stops(
     let driving = before.state.is_driving();
     let judged = driving || before.state == State::Standby;
     let request = before.command.request;
-    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
+    let expired = before.command_age + 1 >= TIMEOUT;
     if judged && inputs.critical {
         assert_eq!(after.state, State::Fault, "a fault wins in the same tick: {}", context());
     } else if driving && request == Request::Standby {
@@ -286,7 +316,7 @@ fn check_start(
 ) {
     let (open_loop, sensorless, hall) = (enables & 1 != 0, enables & 2 != 0, enables & 4 != 0);
     let request = wanted(before.command.request);
-    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
+    let expired = before.command_age + 1 >= TIMEOUT;
     let able = request.is_some() && inputs.parameters_fit && !inputs.critical && !expired;
     let mode = before.calibrate || hall || open_loop || sensorless;
     if before.state == State::Standby {
@@ -315,7 +345,10 @@ fn check_start(
     if before.state.is_driving() {
         // What was sampled decides, not what is set now.
         let mut other = machine(before);
-        other.step(&coefficients(!enables & 7), inputs);
+        if inputs.unhealthy {
+            other.wake(start());
+        }
+        other.step(&coefficients(!enables & 7), start().next(), inputs);
         assert_eq!(memory(&other), *after, "enables are sampled: {}", context());
     }
 }
@@ -351,7 +384,7 @@ fn check_reversal(
         assert_eq!(before.direction, after.direction, "never plug: {}", context());
     }
     let reversal = wanted(before.command.request).is_some_and(|direction| direction != before.direction);
-    let expired = before.command_age + 1 >= TIMEOUT.cast_signed();
+    let expired = before.command_age + 1 >= TIMEOUT;
     if before.state.is_driving() && reversal && !inputs.critical && !expired {
         let rests = inputs.stopped || before.state == State::RotorLock;
         let calibrated = before.mode.contains(Conditions::CALIBRATION) && inputs.calibrated;

@@ -3,13 +3,15 @@
 
 use crate::bench::{Closed, MOTOR};
 use crate::steady::measure;
+use crate::zero_crossing::Station;
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint, Sight};
+use narx_core::motor::clock::Instant;
 use narx_core::motor::control::Control;
-use narx_core::motor::front_end::Channel;
 use narx_core::motor::gain::Gain;
-use narx_core::motor::measurement::ChannelScale;
-use narx_core::motor::zero_crossing::{Why, ZeroCrossing};
+use narx_core::motor::rotor::back_emf::{BackEmfCoefficients, OperatingPoint, Sight};
+use narx_core::motor::rotor::zero_crossing::{Why, ZeroCrossing};
+use narx_core::motor::sense::front_end::Channel;
+use narx_core::motor::sense::measurement::ChannelScale;
 use narx_core::motor::{
     Board, Coefficients, Direction, Leg, PwmCommand, Request, SampleMode, Samples, State, Step,
 };
@@ -111,15 +113,10 @@ fn sampling_mode_has_hysteresis() {
 fn demagnetisation_is_no_evidence() {
     // Codes are millivolts.
     let terminal = ChannelScale::new(Channel { zero: 0, micro_per_code: 1_000 }, 0);
-    let c = BackEmfCoefficients {
-        terminal,
-        noise: 5_120,
-        discard: 1 << 16,
-        earliest: 8_192,
-        ..Default::default()
-    };
-    let point = OperatingPoint { torque: Direction::Forward, interval: 24 << 16, emf: 0 };
-    let mut back_emf = BackEmf::default();
+    let c =
+        BackEmfCoefficients { terminal, noise: 80, discard: 1 << 16, earliest: 8_192, ..Default::default() };
+    let point = OperatingPoint { torque: Direction::Forward, interval: 24 << 16 };
+    let mut station = Station::default();
     let mut crossings = Vec::new();
     for tick in 0..20 {
         // AC floats B, whose crossing rises: at tick 12.
@@ -128,9 +125,9 @@ fn demagnetisation_is_no_evidence() {
         let phase_voltage = [24.0, floating, 0.0].map(|volts| (volts * 1e3) as u16);
         let samples = Samples { phase_voltage, sample_mode: SampleMode::OnTime, ..Samples::default() };
         let applied = PwmCommand { step, sample_mode: SampleMode::OnTime, ..PwmCommand::default() };
-        let sight = back_emf.step(&c, &samples, 24 << 16, &applied, &point);
-        assert!(!sight.late, "tick {tick}");
-        crossings.extend(sight.crossing.map(|age| f64::from(tick) - f64::from(age) / 65_536.0));
+        let seen = station.step(&c, &samples, 24 << 16, &applied, &point);
+        assert!(seen.sight != Sight::Late, "tick {tick}");
+        crossings.extend(seen.crossing().map(|age| f64::from(tick) - f64::from(age) / 65_536.0));
     }
     assert_eq!(crossings.len(), 1, "{crossings:?}");
     assert!((crossings[0] - 12.0).abs() < 0.1, "{crossings:?}");
@@ -384,13 +381,11 @@ fn a_hall_offset_is_taken_off() {
 #[test]
 fn a_crossing_tells_its_margin() {
     let mut rotor = ZeroCrossing::default();
-    rotor.start(0, Direction::Forward);
+    let mut now = Instant::default();
+    rotor.start(now, 0, Direction::Forward);
     for crossing in 0..14 {
-        for _ in 0..20 + 2 * i32::from(crossing == 13) {
-            rotor.advance();
-        }
-        let sight = Sight { sector: Some(crossing % 6), crossing: Some(0), passed: true, ..Sight::default() };
-        assert!(rotor.observe(&sight, Gain::ZERO, false));
+        now = now.after(20 + 2 * u32::from(crossing == 13));
+        assert!(rotor.cross(now, crossing % 6, (0, 0), Gain::ZERO, false));
     }
     let (why, margin, accepted) = rotor.why();
     let degrees = f64::from(margin) * 360.0 / 65_536.0;

@@ -2,7 +2,7 @@
 
 use crate::bench::{Closed, MOTOR};
 use narx_core::dictionary::number;
-use narx_core::motor::commutation::{Direction, Step, sector_of};
+use narx_core::motor::commutate::commutation::{Direction, Step, sector_of};
 use narx_core::motor::signal::{ShaftScale, Signal};
 use narx_core::motor::{Request, Samples, State};
 use narx_sim::plant::{Injection, PlantConfig};

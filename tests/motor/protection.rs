@@ -1,11 +1,11 @@
 //! Fault logic: every cause with its threshold, hysteresis and published qualification time, mask, latch and code.
 
 use crate::support::coefficients;
-use narx_core::motor::event::{Health, Request, SlowMeasurements};
-use narx_core::motor::fault::CauseRow;
-use narx_core::motor::hall::HallEvents;
-use narx_core::motor::measurement::Measured;
-use narx_core::motor::protection::{Evidence, Protection, ProtectionCoefficients};
+use narx_core::motor::guard::fault::CauseRow;
+use narx_core::motor::guard::protection::{Evidence, Protection, ProtectionCoefficients};
+use narx_core::motor::machine::event::{Health, Request, SlowMeasurements};
+use narx_core::motor::rotor::hall::HallEvents;
+use narx_core::motor::sense::measurement::Measured;
 use narx_core::motor::{Cause, FaultWord, Lines};
 use narx_core::units::{Amps, Celsius, Volts};
 

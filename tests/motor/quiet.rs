@@ -1,8 +1,8 @@
-//! When the fault logic need not look: a tick that may leave it out is one in which it would find nothing. A calm tick leaves it out.
+//! When the fault logic need not look: a tick that may leave it out is one in which it would find nothing.
 
 use crate::protection::{QUANTITIES, healthy, limits, with};
-use narx_core::motor::hall::HallEvents;
-use narx_core::motor::protection::{Evidence, Health, Protection, ProtectionCoefficients};
+use narx_core::motor::guard::protection::{Evidence, Health, Protection, ProtectionCoefficients};
+use narx_core::motor::rotor::hall::HallEvents;
 use narx_core::motor::{Cause, FaultWord, Lines};
 
 fn at_rest(c: &ProtectionCoefficients) -> Protection {
@@ -18,7 +18,7 @@ fn is_left_out(protection: &Protection, c: &ProtectionCoefficients, evidence: &E
         (evidence.measured.bus_voltage.to_bits(), evidence.measured.bus_current.to_bits());
     protection.stays_quiet(evidence.speed)
         && protection.stays_quiet_at(c, &evidence.slow)
-        && c.bus_voltage(i32::MIN, i32::MAX).contains(voltage)
+        && c.bus_voltage().contains(voltage)
         && c.bus_current().contains(current)
         && !evidence.lines.intersects(c.lines())
 }
@@ -36,16 +36,6 @@ fn every_quantity_stirs_it_at_its_threshold() {
         assert!(is_left_out(&protection, &c, &with(cause, within)), "{cause:?}");
         assert!(!is_left_out(&protection, &c, &with(cause, beyond)), "{cause:?}");
     }
-}
-
-/// The caller's own bounds narrow the band of the bus voltage.
-#[test]
-fn the_band_of_the_bus_voltage_is_the_narrower_one() {
-    let c = limits(u32::MAX);
-    let volts = |volts: i32| volts << 16;
-    let band = c.bus_voltage(volts(20), volts(50));
-    let inside = [volts(20) - 1, volts(20), volts(50), volts(50) + 1].map(|value| band.contains(value));
-    assert_eq!(inside, [false, true, true, false]);
 }
 
 #[test]
@@ -114,7 +104,11 @@ fn edges_backward_are_remembered() {
 fn a_lowered_overspeed_waits_for_the_next_episode() {
     let c = limits(u32::MAX);
     let lower = ProtectionCoefficients {
-        overspeed_hall: narx_core::motor::protection::Limit { trip: 50 << 16, clear: 40 << 16, ticks: 1 },
+        overspeed_hall: narx_core::motor::guard::protection::Limit {
+            trip: 50 << 16,
+            clear: 40 << 16,
+            ticks: 1,
+        },
         ..c
     };
     let mut protection = at_rest(&c);

@@ -1,6 +1,6 @@
 //! A rotor that turns by a script, and what correctly wired hall sensors show of it.
 
-use narx_core::motor::samples::EDGES_MAX;
+use narx_core::motor::sense::samples::EDGES_MAX;
 use narx_core::motor::{Edge, EdgeSource, Samples};
 
 /// Hall code at an angle in turns: A is high from 330 to 150 degrees, B and C 120 degrees later.

@@ -2,7 +2,7 @@
 
 use crate::support::coefficients;
 use narx_core::dictionary::number;
-use narx_core::motor::event::{Health, SlowMeasurements};
+use narx_core::motor::machine::event::{Health, SlowMeasurements};
 use narx_core::motor::{
     Coefficients, Command, Drive, Edge, EdgeSource, Event, FaultWord, Leg, Lines, PwmCommand, Request,
     SampleMode, Samples, State, Status, Step,

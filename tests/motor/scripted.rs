@@ -9,9 +9,6 @@ use narx_core::units::ElectricalSpeed;
 /// Ticks of the boot time, 0.5 s.
 pub(crate) const BOOT: u64 = 5_000;
 
-/// A calibration is withdrawn that nobody has asked for. It is no event that a drive passes over: it looks at everything in that tick.
-pub(crate) const NO_CALM: Event = Event::CalibrateHall(false);
-
 /// A drive, its rotor and the samples that the script may spoil before a step.
 pub(crate) struct Scripted {
     pub drive: Drive,
@@ -77,13 +74,13 @@ impl Scripted {
         let mut samples = self.samples.clone();
         spoil(&mut samples);
         let watched = self.watched.as_mut().map(|drive| {
-            drive.handle_event(NO_CALM);
+            drive.wake();
             (drive.step(&samples), drive.poll_status())
         });
         let output = self.drive.step(&samples);
         let status = self.drive.poll_status();
-        if let Some(whole) = watched {
-            assert_eq!(whole, (output, status), "tick {}", samples.tick);
+        if let Some(expected) = watched {
+            assert_eq!(expected, (output, status), "tick {}", samples.tick);
         }
         self.samples.tick = self.samples.tick.wrapping_add(1);
         self.ticks += 1;
@@ -95,7 +92,7 @@ impl Scripted {
         output
     }
 
-    /// From now on a second drive, which is made to look at everything in every tick, must answer every tick alike.
+    /// From now on a second drive, which asks every station in every tick, must answer every tick alike.
     pub(crate) fn watch(&mut self) {
         self.watched = Some(self.drive.clone());
     }

@@ -4,7 +4,7 @@
 //! critical fault, Standby request, communication time-out, reversal, time and speed.
 
 use narx_core::motor::State;
-use narx_core::motor::state::{Conditions, TRANSITIONS, transition};
+use narx_core::motor::machine::state::{Conditions, TRANSITIONS, transition};
 
 /// What the specification says: the transition's name and the state after it.
 fn expected(state: State, c: Conditions) -> Option<(&'static str, State)> {

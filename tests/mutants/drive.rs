@@ -5,10 +5,10 @@
 mod bench;
 #[path = "../motor/blocks_beside_a_drive.rs"]
 mod blocks_beside_a_drive;
-#[path = "../motor/calm.rs"]
-mod calm;
 #[path = "../motor/flying_start.rs"]
 mod flying_start;
+#[path = "../motor/law.rs"]
+mod law;
 #[path = "../motor/live.rs"]
 mod live;
 #[path = "../motor/machine_rest.rs"]

@@ -1,6 +1,6 @@
 //! Open-loop commutation from the rotor's true angle: what an ideal drive would do.
 
-use narx_core::motor::commutation::sector_of;
+use narx_core::motor::commutate::commutation::sector_of;
 use narx_core::motor::{Commutation, Commutations, Direction, PwmCommand, Rectification, SampleMode, Step};
 use narx_core::units::{Duty, ElectricalAngle};
 use narx_sim::plant::{Observation, Plant};

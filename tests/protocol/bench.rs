@@ -3,9 +3,9 @@
 use narx_core::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, RequestWord, ToDrive};
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::event::{Command, Event, Request, Status};
-use narx_core::motor::front_end::Board;
-use narx_core::motor::state::State;
+use narx_core::motor::machine::event::{Command, Event, Request, Status};
+use narx_core::motor::machine::state::State;
+use narx_core::motor::sense::front_end::Board;
 use narx_core::node::{Identity, Node};
 use narx_core::units::ElectricalSpeed;
 

@@ -3,10 +3,10 @@
 use crate::bench::{Bench, IDENTITY, speed};
 use narx_core::bus::narmotion::{ControlMode, FromDrive, Measurement, MotorMode, StatusWord};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::commutation::Direction;
-use narx_core::motor::event::Status;
-use narx_core::motor::front_end::Board;
-use narx_core::motor::state::State;
+use narx_core::motor::commutate::commutation::Direction;
+use narx_core::motor::machine::event::Status;
+use narx_core::motor::machine::state::State;
+use narx_core::motor::sense::front_end::Board;
 use narx_core::node::{Node, SlowInputs};
 use narx_core::units::{Amps, Celsius, ElectricalSpeed, Volts, Watts};
 use proptest::prelude::*;

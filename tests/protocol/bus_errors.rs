@@ -6,7 +6,7 @@ use narx_core::bus::narmotion::{FromDrive, Measurement, MotorMode, ParameterStat
 use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::dictionary::number;
 use narx_core::motor::State;
-use narx_core::motor::fault::{Cause, FaultWord};
+use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_sim::can::Attachment;
 use narx_sim::plant::Input;
 

@@ -6,9 +6,9 @@ use narx_core::bus::narmotion::{
 };
 use narx_core::description::{Cursor, Document, LOG_RECORD, Measure};
 use narx_core::dictionary::{Dictionary, Parameters, number};
-use narx_core::motor::fault::Cause;
+use narx_core::motor::guard::fault::Cause;
+use narx_core::motor::machine::state::State;
 use narx_core::motor::signal::DRIVE_SIGNALS;
-use narx_core::motor::state::State;
 use narx_sim::bench::{Bench as BusBench, BenchConfig};
 use narx_sim::commissioning::{Mode, Nameplate};
 use narx_sim::plant::PlantConfig;

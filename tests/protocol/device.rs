@@ -5,9 +5,9 @@ use narx_core::bus::narmotion::{
     Addresses, ControlMode, FromDrive, MotorMode, ParameterStatus, RequestWord, StatusWord, ToDrive,
 };
 use narx_core::dictionary::number;
-use narx_core::motor::fault::{Cause, FaultWord};
-use narx_core::motor::front_end::Board;
-use narx_core::motor::samples::Samples;
+use narx_core::motor::guard::fault::{Cause, FaultWord};
+use narx_core::motor::sense::front_end::Board;
+use narx_core::motor::sense::samples::Samples;
 use narx_core::motor::{Coefficients, Drive, Step};
 use narx_core::node::Node;
 

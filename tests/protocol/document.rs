@@ -4,7 +4,7 @@ use narx_core::bus::Id;
 use narx_core::bus::narmotion::{Addresses, MESSAGES, Meaning, MessageId, NAMES, SIGNALS};
 use narx_core::description::{LOG_RECORD, LogEntry};
 use narx_core::dictionary::{Access, Decimal, Dictionary, Effect, Kind, Parameter};
-use narx_core::motor::fault::Cause;
+use narx_core::motor::guard::fault::Cause;
 use narx_core::motor::signal::DRIVE_SIGNALS;
 use narx_tests::{Block, check_blocks, protocol};
 use std::fmt::Write;

@@ -3,7 +3,7 @@
 use super::bench::Bench;
 use narx_core::bus::narmotion::{DigitalOutputs, FromDrive, Measurement, ParameterStatus, ToDrive};
 use narx_core::dictionary::{Dictionary, Parameters, number};
-use narx_core::motor::event::Event;
+use narx_core::motor::machine::event::Event;
 use narx_core::motor::{Board, Equipment, Status};
 use narx_core::node::SlowInputs;
 use narx_core::units::{Celsius, Volts};

@@ -4,9 +4,9 @@ use crate::bench::Bench;
 use ParameterStatus::{Done, Storage};
 use narx_core::bus::narmotion::{FromDrive, ParameterStatus, ToDrive};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::event::{Event, Health};
-use narx_core::motor::fault::FaultWord;
-use narx_core::motor::state::State;
+use narx_core::motor::guard::fault::FaultWord;
+use narx_core::motor::machine::event::{Event, Health};
+use narx_core::motor::machine::state::State;
 use narx_core::storage::{Entry, Memory, Opened, Part, Record, Report, Request};
 
 /// A log with room and five records.

@@ -5,7 +5,7 @@ use narx_core::bus::narmotion::{FromDrive, MessageId, MessageKind, Opcode, Prior
 use narx_core::bus::{Frame, Id};
 use narx_core::dictionary::number;
 use narx_core::motor::State;
-use narx_core::motor::fault::Cause;
+use narx_core::motor::guard::fault::Cause;
 use narx_sim::can::Attachment;
 
 /// An answer within 5 ms of the request.

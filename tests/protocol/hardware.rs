@@ -2,7 +2,7 @@
 
 use narx_core::dictionary::{Decimal, Dictionary, Parameter};
 use narx_core::motor::Board;
-use narx_core::motor::fault::{Cause, FaultWord};
+use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_sim::bench::BITRATE;
 use narx_sim::commissioning::SUPPLY;
 use narx_sim::plant::InverterConfig;

@@ -5,7 +5,7 @@ use super::wired::Wired;
 use narx_core::bus::narmotion::{DigitalOutputs, MotorMode, ToDrive};
 use narx_core::dictionary::{Category, Dictionary, number};
 use narx_core::motor::State;
-use narx_core::motor::fault::Cause;
+use narx_core::motor::guard::fault::Cause;
 use narx_core::node::SlowInputs;
 use narx_core::units::Volts;
 use narx_sim::bench::SIGNALS;

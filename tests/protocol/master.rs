@@ -5,8 +5,8 @@ use crate::pair::{Pair, is_command, said};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, RequestWord, StatusWord, ToDrive};
 use narx_core::dictionary::{PARAMETER_COUNT, Parameters, number};
 use narx_core::master::{Config, DescriptionReader, Download, Master, NotTaken, Request, Service};
-use narx_core::motor::event::{Request as MotorRequest, Status};
-use narx_core::motor::state::State;
+use narx_core::motor::machine::event::{Request as MotorRequest, Status};
+use narx_core::motor::machine::state::State;
 use proptest::prelude::*;
 
 const MS: u64 = 1000;

@@ -4,7 +4,7 @@ use narx_core::bus::narmotion::{ControlMode, MotorMode};
 use narx_core::dictionary::{PARAMETER_COUNT, number};
 use narx_core::master::{Answer, Config, Download, DownloadError, Master, Request, RequestError, Service};
 use narx_core::motor::State;
-use narx_core::motor::fault::{Cause, FaultWord};
+use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_sim::bench::{Bench, BenchConfig};
 use narx_sim::can::Attachment;
 use narx_sim::commissioning::{Mode, Nameplate};

@@ -8,8 +8,8 @@ use narx_core::bus::narmotion::{
 };
 use narx_core::dictionary::{Access, Decimal, PARAMETER_COUNT, number};
 use narx_core::master::{Config, Heard, Master};
-use narx_core::motor::fault::{Cause, FaultWord};
-use narx_core::motor::state::State;
+use narx_core::motor::guard::fault::{Cause, FaultWord};
+use narx_core::motor::machine::state::State;
 
 const MS: u64 = 1000;
 

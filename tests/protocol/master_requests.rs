@@ -7,8 +7,8 @@ use narx_core::dictionary::{Dictionary, number};
 use narx_core::master::{
     Answer, BuildInfo, Config, DeviceInfo, Heard, Master, NotTaken, Request, RequestError, Service,
 };
-use narx_core::motor::event::Status;
-use narx_core::motor::state::State;
+use narx_core::motor::machine::event::Status;
+use narx_core::motor::machine::state::State;
 use narx_core::node::Action;
 use narx_core::scope::{Report, State as ScopeState};
 use narx_core::units::Volts;

@@ -7,9 +7,9 @@ use narx_core::bus::narmotion::ParameterStatus::{
 use narx_core::bus::narmotion::{DigitalOutputs, FromDrive, Measurement, MotorMode, ToDrive};
 use narx_core::dictionary::{Access, Dictionary, Parameters, number};
 use narx_core::motor::Coefficients;
-use narx_core::motor::event::{Event, HallCalibration, HallWiring, Status};
-use narx_core::motor::front_end::Board;
-use narx_core::motor::state::State;
+use narx_core::motor::machine::event::{Event, HallCalibration, HallWiring, Status};
+use narx_core::motor::machine::state::State;
+use narx_core::motor::sense::front_end::Board;
 use narx_core::node::SlowInputs;
 use narx_core::units::{Amps, Celsius, Volts};
 

@@ -4,10 +4,10 @@ use crate::bench::{Bench, IDENTITY};
 use crate::wired::Wired;
 use narx_core::bus::narmotion::ParameterStatus::Done;
 use narx_core::dictionary::number;
-use narx_core::motor::event::{Limiter, Status};
-use narx_core::motor::front_end::Board;
-use narx_core::motor::state::State;
-use narx_core::motor::zero_crossing::Why;
+use narx_core::motor::machine::event::{Limiter, Status};
+use narx_core::motor::machine::state::State;
+use narx_core::motor::rotor::zero_crossing::Why;
+use narx_core::motor::sense::front_end::Board;
 use narx_core::node::{Identity, Node, ResetCause, SelfTests};
 use narx_sim::plant::{Injection, Input};
 

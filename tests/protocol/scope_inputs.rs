@@ -4,7 +4,7 @@ use crate::scope_bench::{
     Pair, press, running, scope_state, session, set_trigger, set_up, wait, words, write,
 };
 use narx_core::dictionary::number;
-use narx_core::motor::event::{Command, Health, SlowMeasurements};
+use narx_core::motor::machine::event::{Command, Health, SlowMeasurements};
 use narx_core::motor::signal::Signal;
 use narx_core::motor::{
     Board, Coefficients, CurrentMode, Drive, Edge, EdgeSource, Event, Lines, Request as Mode, SampleMode,

@@ -6,7 +6,7 @@ use narx_core::bus::narmotion::{
     MotorMode, Opcode, ParameterStatus, Priority, RequestWord, SIGNALS, StatusWord, ToDrive, XmlCommand,
 };
 use narx_core::bus::{Frame, Id};
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use proptest::prelude::*;
 
 /// Figure 14: printed identifier, priority, source, destination, type, opcode.

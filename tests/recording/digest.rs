@@ -1,8 +1,8 @@
 //! The digest, repeated here from its description alone.
 
-use narx_core::motor::event::{HallCalibration, HallWiring, Limiter, Refusal, Status, Why};
-use narx_core::motor::fault::FaultWord;
-use narx_core::motor::state::State;
+use narx_core::motor::guard::fault::FaultWord;
+use narx_core::motor::machine::event::{HallCalibration, HallWiring, Limiter, Refusal, Status, Why};
+use narx_core::motor::machine::state::State;
 use narx_core::motor::{Commutation, Direction, PwmCommand, Rectification, SampleMode, Step};
 use narx_core::recording::Digest;
 use narx_core::units::{Amps, Duty, ElectricalAngle, ElectricalSpeed, Volts, Watts};

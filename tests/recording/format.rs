@@ -1,7 +1,7 @@
 //! The container byte for byte, its versions, and files that pass every check but mean nothing.
 
 use super::support::{HEADER, Noise, container, record, turning};
-use narx_core::motor::event::Event;
+use narx_core::motor::machine::event::Event;
 use narx_core::motor::{Edge, EdgeSource, Lines, SampleMode, Samples};
 use narx_core::recording::{
     BEHAVIOUR_VERSION, Header, Kind, LABEL_MAX, LAYOUT_VERSION, ReadError, Recording, Tick,

@@ -1,6 +1,6 @@
 //! What one tick answered, as text.
 
-use narx_core::motor::event::{HallCalibration, HallWiring, Status};
+use narx_core::motor::machine::event::{HallCalibration, HallWiring, Status};
 use narx_core::motor::{Commutation, PwmCommand, Step};
 use narx_core::recording::Outputs;
 use std::fmt::{self, Write};

@@ -1,6 +1,6 @@
 //! The table vectors x targets: it notices a target that is not the same control core, and says where.
 
-use narx_core::motor::event::{Event, Status};
+use narx_core::motor::machine::event::{Event, Status};
 use narx_core::motor::{Drive, PwmCommand, Samples};
 use narx_core::recording::{Recording, Replayable, replay, replay_until};
 use narx_core::units::Duty;

@@ -1,7 +1,7 @@
 //! Replay against a stand-in for the drive that answers with what it has seen so far.
 
 use super::support::{Noise, turning};
-use narx_core::motor::event::{Command, Event, Request, Status};
+use narx_core::motor::machine::event::{Command, Event, Request, Status};
 use narx_core::motor::{Board, Coefficients, Drive, PwmCommand, Samples};
 use narx_core::recording::{
     BEHAVIOUR_VERSION, Header, Outcome, Recorder, Recording, ReplayError, Replayable, replay, replay_until,

@@ -1,8 +1,8 @@
 //! Arbitrary ticks, ticks like a turning drive's, and files made without the recorder.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
-use narx_core::motor::event::{Command, Event, Health, Request, SlowMeasurements};
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
+use narx_core::motor::machine::event::{Command, Event, Health, Request, SlowMeasurements};
 use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, PwmCommand, SampleMode, Samples};
 use narx_core::recording::{BEHAVIOUR_VERSION, Header, LAYOUT_VERSION, Recorder, Tick};
 use narx_core::units::{Celsius, ElectricalSpeed, Volts};

@@ -4,7 +4,7 @@ use crate::support::container;
 use narx_core::bus::{BusState, Frame, Id};
 use narx_core::dictionary::Parameters;
 use narx_core::eddycan::TxDriver;
-use narx_core::motor::front_end::Board;
+use narx_core::motor::sense::front_end::Board;
 use narx_core::node::{Identity, Node};
 use narx_core::recording::transcript::{
     Answers, CALLS_VERSION, NodeCall, NodeSetup, Transcribable, Transcriber, Transcript, TxDriverCall,

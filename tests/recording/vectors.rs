@@ -1,7 +1,7 @@
 //! The conformance vectors of `tests/vectors`: every recording replays here to the digest it carries, and shows what its
 //! scenario is named for.
 
-use narx_core::motor::event::{Event, Status};
+use narx_core::motor::machine::event::{Event, Status};
 use narx_core::motor::{Drive, PwmCommand, Samples};
 use narx_core::recording::{BEHAVIOUR_VERSION, LAYOUT_VERSION, Recording, Replayable, replay_with};
 use serde::Deserialize;

@@ -2,7 +2,7 @@
 
 use crate::support::set;
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::{CodeFlash, Memory, Opened, Part, Report, Request};
 use narx_sim::flash::{Memory as _, Sparse, Tear};
 use narx_sim::internal_flash::{InternalFlash, WORD};

@@ -3,7 +3,7 @@
 use crate::code_flash::{Chip, PAGE, PAGES, boot, bytes, open, store, until_full, with, worn};
 use crate::support::set;
 use narx_core::dictionary::Parameters;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::{CodeFlash, Part};
 use narx_sim::flash::{Memory as _, Sparse};
 use narx_sim::internal_flash::{InternalFlash, WORD};

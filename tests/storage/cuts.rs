@@ -2,7 +2,7 @@
 
 use crate::support::{Chip, boot, formatted, open, set, small, store};
 use narx_core::dictionary::Parameters;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::{Part, Storage};
 use narx_sim::flash::{MBIT_256, MBYTE_256, Tear};
 

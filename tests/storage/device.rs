@@ -5,7 +5,7 @@ use narx_core::bus::narmotion::{
     Addresses, FromDrive, MotorMode, ParameterStatus, RequestWord, StatusWord, ToDrive,
 };
 use narx_core::dictionary::number;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::{Board, Coefficients, Drive, Samples, State};
 use narx_core::node::{Action, Identity, Node};
 use narx_core::storage::{Record, Report, Request, Storage};

@@ -2,7 +2,7 @@
 
 use crate::support::{Chip, boot, open, set, small, store};
 use core::ops::Range;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::{Opened, Part, Storage, layout::Layout};
 use narx_sim::flash::Memory as _;
 use proptest::prelude::*;

@@ -7,7 +7,7 @@ use narx_core::bus::narmotion::ParameterStatus::{Done, Storage};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ToDrive};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::State;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_sim::flash::Tear;
 
 /// Programs of the flash so far.

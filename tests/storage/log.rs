@@ -2,7 +2,7 @@
 
 use crate::support::{Chip, blank, boot, formatted, now, open, set, small};
 use embedded_storage_async::nor_flash::NorFlash;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::{Entry, Memory, Record, Report, Request, Storage};
 use narx_sim::flash::{KBYTE_512, MBIT_256, MBYTE_256, Tear};
 use proptest::prelude::*;

@@ -8,7 +8,7 @@ use embedded_storage_async::nor_flash::NorFlash;
 use narx_core::bus::narmotion::{MotorMode, ParameterStatus};
 use narx_core::dictionary::number;
 use narx_core::motor::State;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::layout::Layout;
 use narx_core::storage::{Entry, Memory, Part, Request, Storage};
 use narx_sim::flash::MBIT_256;

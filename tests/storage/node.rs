@@ -6,7 +6,7 @@ use ParameterStatus::{Done, OutOfRange, Storage, WrongState};
 use narx_core::bus::narmotion::{FromDrive, MotorMode, ParameterStatus, ToDrive};
 use narx_core::dictionary::{Parameters, number};
 use narx_core::motor::State;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::record::VALUES;
 use narx_sim::flash::KBYTE_512;
 

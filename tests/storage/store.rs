@@ -4,7 +4,7 @@ use crate::support::{Chip, blank, boot, formatted, now, open, set, small, store}
 use core::ops::Range;
 use embedded_storage_async::nor_flash::{NorFlash, ReadNorFlash};
 use narx_core::dictionary::{Dictionary, Parameters, number};
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::layout::{Layout, capacity};
 use narx_core::storage::{Part, Report, Request, Storage};
 use narx_sim::flash::{KBYTE_512, MBIT_256, MBYTE_256};

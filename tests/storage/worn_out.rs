@@ -8,7 +8,7 @@ use core::ops::Range;
 use embedded_storage::nor_flash::{NorFlash as Blocking, ReadNorFlash as BlockingRead};
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use narx_core::dictionary::number;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::storage::layout::Layout;
 use narx_core::storage::{CodeFlash, Memory, Part, Report, Request, Storage};
 use narx_sim::flash::{KBYTE_512, MBIT_256, Tear};

@@ -175,14 +175,20 @@ mod tests {
             condition(6, 1, 0),
             condition(6, 4, 0),
         ];
-        let all = text(&[file("/narx/core/src/motor/pi.rs", &copies), file("/narx/sim/src/lib.rs", &copies)]);
+        let all = text(&[
+            file("/narx/core/src/motor/control/pi.rs", &copies),
+            file("/narx/sim/src/lib.rs", &copies),
+        ]);
         let (files, gaps) = read(&all, root).unwrap();
-        assert_eq!(files, BTreeMap::from([("motor/pi.rs".to_owned(), File { branches: 6, covered: 3 })]));
-        assert_eq!(files["motor/pi.rs"].missed(), 3);
-        let gap = |line, ways| Gap { file: "motor/pi.rs".into(), line, column: 9, ways };
+        assert_eq!(
+            files,
+            BTreeMap::from([("motor/control/pi.rs".to_owned(), File { branches: 6, covered: 3 })])
+        );
+        assert_eq!(files["motor/control/pi.rs"].missed(), 3);
+        let gap = |line, ways| Gap { file: "motor/control/pi.rs".into(), line, column: 9, ways };
         assert_eq!(gaps, [gap(6, "false"), gap(7, "reached")]);
         // A toolchain that counts no branches must not look like one whose branches are all taken.
-        assert!(read(&text(&[file("/narx/core/src/motor/pi.rs", &[])]), root).is_err());
+        assert!(read(&text(&[file("/narx/core/src/motor/control/pi.rs", &[])]), root).is_err());
         assert!(read("{}", root).is_err());
     }
 }

@@ -4,7 +4,7 @@ use crate::decoded;
 use crate::steps::{self, Outcome};
 use narx_core::bus::narmotion::{Addresses, Field, MESSAGES, Meaning, Message, MessageKind};
 use narx_core::dictionary::{Decimal, Dictionary, Kind, Parameter};
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_host::can_log::{identifier, message_name};
 use std::fmt::Write;
 use std::path::Path;

@@ -20,8 +20,8 @@ const HEAD: &str = "\
 ";
 
 /// The core's features, in the order in which its manifest lists them.
-const FEATURES: [&str; 8] =
-    ["names", "description", "log", "scope", "recorder", "hall-calibration", "accelerometer", "shortcuts"];
+const FEATURES: [&str; 7] =
+    ["names", "description", "log", "scope", "recorder", "hall-calibration", "accelerometer"];
 
 /// Measures, and writes the golden file or with `check` compares the two figures that say most.
 ///

@@ -4,9 +4,9 @@
 
 use super::error::{SettingError, within};
 use super::{Position, turn_of_centidegrees};
-use crate::motor::commutation::{Direction, Step};
-use crate::motor::commutator::{Commutator, CommutatorCoefficients};
-use crate::motor::pwm::Commutations;
+use crate::motor::commutate::commutation::{Direction, Step};
+use crate::motor::commutate::commutator::{Commutator, CommutatorCoefficients};
+use crate::motor::commutate::pwm::Commutations;
 
 /// Settings of a [`Commutation`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,11 +3,11 @@
 use super::error::{SettingError, quantity_within, within};
 use super::{factory, factory_quantity, tick_rate, ticks};
 use crate::dictionary::number;
-use crate::motor::fault::FaultWord;
+use crate::motor::guard::fault::FaultWord;
+use crate::motor::guard::protection::{Evidence, Protection, ProtectionCoefficients, Thresholds};
 use crate::motor::machine::Change;
-use crate::motor::protection::{Evidence, Protection, ProtectionCoefficients, Thresholds};
-use crate::motor::samples::Lines;
-use crate::motor::state::State;
+use crate::motor::machine::state::State;
+use crate::motor::sense::samples::Lines;
 use crate::units::{Amps, Celsius, ElectricalSpeed, Volts};
 
 /// Settings of a [`Fault`]. How long each condition must hold is in [`Cause::TABLE`](crate::motor::Cause::TABLE).

@@ -3,11 +3,12 @@
 use super::error::{SettingError, quantity_within, within};
 use super::{Position, factory, speed_of_turns, tick_rate, ticks, turn_of_centidegrees, turns_of_speed};
 use crate::dictionary::number;
+use crate::motor::clock::Instant;
 use crate::motor::gain::Gain;
-use crate::motor::hall::{
+use crate::motor::rotor::hall::{
     Hall as Station, HallCoefficients, HallDiagnostics, HallEvents, HallWiring, sectors,
 };
-use crate::motor::samples::{EDGES_MAX, Edge, Samples};
+use crate::motor::sense::samples::{EDGES_MAX, Edge, Samples};
 use crate::units::{ElectricalAngle, ElectricalSpeed};
 
 /// Settings of a [`Hall`].
@@ -66,6 +67,7 @@ pub struct HallReading {
 pub struct Hall {
     coefficients: HallCoefficients,
     speed_of_turns: Gain,
+    now: Instant,
     station: Station,
 }
 
@@ -92,7 +94,8 @@ impl Hall {
             interpolation_min: turns_of_speed(rate).apply32(floor).unsigned_abs(),
             captured: settings.captured,
         };
-        Ok(Self { coefficients, speed_of_turns: speed_of_turns(rate), station: Station::default() })
+        let station = Station::default();
+        Ok(Self { coefficients, speed_of_turns: speed_of_turns(rate), now: Instant::default(), station })
     }
 
     /// One tick: the lines now (bit 0 = A, bit 1 = B, bit 2 = C), and the edges of the period that has ended, oldest first; of more than
@@ -100,13 +103,15 @@ impl Hall {
     pub fn step(&mut self, code: u8, edges: &[Edge]) -> HallReading {
         let edges = edges.iter().copied().take(EDGES_MAX).collect();
         let samples = Samples { hall: code, edges, ..Samples::default() };
-        let events = self.station.step(&self.coefficients, &samples);
+        self.now = self.now.next();
+        let events = self.station.step(&self.coefficients, self.now, &samples);
+        let speed = self.station.speed_bounded(self.now);
         HallReading {
             sector: self.station.sector(),
-            position: Position { angle: self.station.angle(), speed: self.station.speed() },
-            speed: ElectricalSpeed::from_bits(self.speed_of_turns.apply32(self.station.speed_bounded())),
+            position: Position { angle: self.station.angle(self.now), speed: self.station.speed() },
+            speed: ElectricalSpeed::from_bits(self.speed_of_turns.apply32(speed)),
             events,
-            stopped: self.station.stopped(&self.coefficients),
+            stopped: self.station.stopped(),
             doubtful: self.station.doubtful(),
         }
     }

@@ -1,8 +1,8 @@
 //! Proportional-integral controller with limits and back-calculation.
 
 use super::error::{SettingError, quantity_within, within};
+use crate::motor::control::pi::{Pi as Station, PiGains};
 use crate::motor::gain::{Gain, SIGNIFICANT_BITS};
-use crate::motor::pi::{Pi as Station, PiGains};
 
 /// Settings of a [`Pi`]. Errors and outputs are raw I16F16 in units of the caller's choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

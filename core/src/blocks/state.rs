@@ -3,9 +3,10 @@
 use super::error::{SettingError, within};
 use super::{factory, tick_rate, ticks};
 use crate::dictionary::number;
-use crate::motor::commutation::Direction;
+use crate::motor::clock::Instant;
+use crate::motor::commutate::commutation::Direction;
+use crate::motor::machine::state::State;
 use crate::motor::machine::{Change, Command, Inputs, Machine, MachineCoefficients, Refusal};
-use crate::motor::state::State;
 use crate::units::ElectricalSpeed;
 
 /// Settings of a [`StateMachine`]. Durations are 0 to 3 600 000 ms.
@@ -55,6 +56,7 @@ impl Default for StateSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateMachine {
     coefficients: MachineCoefficients,
+    now: Instant,
     station: Machine,
 }
 
@@ -81,22 +83,23 @@ impl StateMachine {
             command_timeout: duration("command_timeout_ms", s.command_timeout_ms)?,
             ..MachineCoefficients::default()
         };
-        Ok(Self { coefficients, station: Machine::default() })
+        Ok(Self { coefficients, now: Instant::default(), station: Machine::default() })
     }
 
     /// A command has arrived; it feeds the time-out. Standby acknowledges a fault, Drive and Reverse start the motor if Standby was asked for before.
     pub fn handle_command(&mut self, command: Command) {
-        self.station.handle_command(command);
+        self.station.handle_command(self.now, command);
     }
 
     /// A set-point has arrived without a request; it feeds the time-out, too.
     pub fn handle_set_point(&mut self, speed: ElectricalSpeed) {
-        self.station.handle_set_point(speed, 0);
+        self.station.handle_set_point(self.now, speed);
     }
 
     /// One tick: time passes, at most one transition fires.
     pub fn step(&mut self, inputs: &Inputs) -> Option<Change> {
-        self.station.step(&self.coefficients, inputs)
+        self.now = self.now.next();
+        self.station.step(&self.coefficients, self.now, inputs)
     }
 
     /// Present state.
@@ -106,7 +109,7 @@ impl StateMachine {
 
     /// Ticks in it, saturating.
     pub const fn age(&self) -> u32 {
-        self.station.age()
+        self.station.age(self.now)
     }
 
     /// Direction of this start.

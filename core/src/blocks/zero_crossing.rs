@@ -3,17 +3,18 @@
 use super::commutation::{self, CommutationSettings};
 use super::error::{SettingError, within};
 use super::{Position, speed_of_turns, tick_rate};
-use crate::motor::back_emf::{BackEmf, BackEmfCoefficients, OperatingPoint};
-use crate::motor::commutation::{Direction, Step};
-use crate::motor::commutator::{CommutatorCoefficients, time_in};
-use crate::motor::front_end::{Channel, FrontEnd};
+use crate::motor::clock::Instant;
+use crate::motor::commutate::commutation::{Direction, Step};
+use crate::motor::commutate::commutator::{CommutatorCoefficients, time_in};
+use crate::motor::commutate::pwm::PwmCommand;
 use crate::motor::gain::Gain;
-use crate::motor::listening::Listening;
-use crate::motor::measurement::ChannelScale;
-use crate::motor::pwm::PwmCommand;
-use crate::motor::rails::Rail;
-use crate::motor::samples::Samples;
-use crate::motor::zero_crossing::{Why, ZeroCrossing as Estimator};
+use crate::motor::guard::rails::Rail;
+use crate::motor::rotor::back_emf::{BackEmf, BackEmfCoefficients, End, OperatingPoint, Sight};
+use crate::motor::rotor::listening::Listening;
+use crate::motor::rotor::zero_crossing::{Why, ZeroCrossing as Estimator};
+use crate::motor::sense::front_end::{Channel, FrontEnd};
+use crate::motor::sense::measurement::ChannelScale;
+use crate::motor::sense::samples::Samples;
 use crate::units::ElectricalSpeed;
 
 /// Settings of a [`ZeroCrossing`].
@@ -107,9 +108,9 @@ pub struct ZeroCrossing {
     coefficients: BackEmfCoefficients,
     commutator: CommutatorCoefficients,
     bus_voltage: ChannelScale,
-    emf_of_turns: Gain,
     speed_of_turns: Gain,
     timeout: u32,
+    now: Instant,
     back_emf: BackEmf,
     listening: Listening,
     estimator: Estimator,
@@ -139,24 +140,25 @@ impl ZeroCrossing {
         // V/rpm x 10^-6 to V per electrical rev/s, and per 2^-32 turn a tick.
         let (emf, poles) = (i128::from(s.back_emf_uv_per_rpm) * 60, i128::from(s.pole_pairs));
         let gain = |numerator, denominator| Gain::from_ratio(numerator, denominator).unwrap_or(Gain::ZERO);
-        let code = i64::from(s.terminal.micro_per_code);
         let coefficients = BackEmfCoefficients {
             terminal: ChannelScale::new(s.terminal, 0),
-            noise: (((code * i64::from(s.noise_codes)) << 16) / 1_000_000) as i32,
+            noise: s.noise_codes.into(),
+            silence: s.terminal.zero.saturating_add(s.noise_codes.into()),
             discard: time(s.blanking_us.into()) as u32,
             earliest: commutator.earliest,
             comparator: s.comparator,
             delay_rising: time(s.delay_rising_us.into()) as i32,
             delay_falling: time(s.delay_falling_us.into()) as i32,
             back_emf: gain(emf, 1_000_000 * poles),
+            emf_of_turns: gain(emf * i128::from(rate), 1_000_000 * 65_536 * poles),
         };
         Ok(Self {
             coefficients,
             commutator,
             bus_voltage: ChannelScale::new(s.bus_voltage, 0),
-            emf_of_turns: gain(emf * i128::from(rate), 1_000_000 * 65_536 * poles),
             speed_of_turns: speed_of_turns(rate),
             timeout: u32::from(s.timeout_ticks) << 16,
+            now: Instant::default(),
             back_emf: BackEmf::default(),
             listening: Listening::default(),
             estimator: Estimator::default(),
@@ -166,7 +168,7 @@ impl ZeroCrossing {
 
     /// The bridge is about to bring up a rotor that rests at `angle` (u32 turn) in `direction`.
     pub fn start(&mut self, angle: u32, direction: Direction) {
-        self.estimator.start(angle, direction);
+        self.estimator.start(self.now, angle, direction);
         self.mode = Mode::Starting;
     }
 
@@ -183,7 +185,9 @@ impl ZeroCrossing {
         applied: &PwmCommand,
         torque: Direction,
     ) -> ZeroCrossingReading {
-        self.estimator.advance();
+        self.now = self.now.next();
+        self.estimator.pass(self.now);
+        self.listening.renew(self.now);
         let mut crossing = None;
         if applied.step == Step::Coast && applied.commutations.is_empty() {
             self.listen(samples, applied);
@@ -197,40 +201,67 @@ impl ZeroCrossing {
     /// The bridge is off.
     fn listen(&mut self, samples: &Samples, applied: &PwmCommand) {
         self.back_emf = BackEmf::default();
-        self.estimator.begin_coasting();
+        self.estimator.begin_coasting(self.now);
         if self.mode == Mode::Starting {
             return;
         }
-        let voltage = self.coefficients.terminal.convert_all(&samples.phase_voltage);
-        let heard = self.listening.step(&voltage, self.coefficients.noise, applied.sample_at);
+        let heard =
+            self.listening.step(&self.coefficients, self.now, &samples.phase_voltage, applied.sample_at);
         if let Some(heard) = heard
             && (heard.direction == self.estimator.direction() || self.listening.agrees())
         {
-            self.estimator.observe_coasting(heard.place, heard.age, heard.direction);
+            self.estimator.observe_coasting(self.now, heard.place, heard.age, heard.direction);
         }
     }
 
     /// The bridge is on.
     fn observe(&mut self, samples: &Samples, applied: &PwmCommand, torque: Direction) -> Option<i32> {
-        self.listening.reset();
-        let speed = self.estimator.speed().saturating_abs();
-        let emf = self.emf_of_turns.apply32(speed);
-        let point = OperatingPoint { torque, interval: self.estimator.expected(), emf };
+        self.listening.reset(self.now);
         let bus_voltage = self.bus_voltage.convert(samples.bus_voltage);
-        let sight = self.back_emf.step(&self.coefficients, samples, bus_voltage, applied, &point);
+        let (now, c) = (self.now, &self.coefficients);
+        let mut end = End::Seen;
+        if !self.back_emf.goes_on(applied) {
+            let point = OperatingPoint { torque, interval: self.estimator.expected() };
+            end = self.back_emf.follow(c, now, samples, applied, &point);
+        }
+        let sight = self.back_emf.look(c, now, samples, bus_voltage, applied.sample_at);
         if self.mode == Mode::Listening {
             return None;
         }
-        if self.estimator.observe(&sight, self.emf_of_turns, self.mode == Mode::Starting) {
-            return sight.crossing;
+        match end {
+            End::Crossing { sector, age } => self.take(sector, Sight::Crossing { age, threshold: 0 }),
+            End::Seen => self.take(self.back_emf.sector()?, sight),
+            End::Missed => {
+                self.estimator.step_blind(now);
+                self.take(self.back_emf.sector()?, sight)
+            }
         }
-        self.back_emf.reject();
+    }
+
+    /// What the step of `sector` shows: the age of a crossing that is believed.
+    fn take(&mut self, sector: u8, sight: Sight) -> Option<i32> {
+        let (now, starting) = (self.now, self.mode == Mode::Starting);
+        match sight {
+            Sight::Crossing { age, threshold } => {
+                let told = (age, threshold);
+                if self.estimator.cross(now, sector, told, self.coefficients.emf_of_turns, starting) {
+                    return Some(age);
+                }
+                self.back_emf.reject(now);
+            }
+            Sight::Late => self.estimator.cross_late(now, sector, starting),
+            Sight::Before => _ = self.estimator.wait(now, sector, starting),
+            Sight::Nothing if starting && !self.back_emf.is_found() => {
+                self.estimator.wait(now, sector, true);
+            }
+            Sight::Nothing => {}
+        }
         None
     }
 
     /// Whether the loop may be closed, or has to be opened.
     fn settle(&mut self) -> Rail {
-        let silent = self.estimator.since() >= self.timeout;
+        let silent = self.estimator.since(self.now) >= self.timeout;
         match self.mode {
             Mode::Listening if silent || !self.listening.is_turning() => {}
             Mode::Listening | Mode::Starting => {
@@ -262,9 +293,13 @@ impl ZeroCrossing {
     ) -> ZeroCrossingReading {
         let estimator = &self.estimator;
         let (why, margin, accepted) = estimator.why();
-        let position = Position { angle: estimator.angle(), speed: estimator.speed() };
+        let position = Position { angle: estimator.angle(self.now), speed: estimator.speed() };
         let known = self.mode == Mode::Running || estimator.is_prepared() || self.listening.is_turning();
-        let speed = if known && estimator.since() < self.timeout { estimator.speed_bounded() } else { 0 };
+        let speed = if known && estimator.since(self.now) < self.timeout {
+            estimator.speed_bounded(self.now)
+        } else {
+            0
+        };
         let step = applied.commutations.last().map_or(applied.step, |last| last.step);
         let sector = step.rotor_sector(torque).filter(|_| self.mode != Mode::Listening);
         ZeroCrossingReading {

@@ -5,9 +5,9 @@
 use super::{Document, FORMAT, LOG_RECORD, LogEntry};
 use crate::bus::narmotion::{Field, MESSAGES, Meaning, MessageKind, NAMES, Names};
 use crate::dictionary::{Category, Decimal, Dictionary, Effect, PARAMETER_COUNT, Parameter};
-use crate::motor::fault::{Cause, FaultWord};
+use crate::motor::guard::fault::{Cause, FaultWord};
+use crate::motor::machine::state::State;
 use crate::motor::signal::{DRIVE_SIGNALS, SignalRow};
-use crate::motor::state::State;
 use bitflags::Flags;
 use core::fmt::{self, Write};
 

@@ -54,7 +54,7 @@ pub use update::{Image, PACE, UpdateError, UpdateProgress, UpdateStage};
 use crate::bus::Frame;
 use crate::bus::narmotion::{Addresses, FromDrive, MotorMode, ParameterStatus, ToDrive};
 use crate::dictionary::number;
-use crate::motor::state::State;
+use crate::motor::machine::state::State;
 use commands::Commands;
 use download::Transfer;
 use exchange::{Exchange, Owner, Step};

@@ -1,8 +1,8 @@
 //! What the drive has said of itself, and when.
 
 use crate::bus::narmotion::{ControlMode, FromDrive, MotorMode, StatusWord};
-use crate::motor::fault::{Cause, CauseRow, FaultWord};
-use crate::motor::state::State;
+use crate::motor::guard::fault::{Cause, CauseRow, FaultWord};
+use crate::motor::machine::state::State;
 
 /// Something that was heard, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,9 @@
 //! A range of values, told by one subtraction and one comparison.
 
-/// From a lowest value, so many.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+use serde::{Deserialize, Serialize};
+
+/// So many values, from a lowest one on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Band {
     low: i32,
     count: u32,
@@ -17,19 +19,22 @@ impl Band {
         Self { low, count: count.wrapping_add(1) }
     }
 
+    /// The part of this band within `low..=high`.
+    pub fn within(self, low: i32, high: i32) -> Self {
+        let last = self.low.wrapping_add(self.count.wrapping_sub(1) as i32);
+        if self.is_empty() { self } else { Self::new(self.low.max(low), last.min(high)) }
+    }
+
+    /// The part of this band above `least`.
+    pub const fn above(self, least: i32) -> Self {
+        let last = self.low.wrapping_add(self.count.wrapping_sub(1) as i32);
+        if self.is_empty() || self.low > least { self } else { Self::new(least.saturating_add(1), last) }
+    }
+
     /// `value` lies in it.
     #[inline]
     pub const fn contains(self, value: i32) -> bool {
         (value.wrapping_sub(self.low) as u32) < self.count
-    }
-
-    /// The values of both, this and `low..=high`.
-    pub fn within(self, low: i32, high: i32) -> Self {
-        if self.is_empty() {
-            return self;
-        }
-        let last = self.low.wrapping_add(self.count.wrapping_sub(1) as i32);
-        Self::new(self.low.max(low), last.min(high))
     }
 
     /// The lowest value, if there is one.
@@ -37,7 +42,7 @@ impl Band {
         self.low
     }
 
-    /// No value does.
+    /// It contains no value.
     #[inline]
     pub const fn is_empty(self) -> bool {
         self.count == 0

@@ -1,24 +1,24 @@
 //! Parameters built once into what the tick multiplies with. Rules between parameters are checked here.
 
-use super::back_emf::BackEmfCoefficients;
-use super::commutator::CommutatorCoefficients;
+use super::commutate::commutator::CommutatorCoefficients;
+use super::control::limits::LimitCoefficients;
+use super::control::pi::PiGains;
 use super::control::{ControlCoefficients, ModeCoefficients};
-use super::front_end::Board;
 use super::gain::Gain;
-use super::hall::HallWiring;
-use super::hall::{HallCoefficients, sectors};
-use super::hall_calibration::HallCalibrationCoefficients;
-use super::limits::LimitCoefficients;
+use super::guard::open_phase::OpenPhaseCoefficients;
+use super::guard::protection::{ProtectionCoefficients, Thresholds};
+use super::guard::rails::RailCoefficients;
 use super::machine::MachineCoefficients;
-use super::measurement::{ChannelScale, MeasurementScales};
-use super::open_loop::OpenLoopCoefficients;
-use super::open_phase::OpenPhaseCoefficients;
-use super::pi::PiGains;
-use super::protection::{ProtectionCoefficients, Thresholds};
-use super::rails::RailCoefficients;
-use super::samples::Lines;
-use super::sensorless::SensorlessCoefficients;
-use super::state::State;
+use super::machine::state::State;
+use super::rotor::back_emf::BackEmfCoefficients;
+use super::rotor::hall::HallWiring;
+use super::rotor::hall::{HallCoefficients, sectors};
+use super::rotor::hall_calibration::HallCalibrationCoefficients;
+use super::rotor::open_loop::OpenLoopCoefficients;
+use super::rotor::sensorless::SensorlessCoefficients;
+use super::sense::front_end::Board;
+use super::sense::measurement::{ChannelScale, MeasurementScales};
+use super::sense::samples::Lines;
 use crate::dictionary::{Decimal, Dictionary, Parameters, number};
 use crate::units::{ElectricalAngle, quotient, ratio, saturate64};
 use core::fmt;
@@ -152,6 +152,9 @@ struct Builder<'a> {
     /// What is being built is of use to a mode that is enabled: what does not fit counts.
     binds: bool,
 }
+
+/// Converter codes that stand out of the noise: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
+const NOISE: u16 = 4;
 
 /// What is asked for often stays out of line: 64 bits written out at every use would take half as much flash again.
 impl Builder<'_> {
@@ -386,14 +389,20 @@ impl Builder<'_> {
         let phase = self.board.front_end.phase_voltage;
         BackEmfCoefficients {
             terminal: ChannelScale::new(phase, 0),
-            // Four codes: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
-            noise: saturate64(quotient((phase.micro_per_code as i64) << 18, 1_000_000)),
+            noise: NOISE.into(),
+            silence: phase.zero.saturating_add(NOISE),
             discard: (self.raw(number::ZC_DISCARD) as u32) << 16,
             earliest: self.board.earliest,
             comparator: self.board.comparator_capture,
             delay_rising: delay(delays),
             delay_falling: delay(delays + self.wide(number::ZC_DELAY_FALLING)),
             back_emf: self.back_emf_gain(),
+            emf_of_turns: self.gain(
+                number::BACK_EMF_CONSTANT,
+                60 * self.rate(),
+                6,
+                65_536 * self.pole_pairs() as u32,
+            ),
         }
     }
 
@@ -420,7 +429,6 @@ impl Builder<'_> {
         SensorlessCoefficients {
             back_emf,
             rails: self.rails(back_emf.back_emf),
-            emf_of_turns: self.gain(emf, 60 * self.rate(), 6, 65_536 * self.pole_pairs() as u32),
             timeout: (self.wide(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i64 / 2) as u32,
             rest,
             align,

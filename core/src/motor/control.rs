@@ -1,38 +1,33 @@
 //! From a demand (a level or a speed) to duty and rectification: speed loop, current limit, the smaller wins, volts to duty.
 
+pub mod limits;
+pub mod pi;
+
 mod coast;
 mod coefficients;
-mod cruise;
+mod ease;
 
-use super::limits::{CurrentLimit, Limiter};
-use super::measurement::{Measured, Measurement};
-use super::pi::Pi;
-use super::pwm::Rectification;
+use super::commutate::pwm::Rectification;
+use super::control::limits::{CurrentLimit, Limiter};
+use super::control::pi::Pi;
 use super::ramp::Ramp;
-use crate::units::{Celsius, Duty};
+use super::sense::measurement::{Measured, Measurement};
+use crate::units::{Amps, Celsius, Duty};
 use coast::{CATCH, Coasting, feeds};
+use ease::Ease;
 use serde::{Deserialize, Serialize};
 
 pub use coefficients::{ControlCoefficients, ModeCoefficients};
-pub use cruise::Lane;
 
 /// What the state asks of the bridge.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Demand {
     /// Bridge off.
     Off,
-    /// A level: rotor lock, open loop, calibration.
-    Voltage {
-        /// Raw I16F16 volts.
-        voltage: i32,
-    },
-    /// A speed: closed loop. Magnitudes in the direction of torque, raw I16F16 electrical rev/s.
-    Speed {
-        /// Estimated speed.
-        measured: i32,
-        /// Share of the voltage that is taken away, in 1/16: the rotor's position is getting uncertain.
-        fade: u8,
-    },
+    /// A level (see [`ControlCoefficients::initial_level`]): rotor lock, open loop, calibration.
+    Level(i32),
+    /// A speed: closed loop. The voltage fades by so many 1/16, because the rotor's position is getting uncertain.
+    Speed(u8),
 }
 
 /// What the commutation applies.
@@ -53,11 +48,12 @@ pub struct Control {
     current: Pi,
     setpoint: Ramp,
     limit: CurrentLimit,
+    /// Voltage that the last decision was asked for.
+    wanted: i32,
     /// Output and error of the speed loop, held between milliseconds.
     speed_voltage: i32,
     speed_error: i32,
-    millisecond: u32,
-    /// Share of a speed loop's turn that has been earned, electrical rev/s.
+    /// Sum of speeds that lets the speed loop run less often at low speed, electrical rev/s.
     turn: i32,
     phase_current: i32,
     coasting: Option<Coasting>,
@@ -65,10 +61,8 @@ pub struct Control {
     catching: u16,
     /// The bridge was off in the midst of this episode.
     interrupted: bool,
-    /// The speed loop decides, by switches, and the current limiter waits at its voltage: as long as nothing comes near a limit, a tick is no
-    /// more than the division by the bus voltage.
-    settled: bool,
     output: Output,
+    ease: Ease,
 }
 
 /// Mean bus current beyond which diodes take over: -0.3 A.
@@ -84,12 +78,13 @@ const RETREAT: u16 = 8;
 
 impl Control {
     /// A driven episode begins from standstill, or from `speed` (raw electrical rev/s) of a rotor that turns already:
-    /// that one is caught with diodes, where no voltage is too small. Every controller continues from the `initial` voltage (parameter 84).
-    pub fn start(&mut self, c: &ControlCoefficients, speed: i32, initial: i32) {
+    /// that one is caught with diodes, where no voltage is too small. Every controller continues from the first voltage (parameter 84) on this bus
+    /// (raw I16F16 V).
+    pub fn start(&mut self, c: &ControlCoefficients, speed: i32, bus_voltage: i32) {
         *self = Self { limit: self.limit, ..Self::default() };
         self.limit.start(&c.limits);
         self.setpoint.set(speed);
-        self.take_over(initial);
+        self.take_over(c.volts(c.initial_level, bus_voltage));
         self.catching = if speed == 0 { 0 } else { CATCH };
         if self.catching == 0 {
             self.output.rectification = Rectification::Synchronous;
@@ -105,16 +100,6 @@ impl Control {
         self.take_over(voltage);
     }
 
-    /// A tick begins. Its place in the millisecond, from 0: what needs no tick of its own is spread over these.
-    #[inline]
-    pub const fn tick(&mut self, c: &ControlCoefficients) -> u32 {
-        self.millisecond += 1;
-        if self.millisecond >= c.ticks_per_ms as u32 {
-            self.millisecond = 0;
-        }
-        self.millisecond
-    }
-
     /// Estimated mean phase current as of the last millisecond, raw I16F16 A.
     pub const fn phase_current(&self) -> i32 {
         self.phase_current
@@ -125,38 +110,43 @@ impl Control {
         share(bus_voltage, self.output.duty.to_bits().saturating_sub(self.dead_time(c)))
     }
 
+    /// Something else than the samples has changed: the next tick decides anew.
+    pub const fn beware(&mut self) {
+        self.ease = Ease::NONE;
+    }
+
     /// Every controller continues from `voltage`.
     fn take_over(&mut self, voltage: i32) {
-        self.settled = false;
+        self.beware();
         self.speed.wait(voltage);
         self.current.wait(voltage);
         self.speed_voltage = voltage;
     }
 
-    /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand. True if they changed.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    /// Once a millisecond: the ratings. `turns`: the rotor is not known to stand.
     pub fn rate(
         &mut self,
         c: &ControlCoefficients,
         measurement: &Measurement,
         temperature: Celsius,
         turns: bool,
-    ) -> bool {
+    ) {
         let (voltage, current) = (measurement.bus_voltage(), measurement.bus_current());
         self.phase_current = per_duty(current, self.output.duty.to_bits());
-        self.limit.update(&c.limits, (voltage, current), self.phase_current, temperature, turns)
+        if self.limit.update(&c.limits, (voltage, current), self.phase_current, temperature, turns) {
+            self.beware();
+        }
     }
 
     /// Once a millisecond in closed loop: the set-point's ramp, and the speed loop. Magnitudes in the direction of torque, raw I16F16 electrical
     /// rev/s; `target` is the set-point after saturation, and the rise towards it a millisecond, 16 extra bits.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub fn turn(
+    pub fn run_speed_loop(
         &mut self,
         c: &ControlCoefficients,
         mode: &ModeCoefficients,
         target: (i32, i64),
         speed: i32,
-        (bus_voltage, bus_current): (i32, i32),
+        (measurement, bus_current): (&Measurement, Amps),
     ) {
         if self.interrupted {
             return;
@@ -167,40 +157,39 @@ impl Control {
         if self.coasting.is_some() {
             self.speed_error = self.advance_setpoint(target, speed).saturating_sub(speed);
         } else if !mode.sparse || self.takes_turn(speed) {
-            let ceiling = share(bus_voltage, mode.duty_max);
+            let ceiling = share(measurement.bus_voltage(), mode.duty_max);
             self.speed_error = self.advance_setpoint(target, speed).saturating_sub(speed);
-            let before = self.speed_voltage;
             self.speed_voltage = self.speed.step(&mode.speed, self.speed_error, 0, ceiling);
-            self.settled = self.settled && self.may_follow(c, self.speed_voltage - before, bus_current);
-            if self.settled {
-                self.current.wait(self.speed_voltage);
-            }
         }
+        self.keep_ease(c, bus_current);
     }
 
-    /// One tick.
-    #[inline]
-    pub fn step(
+    /// One tick with every limit in turn. `speed` is that of a closed loop, a magnitude in the direction of torque, raw I16F16 electrical rev/s.
+    #[inline(never)]
+    pub fn decide(
         &mut self,
         c: &ControlCoefficients,
         mode: &ModeCoefficients,
         demand: Demand,
+        speed: i32,
         measured: &Measured,
         measurement: &Measurement,
-    ) -> Output {
+    ) {
+        self.beware();
+        let bus_voltage = measurement.bus_voltage();
         let (wanted, own) = match demand {
             Demand::Off => {
-                (self.output, self.interrupted, self.settled) = (Output::default(), true, false);
-                return self.output;
+                (self.output, self.interrupted) = (Output::default(), true);
+                self.ease = Ease::OFF;
+                return;
             }
-            Demand::Voltage { voltage } => (voltage, Limiter::Fixed),
-            Demand::Speed { measured: speed, fade } => {
+            Demand::Level(level) => (c.volts(level, bus_voltage), Limiter::Fixed),
+            Demand::Speed(fade) => {
                 let begins = self.speed_error < 0 && feeds(c, measured);
                 let catches = self.catching > 0 || self.interrupted || self.coasting.is_some();
                 if (begins || catches) && self.coasts(c, measured, measurement, speed) {
                     self.output = Output { limiter: Limiter::Return, ..Output::default() };
-                    self.settled = false;
-                    return self.output;
+                    return;
                 }
                 match fade {
                     0 => (self.speed_voltage, Limiter::Speed),
@@ -214,12 +203,10 @@ impl Control {
         if limiter != own || own == Limiter::Fade {
             self.follow(c, mode, demand, measured);
         }
-        self.settled = self.is_settled(c);
-        self.output
+        self.wanted = wanted;
     }
 
     /// Something else than the speed loop decides: it goes along.
-    #[inline(never)]
     fn follow(
         &mut self,
         c: &ControlCoefficients,
@@ -227,7 +214,7 @@ impl Control {
         demand: Demand,
         measured: &Measured,
     ) {
-        if let Demand::Speed { .. } = demand {
+        if let Demand::Speed(_) = demand {
             let applied = self.applied(c, measured.bus_voltage.to_bits());
             self.speed.track(&mode.speed, applied, self.speed_error);
         }

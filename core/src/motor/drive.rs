@@ -1,43 +1,62 @@
-//! The control tick: samples in, PWM command out, one straight line.
+//! The control tick: samples in, PWM command out, one road.
 
-mod calm;
+mod duties;
 mod layout;
 mod pattern;
+mod quiet;
 mod reports;
 mod signals;
 mod transitions;
 
+use super::band::Band;
+use super::clock::Instant;
 use super::coefficients::Coefficients;
-use super::commutation::{Direction, Step};
-use super::commutator::Commutator;
+use super::commutate::commutation::{Direction, Step};
+use super::commutate::commutator::Commutator;
+use super::commutate::pwm::{Commutations, PwmCommand};
 use super::control::{Control, Demand};
-use super::event::{Event, HallCalibration, Health, SlowMeasurements};
-use super::fault::Cause;
-use super::hall::HallEvents;
-use super::hall_calibration::HallCalibrator;
+use super::guard::fault::Cause;
+use super::guard::open_phase::OpenPhase;
+use super::guard::protection::{Evidence, Protection};
 use super::machine::Machine;
-use super::measurement::{Measured, Measurement};
-use super::open_phase::OpenPhase;
-use super::protection::{Evidence, Protection};
-use super::pwm::PwmCommand;
+use super::machine::event::{Event, HallCalibration, Health, SlowMeasurements};
+use super::machine::state::State;
 use super::ramp::Ramp;
 use super::rotor::Rotor;
-use super::samples::Samples;
-use super::sensorless::Sensorless;
-use super::state::State;
+use super::rotor::hall::HallEvents;
+use super::rotor::hall_calibration::HallCalibrator;
+use super::rotor::sensorless::Sensorless;
+use super::sense::measurement::Measurement;
+use super::sense::samples::{SampleMode, Samples};
 use crate::units::{Amps, ElectricalSpeed};
-use calm::{Calm, SHORTCUTS};
 use core::borrow::Borrow;
+use duties::Duties;
 pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use pattern::Pattern;
+use quiet::Quiet;
 use reports::Reports;
 use serde::{Deserialize, Serialize};
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self")]
 pub struct Drive {
     coefficients: Coefficients,
+    /// Ticks since power-up.
+    now: Instant,
+    /// The earliest deadline: the tick in which the stations are asked, whatever the samples say.
+    due: Instant,
+    /// The deadline of the pattern: the next commutation, or the next move of a start without sensors.
+    pattern_due: Instant,
+    /// Samples that concern no station.
+    quiet: Quiet,
+    /// For now the fault logic and the state machine are asked in every tick: a fault qualifies, or the rotor may stand.
+    watchful: bool,
+    /// For now the pattern is chosen anew in every tick: a start, a field that changes its speed, sensors in doubt.
+    steers: bool,
+    /// `watchful` and `steers` may no longer hold; `look_out` finds out.
+    stale: bool,
+    /// The last tick that asked the stations.
+    asked: Instant,
     parameters_fit: bool,
     slow: SlowMeasurements,
     health: Health,
@@ -56,22 +75,12 @@ pub struct Drive {
     listens: bool,
     /// Duty from which the on-time is sampled, and below which the off-time is, raw U1F15.
     on_time: (u16, u16),
-    /// Speed by back-EMF, 2^-32 turn a tick, and the same as raw I16F16 electrical rev/s: converted when it changes.
-    sensorless_turns: i32,
-    sensorless_rate: i32,
-    calm: Calm,
+    duties: Duties,
+    /// What goes on until the stations are asked again.
+    pattern: Pattern,
     /// What was applied in the last tick.
     applied: PwmCommand,
     reports: Reports,
-}
-
-/// The places in a millisecond of what needs no tick of its own.
-mod place {
-    pub(super) const RATINGS: u32 = 0;
-    pub(super) const SPEED_LOOP: u32 = 1;
-    pub(super) const RAILS: u32 = 2;
-    pub(super) const REPORT: u32 = 3;
-    pub(super) const LAST: u32 = REPORT;
 }
 
 impl Drive {
@@ -80,6 +89,14 @@ impl Drive {
     pub fn new(coefficients: Coefficients) -> Self {
         Self {
             coefficients,
+            now: Instant::default(),
+            due: Instant::default(),
+            pattern_due: Instant::default(),
+            quiet: Quiet::default(),
+            watchful: true,
+            steers: false,
+            stale: true,
+            asked: Instant::default(),
             parameters_fit: true,
             slow: SlowMeasurements::default(),
             health: Health::default(),
@@ -96,334 +113,313 @@ impl Drive {
             calibration: HallCalibration::None,
             listens: false,
             on_time: (0, 0),
-            sensorless_turns: 0,
-            sensorless_rate: 0,
-            calm: Calm::default(),
+            duties: Duties::default(),
+            pattern: Pattern::OFF,
             applied: PwmCommand::default(),
             reports: Reports::default(),
         }
-        .settled()
+        .refreshed()
     }
 
-    fn settled(mut self) -> Self {
-        self.settle();
+    fn refreshed(mut self) -> Self {
+        self.refresh();
         self
     }
 
-    /// What follows from state and coefficients, and is asked for in every tick. The terminals are listened to with the bridge off, too: they
+    /// Computes what depends on state and coefficients alone, so that the tick need not. The terminals are listened to with the bridge off, too: they
     /// tell whether the rotor stands.
-    fn settle(&mut self) {
-        self.wake_halls();
+    fn refresh(&mut self) {
         let listens = !self.machine.state().is_driving() || self.machine.is_sensorless();
         if listens && !self.listens {
-            self.sensorless.begin_listening();
+            self.sensorless.begin_listening(self.now);
         }
         self.listens = listens;
         self.on_time = self.sampling_limits();
-        self.settle_calm();
+        self.control.beware();
+        self.quiet.stay_within(&self.coefficients.protection, self.machine.state());
     }
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
     pub fn handle_event(&mut self, event: impl Borrow<Event>) {
-        self.heed(event.borrow());
+        self.take_event(event.borrow());
     }
 
     /// By reference: an event is as large as the coefficients, and moving it takes longer than what most of them ask for.
-    fn heed(&mut self, event: &Event) {
-        // A drive is told again and again what it knows, and that it is well. Then what changes is the set-point or the temperature, which are
-        // read once a millisecond, and no station need be woken.
-        match *event {
-            Event::Command(command) if self.machine.knows(command.request) => {
-                return self.hear(command.speed);
-            }
-            Event::SetPoint(speed) => return self.hear(speed),
-            Event::Slow(slow) if self.protection.stays_quiet_at(&self.coefficients.protection, &slow) => {
-                self.slow = slow;
-                return;
-            }
-            Event::Health(health) if health == self.health => return,
-            _ => {}
-        }
-        self.wake();
-        self.leave_lane();
-        self.protection.wake();
+    fn take_event(&mut self, event: &Event) {
+        let now = self.now;
+        // Most events repeat the last request, or say that all is well: they wake nobody. Set-point and temperature are read once a millisecond.
+        let is_known = match event {
+            Event::Command(command) => self.machine.knows(command.request),
+            Event::SetPoint(_) => true,
+            Event::Slow(slow) => self.protection.stays_quiet_at(&self.coefficients.protection, slow),
+            Event::Health(health) => *health == self.health,
+            Event::Coefficients(_) | Event::CoefficientsRejected | Event::CalibrateHall(_) => false,
+        };
         match event {
-            Event::Command(command) => self.machine.handle_command(*command),
-            Event::SetPoint(_) => {}
+            Event::Command(command) if is_known => self.machine.handle_set_point(now, command.speed),
+            Event::Command(command) => self.machine.handle_command(now, *command),
+            Event::SetPoint(speed) => self.machine.handle_set_point(now, *speed),
             Event::Coefficients(coefficients) => {
-                self.rotor.change_wiring(&self.coefficients.hall, &coefficients.hall);
+                self.rotor.change_wiring(now, &self.coefficients.hall, &coefficients.hall);
                 self.coefficients = *coefficients;
                 self.parameters_fit = true;
-                self.settle();
+                self.refresh();
             }
             Event::CoefficientsRejected => self.parameters_fit = false,
             Event::Slow(slow) => self.slow = *slow,
             Event::Health(health) => self.health = *health,
             Event::CalibrateHall(run) => self.machine.handle_calibration(*run),
         }
+        if !is_known {
+            self.protection.wake();
+            self.wake();
+        }
     }
 
-    /// The master is there, and nothing is new but the set-point.
-    #[inline]
-    fn hear(&mut self, speed: ElectricalSpeed) {
-        self.machine.handle_set_point(speed, self.calm.slept());
-        self.rest_anew();
+    /// Makes everything due: the next tick asks every station and every limit. Asking one that has nothing to do changes nothing, so this changes no answer.
+    pub fn wake(&mut self) {
+        let now = self.now;
+        (self.due, self.pattern_due) = (now, now);
+        (self.watchful, self.steers, self.stale) = (true, true, true);
+        self.rotor.wake(now);
+        self.machine.wake(now);
+        self.sensorless.wake();
+        self.control.beware();
     }
 
     /// One control tick.
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
-        let place = self.control.tick(&self.coefficients.control);
+        self.now = self.now.next();
         let current = self.measurement.step(&self.coefficients.measurement, samples);
-        if !SHORTCUTS {
-            self.look(place, samples, current);
-            return self.applied;
-        }
-        let in_lane = self.is_in_lane(current);
-        let step = if self.is_calm(samples, current, in_lane) {
-            Some(self.go_on(current))
+        let sensed = self.listens && self.sense(samples);
+        self.open_phase.count(current);
+        let rests = !sensed && self.is_quiet(samples, current) && !self.due.is_due(self.now);
+        let busy = if rests {
+            self.go_on();
+            false
         } else {
-            self.turns(samples, current, in_lane)
+            self.ask(samples, current, sensed)
         };
-        match step {
-            Some(step) => self.keep_on(step, place, samples, current, in_lane),
-            None => self.look(place, samples, current),
+        if self.duties.are_due(self.now) {
+            self.do_duty(busy, samples, current);
         }
+        self.apply(current);
         self.applied
     }
 
-    /// From what is wanted to what is applied, with what is due in this `place` of the millisecond before it.
-    #[inline(never)]
-    fn conclude(&mut self, place: u32, pattern: &Pattern, samples: &Samples, current: Amps) {
-        let speed = match pattern.demand {
-            Demand::Speed { measured, .. } => Some(measured),
-            Demand::Off | Demand::Voltage { .. } => None,
-        };
-        self.do_due(place, speed, samples, current);
-        let speeds = matches!(pattern.demand, Demand::Speed { fade: 0, .. });
-        if SHORTCUTS && speeds && self.has_plain_voltage() && self.cruises(pattern.step, current) {
-            self.applied.commutations = pattern.commutations;
-        } else {
-            self.finish(pattern, current);
-        }
-    }
-
-    /// The loops with every limit.
-    #[inline(never)]
-    fn finish(&mut self, pattern: &Pattern, current: Amps) {
-        self.sensorless.beware();
-        self.leave_lane();
-        let measured = &self.measurement.measured(current);
-        let c = &self.coefficients;
-        let (c, mode) = (&c.control, c.mode(self.machine.state()));
-        let output = self.control.step(c, mode, pattern.demand, measured, &self.measurement);
-        self.applied = self.command(pattern, output.duty, output.rectification);
-    }
-
-    /// The whole tick.
-    #[inline(never)]
-    fn look(&mut self, place: u32, samples: &Samples, current: Amps) {
-        self.sensorless.beware();
-        if matches!(self.machine.state(), State::Initialization | State::Standby) {
-            self.measurement.find_zero(&self.coefficients.measurement, current);
-        }
-        let pattern = self.survey(samples, &self.measurement.measured(current));
-        self.conclude(place, &pattern, samples, current);
-    }
-
-    /// Every station in turn, up to what is to be applied.
+    /// The terminals: true if the estimate of the rotor has changed.
     #[inline]
-    fn survey(&mut self, samples: &Samples, measured: &Measured) -> Pattern {
-        self.wake();
-        let taken = self.is_taken();
-        let hall = if taken && !self.listens {
-            HallEvents { sectors: self.machine.direction().sign() as i8, ..HallEvents::default() }
+    fn sense(&mut self, samples: &Samples) -> bool {
+        let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
+        let bus = self.measurement.bus_voltage();
+        self.sensorless.sense(c, self.now, samples, bus, &self.applied, torque)
+    }
+
+    /// Asks the stations in turn, each if its deadline has come or something new concerns it. It ends with the pattern of this period and the next deadline.
+    /// True if the tick brought an edge, a crossing, a commutation or another state.
+    #[inline(never)]
+    fn ask(&mut self, samples: &Samples, current: Amps, sensed: bool) -> bool {
+        let now = self.now;
+        self.asked = now;
+        let hall = self.sense_halls(samples);
+        let turned = hall.sectors != 0 || sensed;
+        let watched = self.watchful
+            || !self.is_electrically_quiet(samples, current)
+            || self.concerns_faults(hall)
+            || self.overspeeds(turned);
+        let critical = watched && self.protect(samples, current, hall);
+        let moved = (critical || self.watchful || self.machine.due().is_due(now))
+            && self.advance_state(critical, samples);
+        if turned || moved || self.steers || self.pattern_due.is_due(now) {
+            self.choose_pattern(samples);
         } else {
-            self.sense_halls(samples)
-        };
-        if self.listens && !taken {
-            self.listen(samples, measured);
+            self.go_on();
         }
-        let critical = self.protect(samples, measured, hall);
-        self.advance_state(critical, samples);
-        let pattern = self.pattern(samples);
-        self.count_commutation();
-        self.open_phase.change(pattern.last());
-        self.calm_down(samples, pattern.demand);
+        if watched || moved || self.stale {
+            self.look_out(samples);
+        }
+        self.sensorless.note(&self.applied);
+        self.due = self.deadline();
+        turned || moved || !self.applied.commutations.is_empty()
+    }
+
+    /// The hall sensors, if they show anything or their deadline has come.
+    #[inline]
+    fn sense_halls(&mut self, samples: &Samples) -> HallEvents {
+        let mute = self.watchful && self.rotor.hall_mute();
+        if !(mute || !self.quiet.repeats(samples) || self.rotor.due().is_due(self.now)) {
+            return HallEvents::default();
+        }
+        self.quiet.hall = samples.hall;
+        let events = self.rotor.step(&self.coefficients, self.now, samples);
+        if self.rotor.hall_mute() {
+            // From here on the commutation counts the sectors, so the pattern is chosen in this tick.
+            self.pattern_due = self.now;
+        }
+        if events.sectors == 0 && self.machine.state() == State::HallClosedLoop {
+            // The sensors were asked and no sector has passed: a code was lost, there is a doubt, or a deadline has come.
+            (self.pattern_due, self.watchful, self.stale) = (self.now, true, true);
+        }
+        events
+    }
+
+    /// Finds out whether the fault logic and the state machine, or the pattern, have to be asked in every tick from now on.
+    #[inline(never)]
+    fn look_out(&mut self, samples: &Samples) {
         if self.reports.stirred {
             self.find_change(samples);
         }
-        pattern
+        let state = self.machine.state();
+        let halls = state == State::HallClosedLoop;
+        self.watchful = !self.protection.is_quiet()
+            || self.open_phase.is_resting()
+            || self.open_phase.is_found(&self.coefficients.open_phase)
+            || self.sensorless_fault().is_some()
+            || ((halls || state == State::SensorlessClosedLoop) && self.may_stand())
+            || (halls && self.rotor.hall_mute());
+        self.steers = state.is_driving() && !self.is_closed_loop() && !self.waits();
+        self.stale = self.steers;
     }
 
-    #[inline(never)]
-    fn listen(&mut self, samples: &Samples, measured: &Measured) {
-        let bus_voltage = measured.bus_voltage.to_bits();
-        let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
-        self.sensorless.observe(c, samples, bus_voltage, &self.applied, torque);
-        self.heed_speed();
-    }
-
-    /// The estimator's speed may have changed.
-    #[inline(never)]
-    fn heed_speed(&mut self) {
-        self.heed_speed_now();
-    }
-
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    fn heed_speed_now(&mut self) {
-        let turns = self.sensorless.speed(&self.coefficients.sensorless);
-        if turns != self.sensorless_turns {
-            self.sensorless_rate = self.coefficients.speed_of_turns.apply32(turns);
-            self.sensorless_turns = turns;
-        }
-    }
-
-    /// Does the work of the millisecond that falls into this tick. `speed` is that of a closed loop.
-    #[cfg_attr(target_arch = "wasm32", inline(never))]
-    #[cfg_attr(not(target_arch = "wasm32"), inline)]
-    fn do_due(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
-        if place > place::LAST {
-            return;
-        }
-        if u32::from(self.coefficients.control.ticks_per_ms) <= place::LAST {
-            return self.share_out(place, speed, samples, current);
-        }
-        self.do_task(place, speed, samples, current);
-    }
-
-    /// A board with fewer ticks does more in its last.
-    #[inline(never)]
-    fn share_out(&mut self, place: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
-        let is_last = place + 1 >= u32::from(self.coefficients.control.ticks_per_ms);
-        let end = if is_last { place::LAST } else { place };
-        for task in place..=end {
-            self.do_task(task, speed, samples, current);
-        }
-    }
-
+    /// A closed loop turns the rotor: the pattern changes by an edge, a crossing or a deadline.
     #[inline]
-    fn do_task(&mut self, task: u32, speed: Option<i32>, samples: &Samples, current: Amps) {
-        match task {
-            place::RATINGS => self.rate(speed != Some(0)),
-            place::SPEED_LOOP => {
-                if let Some(speed) = speed {
-                    self.run_speed_loop(speed, current);
-                }
-            }
-            place::RAILS => {
-                if self.listens {
-                    self.check_rails();
-                }
-            }
-            _ => {
-                self.make_due(samples);
-                self.renew_lane();
-            }
+    fn is_closed_loop(&self) -> bool {
+        match self.machine.state() {
+            State::HallClosedLoop => self.pattern.demand != Demand::Off,
+            _ => self.machine.is_sensorless() && self.sensorless.is_running(),
         }
     }
 
-    /// `turns`: the rotor is not known to stand.
-    #[inline(never)]
-    fn rate(&mut self, turns: bool) {
-        let temperature = self.slow.temperature;
-        if self.control.rate(&self.coefficients.control, &self.measurement, temperature, turns) {
-            self.leave_lane();
+    /// Until its deadline the pattern cannot change.
+    fn waits(&self) -> bool {
+        if self.turns_field() {
+            self.rotor.field_is_steady(&self.coefficients, !self.machine.reversing())
+        } else {
+            self.machine.is_sensorless() && self.sensorless.waits(&self.coefficients.sensorless)
         }
     }
 
+    /// Repeats the present step, without a commutation.
+    #[inline]
+    fn go_on(&mut self) {
+        (self.applied.step, self.applied.commutations) = (self.pattern.step, Commutations::NONE);
+    }
+
+    /// Chooses what the state wants, and the commutations of this period.
+    #[inline]
+    fn choose_pattern(&mut self, samples: &Samples) {
+        self.pattern_due = self.now.after(u32::MAX);
+        if let Some(rotor) = self.choose_demand(samples) {
+            let (c, torque) = (&self.coefficients.commutator, self.machine.direction());
+            let (step, commutations) = self.commutator.step(c, rotor.angle, rotor.speed, torque);
+            (self.applied.step, self.applied.commutations) = (step, commutations);
+            self.pattern.step = self.commutator.present();
+            self.pattern_due = self.pattern_due.earlier(self.now.after(self.commutator.ticks_left()));
+            self.count_commutation();
+        } else {
+            self.go_on();
+        }
+        if self.open_phase.change(self.pattern.step) {
+            self.stale = true;
+        }
+    }
+
+    /// Duty and sampling of the next period.
+    #[inline]
+    fn apply(&mut self, current: Amps) {
+        if self.control.divides(&self.coefficients.control, current, &self.measurement) {
+            let duty = self.control.output().duty;
+            self.applied.duty = duty;
+            if self.applied.sample_mode == SampleMode::OffTime {
+                self.applied.sample_at = self.after_pulse(duty.to_bits());
+            }
+        } else {
+            self.decide(current);
+        }
+    }
+
+    /// The full decision, with every limit.
     #[inline(never)]
-    fn run_speed_loop(&mut self, speed: i32, current: Amps) {
-        let c = &self.coefficients;
+    fn decide(&mut self, current: Amps) {
+        let speed = self.speed_forward();
+        let (c, demand) = (&self.coefficients, self.pattern.demand);
         let mode = c.mode(self.machine.state());
-        // A rotor that is found late, or has leapt ahead, comes to the ramp of open loop at twice its rate.
-        let rises = self.machine.state() == State::OpenLoop && !self.sensorless.is_caught();
-        let (wanted, rate) = if rises {
-            let age = self.machine.age().saturating_add(self.calm.slept());
-            let rate = c.open_loop.rate.saturating_mul(2 * i64::from(c.control.ticks_per_ms));
-            (c.open_loop.setpoint(age), rate)
-        } else {
-            let commanded = self.machine.command().speed.to_bits();
-            (commanded.min(mode.speed_max).max(mode.speed_min), c.control.speed_rate)
-        };
-        let target = if self.machine.reversing() { 0 } else { wanted };
-        let bus = (self.measurement.bus_voltage(), current.to_bits());
-        self.control.turn(&c.control, mode, (target, rate), speed, bus);
-        self.keep_lane();
+        let measured = self.measurement.measured(current);
+        self.control.decide(&c.control, mode, demand, speed, &measured, &self.measurement);
+        let output = self.control.output();
+        self.command(output.duty, output.rectification);
+        self.sensorless.note(&self.applied);
+        let (duties, bus) = (self.duties_sampled_alike(), self.measurement.bus_voltage());
+        let c = &self.coefficients;
+        self.control.ease(&c.control, c.mode(self.machine.state()), demand, bus, duties);
     }
 
-    /// Volts of a level that is a share of the bus voltage or, with a nominal supply (parameter 266), volts already; raw I16F16.
-    #[inline]
-    fn volts(&self, level: i32) -> i32 {
-        if self.coefficients.control.levels_of_bus {
-            ((i64::from(self.measurement.bus_voltage()) * i64::from(level)) >> 16) as i32
-        } else {
-            level
+    /// Duties that are sampled in the same mode as the last one, raw U1F15.
+    fn duties_sampled_alike(&self) -> Band {
+        let (begins, lasts) = self.on_time;
+        match self.applied.sample_mode {
+            SampleMode::OnTime => Band::new(lasts.into(), i32::MAX - 1),
+            SampleMode::OffTime => Band::new(0, i32::from(begins) - 1),
         }
     }
 
-    /// This tick's commutation tells where the rotor is.
+    /// Where the hall sensors show nothing, the commutation counts the sectors.
     #[inline]
     fn count_commutation(&mut self) {
-        let backward = self.machine.direction() == Direction::Reverse;
-        self.rotor.count_commutation(self.commutator.sector(), backward);
-    }
-
-    #[inline(never)]
-    fn check_rails(&mut self) {
-        let c = &self.coefficients;
-        if self.machine.state().is_driving() {
-            let speed = self.sensorless_forward();
-            let driven = self.applied.step != Step::Coast;
-            let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
-            self.sensorless.check(&c.sensorless, driven, applied, self.control.phase_current(), speed);
-            if !self.sensorless.is_running() {
-                self.heed_speed();
-                self.calm.end();
-            }
+        if self.rotor.hall_mute() {
+            let backward = self.machine.direction() == Direction::Reverse;
+            self.rotor.count_commutation(self.commutator.sector(), backward);
         }
     }
 
-    /// True when a critical fault is present now.
-    #[inline]
-    fn protect(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents) -> bool {
-        let state = self.machine.state();
-        let driving = state.is_driving();
-        let open_phase = driving && !self.machine.calibrating() && {
-            self.open_phase.count(measured.bus_current);
-            self.open_phase.rest(self.applied.step, self.applied.duty, measured.bus_current, self.stands());
-            self.open_phase.is_found(&self.coefficients.open_phase)
-        };
-        let sensors = state == State::HallClosedLoop && self.minds(hall);
-        let speed = if driving { self.speed() } else { 0 };
-        let quiet = !sensors
-            && !open_phase
-            && self.sensorless.fault().is_none()
-            && self.is_quiet(samples, measured.bus_current, speed);
-        !quiet && self.judge(samples, measured, hall, open_phase)
+    /// True if a critical fault is present now. `ask` comes here for anything that may be a fault, or that the detector of an open phase has to see; here it is
+    /// decided whether the whole fault logic runs.
+    #[inline(never)]
+    fn protect(&mut self, samples: &Samples, current: Amps, hall: HallEvents) -> bool {
+        let mut open_phase = false;
+        if self.machine.state().is_driving() && !self.machine.calibrating() {
+            self.open_phase.rest(self.applied.step, self.applied.duty, current, self.may_stand());
+            open_phase = self.open_phase.is_found(&self.coefficients.open_phase);
+        }
+        let noted = open_phase
+            || !self.protection.is_quiet()
+            || !self.quiet.allows(samples, self.measurement.bus_voltage())
+            || current.abs().to_bits() > self.coefficients.protection.over_current.trip
+            || self.concerns_faults(hall)
+            || self.overspeeds(true)
+            || self.sensorless_fault().is_some()
+            || (self.machine.state() == State::HallClosedLoop && self.may_stand());
+        noted && self.judge(samples, current, hall, open_phase)
     }
 
-    /// The hall sensors' events, or their silence, are for the fault logic: everything but an edge forward.
+    /// The rotor has shown that it turns too fast.
     #[inline]
-    fn minds(&self, hall: HallEvents) -> bool {
+    fn overspeeds(&self, turned: bool) -> bool {
+        turned && self.turns().unsigned_abs() > self.quiet.overspeed && self.machine.state().is_driving()
+    }
+
+    /// The fault logic must see these events of the hall sensors: all but a plain edge forward.
+    #[inline]
+    fn concerns_faults(&self, hall: HallEvents) -> bool {
+        if !hall.happened() || self.machine.state() != State::HallClosedLoop {
+            return false;
+        }
         let forward =
             i32::from(hall.sectors) == self.machine.direction().sign() && self.protection.goes_forward();
-        hall.invalid
-            || hall.jump
-            || (hall.sectors != 0 && !forward)
-            || self.rotor.hall_stopped(&self.coefficients)
+        hall.invalid || hall.jump || !forward
     }
 
     #[inline(never)]
-    fn judge(&mut self, samples: &Samples, measured: &Measured, hall: HallEvents, open_phase: bool) -> bool {
+    fn judge(&mut self, samples: &Samples, current: Amps, hall: HallEvents, open_phase: bool) -> bool {
         let state = self.machine.state();
         let evidence = Evidence {
-            measured: *measured,
+            measured: self.measurement.measured(current),
             slow: self.slow,
             lines: samples.lines,
             health: self.health,
             request: self.machine.command().request,
             hall,
-            hall_stopped: self.rotor.hall_stopped(&self.coefficients),
+            hall_stopped: self.rotor.hall_stopped(),
             speed: self.speed(),
             hall_driving: state == State::HallClosedLoop,
             driving: state.is_driving() || self.machine.starting(),
@@ -433,43 +429,69 @@ impl Drive {
             sensorless: self.sensorless_fault(),
         };
         self.reports.stirred = true;
-        self.protection.step(&self.coefficients.protection, &evidence)
+        let critical = self.protection.step(&self.coefficients.protection, &evidence);
+        let overspeed = self.protection.overspeed_trip();
+        self.quiet.overspeed = self.coefficients.open_loop.turns.apply32(overspeed).unsigned_abs();
+        critical
     }
 
-    /// What ended too many episodes. Once the bridge is off that is over, and the next start begins with an empty bucket.
+    /// Speed as of the last edge or crossing, 2^-32 turn a tick, signed.
+    #[inline]
+    fn turns(&self) -> i32 {
+        match self.machine.state() {
+            State::HallClosedLoop => self.rotor.hall_turns(),
+            _ if self.machine.is_sensorless() => self.sensorless.rotor().speed_mean(),
+            _ => self.rotor.hall_turns(),
+        }
+    }
+
+    /// The fault of a full bucket of ended episodes. Once the bridge is off that is over, and the next start begins with an empty bucket.
     fn sensorless_fault(&self) -> Option<Cause> {
         let driven = self.machine.state().is_driving() && self.machine.is_sensorless();
         if driven { self.sensorless.fault() } else { None }
     }
 
-    /// Magnitude of the speed by the running mode, raw I16F16 electrical rev/s.
+    /// Speed by the running mode, signed, raw I16F16 electrical rev/s.
+    #[inline]
+    fn signed_speed(&self) -> i32 {
+        if self.machine.is_sensorless() && self.machine.state() != State::HallClosedLoop {
+            self.sensorless_speed()
+        } else {
+            self.hall_speed().to_bits()
+        }
+    }
+
+    /// Its magnitude.
     #[inline]
     fn speed(&self) -> i32 {
-        match self.machine.state() {
-            State::HallClosedLoop => self.rotor.hall_speed().abs().to_bits(),
-            _ if self.machine.is_sensorless() => self.sensorless_speed().saturating_abs(),
-            _ => self.rotor.hall_speed().abs().to_bits(),
-        }
+        self.signed_speed().saturating_abs()
+    }
+
+    /// The same in the direction of torque; 0 backward.
+    #[inline]
+    fn speed_forward(&self) -> i32 {
+        self.machine.direction().signed(self.signed_speed()).max(0)
+    }
+
+    /// Speed by the hall sensors, signed.
+    #[inline]
+    fn hall_speed(&self) -> ElectricalSpeed {
+        self.rotor.hall_speed(&self.coefficients, self.now)
+    }
+
+    /// Speed by back-EMF, signed, raw I16F16 electrical rev/s.
+    #[inline]
+    fn sensorless_speed(&self) -> i32 {
+        let c = &self.coefficients;
+        c.speed_of_turns.apply32(self.sensorless.speed(&c.sensorless, self.now))
     }
 
     /// The rotor is not known to turn.
     #[inline]
-    fn stands(&self) -> bool {
+    fn may_stand(&self) -> bool {
         match self.machine.state() {
-            State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
+            State::HallClosedLoop => self.rotor.hall_stopped(),
             _ => !(self.machine.is_sensorless() && self.sensorless.is_running()),
         }
-    }
-
-    /// Signed, raw I16F16 electrical rev/s.
-    #[inline]
-    const fn sensorless_speed(&self) -> i32 {
-        self.sensorless_rate
-    }
-
-    /// The same in the direction of torque.
-    #[inline]
-    fn sensorless_forward(&self) -> i32 {
-        self.machine.direction().signed(self.sensorless_rate).max(0)
     }
 }

@@ -2,6 +2,7 @@
 
 /// One tick in the units of intervals and ages: 1/65 536 tick.
 pub const TICK: u32 = 1 << 16;
+
 /// One sixth of a turn as a u32 angle: a sector.
 pub(super) const SIXTH: u32 = u32::MAX / 6;
 /// One twelfth of a turn: half a sector.

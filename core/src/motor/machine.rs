@@ -1,8 +1,12 @@
 //! The state machine's memory around the transition table: time in the state, the fresh start request, the modes
 //! sampled at the start, direction, acknowledgement.
 
-use super::commutation::Direction;
-use super::state::{Conditions, State, Transition, transition};
+pub mod event;
+pub mod state;
+
+use super::clock::Instant;
+use super::commutate::commutation::Direction;
+use super::machine::state::{Conditions, State, Transition, transition};
 use crate::units::ElectricalSpeed;
 use serde::{Deserialize, Serialize};
 
@@ -104,12 +108,15 @@ pub struct Change {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     state: State,
+    /// The tick as of which the ages are.
+    at: Instant,
     /// Ticks in this state, saturating.
     age: u32,
     command: Command,
-    /// Ticks since the last valid command, saturating; saturated at boot: no master yet. Below zero, what [`sleep`](Self::sleep) is still to
-    /// tell of the time before it.
-    command_age: i32,
+    /// Ticks since the last valid command, saturating; saturated at boot: no master yet.
+    command_age: u32,
+    /// When a row of the table may hold by time alone.
+    due: Instant,
     /// A Drive request would be a fresh edge.
     armed: bool,
     /// Standby was requested since the fault.
@@ -117,6 +124,8 @@ pub struct Machine {
     direction: Direction,
     /// HALL, SENSORLESS, OPEN_LOOP and CALIBRATION as sampled when leaving Standby.
     mode: Conditions,
+    /// This start is a sensorless one.
+    sensorless: bool,
     /// The next start runs the hall calibration.
     calibrate: bool,
     refusal: Refusal,
@@ -126,13 +135,16 @@ impl Default for Machine {
     fn default() -> Self {
         Self {
             state: State::Initialization,
+            at: Instant::default(),
             age: 0,
             command: Command::default(),
-            command_age: i32::MAX,
+            command_age: u32::MAX,
+            due: Instant::default(),
             armed: true,
             acknowledged: false,
             direction: Direction::Forward,
             mode: Conditions::empty(),
+            sensorless: false,
             calibrate: false,
             refusal: Refusal::None,
         }
@@ -141,9 +153,10 @@ impl Default for Machine {
 
 impl Machine {
     /// A valid command has arrived.
-    pub fn handle_command(&mut self, command: Command) {
-        self.command = command;
-        self.command_age = 0;
+    pub fn handle_command(&mut self, now: Instant, command: Command) {
+        self.wake(now);
+        self.handle_set_point(now, command.speed);
+        self.command.request = command.request;
         match command.request {
             Request::Standby => {
                 self.armed |= !self.state.is_driving();
@@ -156,11 +169,11 @@ impl Machine {
         }
     }
 
-    /// A set-point has arrived without a request, or with one that it [knows](Self::knows). Of the ticks before it, `slept` have not been told
-    /// yet.
-    pub const fn handle_set_point(&mut self, speed: ElectricalSpeed, slept: u32) {
+    /// A set-point has arrived: the request stays. The master may be silent as long as before, so a deadline is early now, never late.
+    pub const fn handle_set_point(&mut self, now: Instant, speed: ElectricalSpeed) {
+        self.pass(now);
         self.command.speed = speed;
-        self.command_age = slept.cast_signed().wrapping_neg();
+        self.command_age = 0;
     }
 
     /// Arms or withdraws the hall calibration; acts at the next start.
@@ -168,50 +181,48 @@ impl Machine {
         self.calibrate = run && CALIBRATES;
     }
 
-    /// Time passes. True in the ordinary tick of a state, in which no row of the table can hold; else [`advance`](Self::advance) looks. The
-    /// conditions as in [`Inputs`].
+    /// True in the ordinary tick of a state, in which no row of the table can hold; else [`advance`](Self::advance) looks. Of the rows that ask for
+    /// standstill T47 alone waits for nothing else.
     #[inline]
-    pub fn rests(&mut self, c: &MachineCoefficients, critical: bool, stopped: bool, unhealthy: bool) -> bool {
-        self.age = self.age.saturating_add(1);
-        self.command_age = self.command_age.saturating_add(1);
-        match self.state {
-            State::Initialization => self.age < c.boot && !unhealthy,
-            State::Standby => !critical && !self.wants_to_run(),
-            State::Fault => !self.acknowledged,
+    pub fn rests(&self, now: Instant, critical: bool, stopped: bool) -> bool {
+        let stalls = stopped && self.state == State::SensorlessClosedLoop;
+        !(self.due.is_due(now) || critical || stalls)
+    }
+
+    /// When a row of the table may hold by time alone.
+    #[inline]
+    pub const fn due(&self) -> Instant {
+        self.due
+    }
+
+    /// [`due`](Self::due), after everything was looked at.
+    fn deadline(&self, c: &MachineCoefficients) -> Instant {
+        let left = match self.state {
+            State::Initialization => c.boot.saturating_sub(self.age).max(1),
+            State::Standby if !self.wants_to_run() => u32::MAX,
+            State::Fault if !self.acknowledged => u32::MAX,
+            State::Standby | State::Fault => 1,
+            _ if self.calibrating() || !self.wants_to_run() || self.reversing() => 1,
             _ => {
-                !(critical || stopped || self.calibrating())
-                    && self.wants_to_run()
-                    && self.requested_direction() == self.direction
-                    && !self.command_expired(c)
-                    && self.age < self.duration(c)
+                let silent = c.command_timeout.saturating_sub(self.command_age);
+                silent.min(self.duration(c).saturating_sub(self.age)).max(1)
             }
-        }
+        };
+        self.at.after(left)
     }
 
-    /// For how many ticks from now no row of a driven state can hold by time alone, and nothing but time would change anything.
-    pub fn calm(&self, c: &MachineCoefficients) -> u32 {
-        let goes_on = self.state.is_driving()
-            && !self.calibrating()
-            && self.wants_to_run()
-            && self.requested_direction() == self.direction;
-        if !goes_on {
-            return 0;
-        }
-        let silent = c.command_timeout.saturating_sub_signed(self.command_age);
-        silent.min(self.duration(c).saturating_sub(self.age)).saturating_sub(1)
-    }
-
-    /// The same where it is calm and a set-point has just been heard; but from the last tick that it was told of, `slept` ago.
+    /// The ages are told the ticks until `now`.
     #[inline]
-    pub fn calm_since(&self, c: &MachineCoefficients, slept: u32) -> u32 {
-        let silent = slept.saturating_add(c.command_timeout);
-        silent.min(self.duration(c).saturating_sub(self.age)).saturating_sub(1)
+    const fn pass(&mut self, now: Instant) {
+        let ticks = now.since(self.at);
+        self.age = self.age.saturating_add(ticks);
+        self.command_age = self.command_age.saturating_add(ticks);
+        self.at = now;
     }
 
-    /// So many of these ticks have passed.
-    pub const fn sleep(&mut self, ticks: u32) {
-        self.age = self.age.saturating_add(ticks);
-        self.command_age = self.command_age.saturating_add_unsigned(ticks);
+    /// Something has changed beside time.
+    pub const fn wake(&mut self, now: Instant) {
+        self.due = now;
     }
 
     /// This request was the last one, too, and has had its effect: once more it only says that the master is there. Drive and Reverse
@@ -229,17 +240,20 @@ impl Machine {
         matches!(self.command.request, Request::Drive | Request::Reverse)
     }
 
-    /// One tick: time passes, at most one transition fires.
-    pub fn step(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
-        let rests = self.rests(c, inputs.critical, inputs.stopped, inputs.unhealthy);
-        if rests { None } else { self.advance(c, inputs) }
+    /// One tick: at most one transition fires.
+    pub fn step(&mut self, c: &MachineCoefficients, now: Instant, inputs: &Inputs) -> Option<Change> {
+        if self.rests(now, inputs.critical, inputs.stopped) { None } else { self.advance(c, now, inputs) }
     }
 
     /// Where the tick does not rest: at most one transition fires.
     #[inline(never)]
-    pub fn advance(&mut self, c: &MachineCoefficients, inputs: &Inputs) -> Option<Change> {
+    pub fn advance(&mut self, c: &MachineCoefficients, now: Instant, inputs: &Inputs) -> Option<Change> {
+        self.pass(now);
         let conditions = self.conditions(c, inputs);
-        let row = transition(self.state, conditions)?;
+        let Some(row) = transition(self.state, conditions) else {
+            self.due = self.deadline(c);
+            return None;
+        };
         match row.to {
             State::Standby => {
                 let reversal = conditions.contains(Conditions::REVERSAL) && self.state.is_driving();
@@ -252,7 +266,7 @@ impl Machine {
             self.leave_standby(conditions);
         }
         let timed_out = row.to == State::Fault && row.all == Conditions::EXPIRED;
-        (self.state, self.age) = (row.to, 0);
+        (self.state, self.age, self.due) = (row.to, 0, now);
         Some(Change { row, timed_out })
     }
 
@@ -267,6 +281,8 @@ impl Machine {
             .union(Conditions::OPEN_LOOP)
             .union(Conditions::CALIBRATION);
         self.mode = conditions.intersection(modes);
+        let others = Conditions::HALL.union(Conditions::CALIBRATION);
+        self.sensorless = self.mode.contains(Conditions::SENSORLESS) && !self.mode.intersects(others);
         self.armed = false;
         self.calibrate = false;
         self.direction = self.requested_direction();
@@ -297,7 +313,7 @@ impl Machine {
             (!wanted, Conditions::STANDBY),
             (wanted && self.refusal == Refusal::None, Conditions::START),
             (inputs.calibrated, Conditions::CALIBRATED),
-            (self.command_expired(c), Conditions::EXPIRED),
+            (self.command_age >= c.command_timeout, Conditions::EXPIRED),
             (self.age >= self.duration(c), Conditions::ELAPSED),
             (inputs.stopped, Conditions::STOPPED),
             (reversal, Conditions::REVERSAL),
@@ -349,9 +365,9 @@ impl Machine {
         self.state
     }
 
-    /// Ticks in it.
-    pub const fn age(&self) -> u32 {
-        self.age
+    /// Ticks in it by `now`, saturating.
+    pub const fn age(&self, now: Instant) -> u32 {
+        self.age.saturating_add(now.since(self.at))
     }
 
     /// The last command.
@@ -383,13 +399,12 @@ impl Machine {
 
     /// This start is a sensorless one.
     pub const fn is_sensorless(&self) -> bool {
-        let others = Conditions::HALL.union(Conditions::CALIBRATION);
-        self.mode.contains(Conditions::SENSORLESS) && !self.mode.intersects(others)
+        self.sensorless
     }
 
     /// No valid command for the time-out.
-    pub fn command_expired(&self, c: &MachineCoefficients) -> bool {
-        self.command_age.max(0).unsigned_abs() >= c.command_timeout
+    pub fn command_expired(&self, c: &MachineCoefficients, now: Instant) -> bool {
+        self.command_age.saturating_add(now.since(self.at)) >= c.command_timeout
     }
 
     /// Why the last start was refused; stays until Standby is requested.

@@ -1,58 +1,34 @@
-//! The control tick, one file a station. `drive` calls them in the order the data flows:
+//! The control tick: a folder a station. `drive` calls them in the order the data flows:
 //!
 //! ```text
-//! samples -> measurement -> rotor (hall | back_emf, zero_crossing, listening, sensorless | open_loop)
-//!         -> protection (rails, fault) -> machine (state)
-//!         -> control (pi, ramp, limits) -> commutator (commutation) -> pwm
+//! samples -> sense (measurement) -> rotor (hall | sensorless: back_emf, zero_crossing, listening | open_loop)
+//!         -> guard (protection, fault, open_phase, rails) -> machine (state)
+//!         -> commutate (commutator, commutation) -> control (limits, pi, ease) -> pwm
 //! ```
 
 pub mod drive;
 
-pub mod samples;
-
-pub mod measurement;
-
-pub mod back_emf;
-pub mod listening;
-pub mod zero_crossing;
-
-pub mod hall;
-pub mod hall_calibration;
-pub mod interval;
-pub mod open_loop;
-pub mod rotor;
-pub mod sensorless;
-
-pub mod fault;
-pub mod open_phase;
-pub mod protection;
-pub mod rails;
-
+pub mod commutate;
+pub mod control;
+pub mod guard;
 pub mod machine;
-pub mod state;
+pub mod rotor;
+pub mod sense;
 
 pub mod band;
-pub mod control;
-pub mod gain;
-pub mod limits;
-pub mod pi;
-pub mod ramp;
-
-pub mod commutation;
-pub mod commutator;
-pub mod pwm;
-
+pub mod clock;
 pub mod coefficients;
-pub mod event;
-pub mod front_end;
+pub mod gain;
+pub mod interval;
+pub mod ramp;
 pub mod signal;
 
 pub use coefficients::{BuildError, Coefficients};
-pub use commutation::{Direction, Leg, Step};
+pub use commutate::commutation::{Direction, Leg, Step};
+pub use commutate::pwm::{Commutation, Commutations, PwmCommand, Rectification};
 pub use drive::Drive;
-pub use event::{Command, Event, Request, Status};
-pub use fault::{Cause, FaultWord};
-pub use front_end::{Board, Channel, Equipment, FrontEnd};
-pub use pwm::{Commutation, Commutations, PwmCommand, Rectification};
-pub use samples::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
-pub use state::State;
+pub use guard::fault::{Cause, FaultWord};
+pub use machine::event::{Command, Event, Request, Status};
+pub use machine::state::State;
+pub use sense::front_end::{Board, Channel, Equipment, FrontEnd};
+pub use sense::samples::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};

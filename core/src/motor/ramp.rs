@@ -28,6 +28,12 @@ impl Ramp {
         self.value = (value as i64) << 16;
     }
 
+    /// It has reached `target` (raw I16F16).
+    #[inline]
+    pub const fn rests_at(&self, target: i32) -> bool {
+        self.value == (target as i64) << 16
+    }
+
     /// Where it is (raw I16F16). It never leaves the range of what it was set to and of its targets.
     #[inline]
     pub const fn value(&self) -> i32 {

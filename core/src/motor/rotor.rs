@@ -1,10 +1,19 @@
 //! Where the rotor is: from the hall sensors, or, in open loop, where the field says it is; and how far it has turned.
 
+pub mod back_emf;
+pub mod hall;
+pub mod hall_calibration;
+pub mod listening;
+pub mod open_loop;
+pub mod sensorless;
+pub mod zero_crossing;
+
+use super::clock::Instant;
 use super::coefficients::Coefficients;
-use super::commutation::Direction;
-use super::hall::{Hall, HallCoefficients, HallDiagnostics, HallEvents};
-use super::open_loop::{Field, OpenLoop};
-use super::samples::Samples;
+use super::commutate::commutation::Direction;
+use super::rotor::hall::{Hall, HallCoefficients, HallDiagnostics, HallEvents};
+use super::rotor::open_loop::{Field, OpenLoop};
+use super::sense::samples::Samples;
 use crate::units::ElectricalSpeed;
 use serde::{Deserialize, Serialize};
 
@@ -14,9 +23,6 @@ pub struct Rotor {
     hall: Hall,
     open_loop: OpenLoop,
     turned: Turned,
-    /// Speed by the hall sensors as of this tick, and the 2^-32 turn a tick that it was converted from.
-    hall_speed: ElectricalSpeed,
-    hall_turns: i32,
 }
 
 /// Sectors turned since power-up. It follows the sector that the rotor is in, so whoever tells it may change: the hall sensors, or the
@@ -34,9 +40,14 @@ impl Turned {
     #[inline]
     const fn reach(&mut self, sector: u8, backward: bool) {
         if let Some(before) = self.sector {
-            let ahead = if sector >= before { sector - before } else { sector + 6 - before };
-            let forward = ahead < 3 || (ahead == 3 && !backward);
-            let turned = if forward { ahead as i32 } else { ahead as i32 - 6 };
+            let ahead = sector as i32 - before as i32;
+            let turned = match ahead {
+                -2..=2 => ahead,
+                3 | -3 if backward => -3,
+                3 | -3 => 3,
+                4.. => ahead - 6,
+                _ => ahead + 6,
+            };
             self.sectors = self.sectors.wrapping_add(turned);
         }
         self.sector = Some(sector);
@@ -55,10 +66,9 @@ pub struct Position {
 impl Rotor {
     /// One tick of the sensors.
     #[inline]
-    pub fn step(&mut self, c: &Coefficients, samples: &Samples) -> HallEvents {
-        let events = self.hall.step(&c.hall, samples);
+    pub fn step(&mut self, c: &Coefficients, now: Instant, samples: &Samples) -> HallEvents {
+        let events = self.hall.step(&c.hall, now, samples);
         self.count_halls(events.sectors < 0);
-        self.heed_speed(c);
         events
     }
 
@@ -77,65 +87,57 @@ impl Rotor {
     #[inline]
     pub const fn count_commutation(&mut self, sector: Option<u8>, backward: bool) {
         if let Some(sector) = sector
-            && self.hall.is_mute()
+            && !matches!(self.turned.sector, Some(counted) if counted == sector)
         {
             self.turned.reach(sector, backward);
         }
     }
 
-    /// One tick with an ordinary edge in the direction of `torque`, `ticks` after the last that was told: true. Else nothing is done.
+    /// When the hall sensors have to be asked even if their code stays.
     #[inline]
-    pub fn turns(&mut self, c: &Coefficients, samples: &Samples, torque: Direction, ticks: u32) -> bool {
-        if !self.hall.turns(&c.hall, samples, torque, ticks) {
-            return false;
-        }
-        self.count_halls(matches!(torque, Direction::Reverse));
-        self.heed_speed(c);
-        true
+    pub const fn due(&self) -> Instant {
+        self.hall.due()
     }
 
-    /// The sensors' speed may have changed.
-    #[inline]
-    fn heed_speed(&mut self, c: &Coefficients) {
-        let turns = self.hall.speed_bounded();
-        if turns != self.hall_turns {
-            self.hall_turns = turns;
-            self.hall_speed = ElectricalSpeed::from_bits(c.speed_of_turns.apply32(turns));
-        }
-    }
-
-    /// For how many ticks from now the hall sensors need no look, if their code stays.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub fn calm(&self, c: &Coefficients) -> u32 {
-        self.hall.calm(&c.hall)
-    }
-
-    /// So many of these ticks have passed.
-    pub const fn sleep(&mut self, ticks: u32) {
-        self.hall.sleep(ticks);
+    /// The next tick looks at everything.
+    pub const fn wake(&mut self, now: Instant) {
+        self.hall.wake(now);
     }
 
     /// The hall lines mean something else from now on: what was measured by the old meaning is forgotten.
-    pub fn change_wiring(&mut self, before: &HallCoefficients, after: &HallCoefficients) {
+    pub fn change_wiring(&mut self, now: Instant, before: &HallCoefficients, after: &HallCoefficients) {
         if (before.sectors, before.offset) != (after.sectors, after.offset) {
-            self.hall.forget();
-            (self.hall_speed, self.hall_turns) = (ElectricalSpeed::ZERO, 0);
+            self.hall.forget(now);
         }
     }
 
     /// Open loop starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where
     /// the field's pull is 0 and grows as it turns.
-    pub fn start_open_loop(&mut self, angle: u32, direction: Direction) {
+    pub fn start_open_loop(&mut self, now: Instant, angle: u32, direction: Direction) {
         const QUARTER: u32 = 1 << 30;
-        self.open_loop.start(match direction {
-            Direction::Forward => angle.wrapping_sub(QUARTER),
-            Direction::Reverse => angle.wrapping_add(QUARTER),
-        });
+        self.open_loop.start(
+            now,
+            match direction {
+                Direction::Forward => angle.wrapping_sub(QUARTER),
+                Direction::Reverse => angle.wrapping_add(QUARTER),
+            },
+        );
     }
 
     /// One tick of the open-loop field; it slows to standstill unless `run`.
-    pub fn step_open_loop(&mut self, c: &Coefficients, direction: Direction, run: bool) -> Field {
-        self.open_loop.step(&c.open_loop, direction, run)
+    pub fn step_open_loop(
+        &mut self,
+        c: &Coefficients,
+        now: Instant,
+        direction: Direction,
+        run: bool,
+    ) -> Field {
+        self.open_loop.step(&c.open_loop, now, direction, run)
+    }
+
+    /// The field turns on at the speed that it has.
+    pub fn field_is_steady(&self, c: &Coefficients, run: bool) -> bool {
+        self.open_loop.is_steady(&c.open_loop, run)
     }
 
     /// The open-loop field stands still.
@@ -144,13 +146,14 @@ impl Rotor {
     }
 
     /// Position by the hall sensors.
-    pub const fn hall_position(&self) -> Position {
-        Position { angle: self.hall.angle(), speed: self.hall.speed() }
+    #[inline]
+    pub const fn hall_position(&self, now: Instant) -> Position {
+        Position { angle: self.hall.angle(now), speed: self.hall.speed() }
     }
 
     /// No hall edge for the time-out.
-    pub const fn hall_stopped(&self, c: &Coefficients) -> bool {
-        self.hall.stopped(&c.hall)
+    pub const fn hall_stopped(&self) -> bool {
+        self.hall.stopped()
     }
 
     /// The hall sensors are not to be believed now.
@@ -164,8 +167,15 @@ impl Rotor {
     }
 
     /// Speed by the hall sensors, signed.
-    pub const fn hall_speed(&self) -> ElectricalSpeed {
-        self.hall_speed
+    #[inline]
+    pub fn hall_speed(&self, c: &Coefficients, now: Instant) -> ElectricalSpeed {
+        ElectricalSpeed::from_bits(c.speed_of_turns.apply32(self.hall.speed_bounded(now)))
+    }
+
+    /// Speed as of the last edge, 2^-32 turn a tick, signed.
+    #[inline]
+    pub const fn hall_turns(&self) -> i32 {
+        self.hall.speed()
     }
 
     /// Counts of the hall sensors.
@@ -179,8 +189,8 @@ impl Rotor {
     }
 
     /// Angle of the open-loop field, u32 turn.
-    pub const fn field_angle(&self) -> u32 {
-        self.open_loop.angle()
+    pub const fn field_angle(&self, now: Instant) -> u32 {
+        self.open_loop.angle(now)
     }
 
     /// Frequency of the open-loop field, a magnitude, raw I16F16 electrical rev/s.

@@ -3,10 +3,10 @@
 use super::{Node, scale};
 use crate::bus::narmotion::{ControlMode, FromDrive, Measurement, MotorMode, StatusWord, Words};
 use crate::dictionary::{Parameters, number};
-use crate::motor::commutation::Direction;
-use crate::motor::event::Status;
-use crate::motor::front_end::{Board, Equipment};
-use crate::motor::state::State;
+use crate::motor::commutate::commutation::Direction;
+use crate::motor::machine::event::Status;
+use crate::motor::machine::state::State;
+use crate::motor::sense::front_end::{Board, Equipment};
 use crate::units::{Amps, Celsius, Volts, quotient};
 use serde::{Deserialize, Serialize};
 

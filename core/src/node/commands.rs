@@ -3,7 +3,7 @@
 use super::scale;
 use crate::bus::narmotion::MotorMode;
 use crate::dictionary::{Parameters, number};
-use crate::motor::event::{Command, Event, Request};
+use crate::motor::machine::event::{Command, Event, Request};
 use crate::units::ElectricalSpeed;
 use heapless::Deque;
 use serde::{Deserialize, Serialize};

@@ -2,7 +2,7 @@
 
 use super::Node;
 use crate::dictionary::number;
-use crate::motor::event::Health;
+use crate::motor::machine::event::Health;
 use bitflags::bitflags;
 use serde::{Deserialize, Serialize};
 

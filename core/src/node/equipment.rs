@@ -2,8 +2,8 @@
 
 use super::{LOGS, Node};
 use crate::dictionary::{Dictionary, number};
-use crate::motor::front_end::Equipment;
 use crate::motor::machine::CALIBRATES;
+use crate::motor::sense::front_end::Equipment;
 
 /// Parameters, first to last, that need a part. Where it is missing each keeps its factory value, which asks nothing of the part.
 const NEEDS: [(u16, u16, Equipment); 9] = [

@@ -1,7 +1,7 @@
 //! Slow inputs of the board, and their calibration.
 
 use crate::dictionary::{Parameters, number};
-use crate::motor::event::SlowMeasurements;
+use crate::motor::machine::event::SlowMeasurements;
 use crate::units::{Celsius, Volts, quotient};
 use serde::{Deserialize, Serialize};
 

@@ -10,7 +10,7 @@ use super::Node;
 use crate::bus::Frame;
 use crate::bus::narmotion::{FromDrive, Opcode, ParameterStatus, SIGNALS, Words};
 use crate::dictionary::{Dictionary, number};
-use crate::motor::state::State;
+use crate::motor::machine::state::State;
 use crate::storage::record::VALUES;
 use crate::storage::{Entry, Memory, Record, Request};
 use core::num::NonZeroU64;

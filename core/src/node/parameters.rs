@@ -5,8 +5,8 @@ use super::{Node, scale};
 use crate::blind;
 use crate::bus::narmotion::{FromDrive, ParameterStatus};
 use crate::dictionary::{Access, Category, Dictionary, Parameter, ParameterError, number};
-use crate::motor::event::{HallCalibration, HallWiring};
-use crate::motor::state::State;
+use crate::motor::machine::event::{HallCalibration, HallWiring};
+use crate::motor::machine::state::State;
 use serde::{Deserialize, Serialize};
 
 /// Command parameters: they act on a rising edge.

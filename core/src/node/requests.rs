@@ -6,8 +6,8 @@ use crate::blind;
 use crate::bus::Frame;
 use crate::bus::narmotion::{DecodeError, DigitalOutputs, FromDrive, MessageId, ParameterStatus, ToDrive};
 use crate::dictionary::number;
-use crate::motor::front_end::Equipment;
-use crate::motor::state::State;
+use crate::motor::machine::state::State;
+use crate::motor::sense::front_end::Equipment;
 use crate::scope::SCOPE;
 
 /// A well-formed request that is not obeyed: silent on the bus, counted in parameter 274.

@@ -4,9 +4,9 @@ use super::Node;
 use super::requests::Refused;
 use crate::bus::narmotion::{FromDrive, ParameterStatus};
 use crate::dictionary::{Dictionary, PARAMETER_COUNT, Parameter, Parameters, number};
-use crate::motor::event::Health;
-use crate::motor::fault::FaultWord;
-use crate::motor::state::State;
+use crate::motor::guard::fault::FaultWord;
+use crate::motor::machine::event::Health;
+use crate::motor::machine::state::State;
 use crate::storage::{Opened, Part, Report, Request};
 use serde::{Deserialize, Serialize};
 

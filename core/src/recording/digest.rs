@@ -2,7 +2,7 @@
 
 use super::outputs::fields;
 use crate::motor::PwmCommand;
-use crate::motor::event::Status;
+use crate::motor::machine::event::Status;
 use core::fmt;
 use crc::{CRC_64_XZ, Crc};
 

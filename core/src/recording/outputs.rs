@@ -1,6 +1,6 @@
 //! What one tick answered, field by field: the one list from which digests are made and differences are told.
 
-use crate::motor::event::{HallCalibration, HallWiring, Status};
+use crate::motor::machine::event::{HallCalibration, HallWiring, Status};
 use crate::motor::{Commutation, PwmCommand, Rectification, SampleMode};
 use core::fmt;
 

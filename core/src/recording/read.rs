@@ -6,7 +6,7 @@ use super::{
     tag, tick,
 };
 use crate::motor::Samples;
-use crate::motor::event::Event;
+use crate::motor::machine::event::Event;
 use core::fmt;
 
 /// A recording in memory.

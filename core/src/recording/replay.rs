@@ -1,7 +1,7 @@
 //! Running a recording again.
 
 use super::{Digest, Outputs, Recording, ReplayError, Ticks};
-use crate::motor::event::{Event, Status};
+use crate::motor::machine::event::{Event, Status};
 use crate::motor::{Drive, PwmCommand, Samples};
 use serde::de::DeserializeOwned;
 

@@ -2,7 +2,7 @@
 
 use super::bytes::{Cursor, Payload, push_varint, unzigzag, zigzag};
 use super::{ReadError, Tick};
-use crate::motor::event::Event;
+use crate::motor::machine::event::Event;
 use crate::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 
 /// Bits of the change mask above the five converter codes.

@@ -2,7 +2,7 @@
 
 use super::bytes::Payload;
 use super::{CONTAINER_VERSION, CRC32, Digest, Header, LABEL_MAX, MAGIC, RecordError, tag, tick};
-use crate::motor::event::{Event, Status};
+use crate::motor::machine::event::{Event, Status};
 use crate::motor::{PwmCommand, Samples};
 use core::fmt;
 use heapless::Vec;

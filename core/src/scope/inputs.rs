@@ -15,7 +15,7 @@
 //!
 //! "Changed" is against the tick before; before the first, digital lines and skew are 0. Numbers of several words: low word first.
 
-use crate::motor::event::{Command, Event, Request, SlowMeasurements};
+use crate::motor::machine::event::{Command, Event, Request, SlowMeasurements};
 use crate::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 use crate::units::{Celsius, ElectricalSpeed, Volts};
 

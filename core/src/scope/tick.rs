@@ -187,7 +187,9 @@ impl Memory {
         now.ticks += 1;
         let left = half.saturating_sub(now.words.into());
         self.count();
-        if left < NEAR && (left < inputs::WORDS_MAX || drive.was_calm()) && self.progress.phase != Phase::Done
+        if left < NEAR
+            && (left < inputs::WORDS_MAX || drive.has_rested())
+            && self.progress.phase != Phase::Done
         {
             self.turn_over(drive, samples);
         }
@@ -205,7 +207,7 @@ impl Memory {
             self.progress.left = 1;
         }
         match course.patience.checked_sub(1) {
-            Some(left) if !drive.was_calm() => course.patience = left,
+            Some(left) if !drive.has_rested() => course.patience = left,
             _ => self.begin_half(0, drive, samples),
         }
     }

@@ -28,7 +28,7 @@ pub use parameters::Part;
 pub use record::{Entry, Record};
 
 use crate::dictionary::Parameters;
-use crate::motor::fault::FaultWord;
+use crate::motor::guard::fault::FaultWord;
 use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 use log::Log;

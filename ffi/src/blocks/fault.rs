@@ -6,11 +6,11 @@ use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{Fault, FaultSettings};
-use narx_core::motor::event::{Health, SlowMeasurements};
-use narx_core::motor::hall::HallEvents;
+use narx_core::motor::guard::protection::Evidence;
+use narx_core::motor::machine::event::{Health, SlowMeasurements};
 use narx_core::motor::machine::{Change, Request};
-use narx_core::motor::measurement::Measured;
-use narx_core::motor::protection::Evidence;
+use narx_core::motor::rotor::hall::HallEvents;
+use narx_core::motor::sense::measurement::Measured;
 use narx_core::motor::{Cause, FaultWord, Lines};
 use narx_core::units::{Amps, Celsius, ElectricalSpeed, Volts};
 

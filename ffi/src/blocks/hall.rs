@@ -12,7 +12,7 @@ use narx_core::units::ElectricalSpeed;
 #[repr(C)]
 pub struct narx_hall_t {
     /// Private.
-    words: [u64; 14],
+    words: [u64; 15],
 }
 
 const _: () = assert!(handle::fits::<narx_hall_t>());

@@ -6,15 +6,15 @@ use crate::handle::{self, Handle};
 use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{StateMachine, StateSettings};
+use narx_core::motor::machine::state::{State, TRANSITIONS, Transition};
 use narx_core::motor::machine::{Command, Inputs};
-use narx_core::motor::state::{State, TRANSITIONS, Transition};
 use narx_core::units::ElectricalSpeed;
 
 /// A state machine: memory that the caller owns. It may be copied and moved between calls.
 #[repr(C)]
 pub struct narx_state_machine_t {
     /// Private.
-    words: [u64; 9],
+    words: [u64; 11],
 }
 
 const _: () = assert!(handle::fits::<narx_state_machine_t>());

@@ -14,7 +14,7 @@ use narx_core::motor::{Commutation, PwmCommand, Samples, Step};
 #[repr(C)]
 pub struct narx_zero_crossing_t {
     /// Private.
-    words: [u64; 36],
+    words: [u64; 37],
 }
 
 const _: () = assert!(handle::fits::<narx_zero_crossing_t>());

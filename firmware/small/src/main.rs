@@ -12,7 +12,7 @@ mod image {
     use narx_core::bus::{BusState, Frame};
     use narx_core::device::Queues;
     use narx_core::dictionary::Parameters;
-    use narx_core::motor::event::Health;
+    use narx_core::motor::machine::event::Health;
     use narx_core::motor::{Board, Samples};
     use narx_core::node::{Identity, SlowInputs};
 

@@ -2,7 +2,7 @@
 
 use narx_core::bus::narmotion::{Addresses, ParameterStatus, ToDrive, XmlCommand};
 use narx_core::dictionary::{Dictionary, number};
-use narx_core::motor::event::Status;
+use narx_core::motor::machine::event::Status;
 use narx_core::motor::{Board, Drive, State};
 use narx_core::node::{Identity, Node, SlowInputs};
 use narx_core::recording::{Recording, replay};
@@ -15,7 +15,7 @@ const CALIBRATES: bool = cfg!(feature = "hall-calibration");
 /// Vectors that begin with a hall calibration, which this build may leave out.
 const CALIBRATIONS: [&str; 3] = ["hall-calibration", "rotor-lock-fault", "rotor-lock-stop"];
 
-/// Without `shortcuts` 64 bits are divided by a loop.
+/// 64 bits are divided as 128 are.
 #[test]
 fn quotients_are_those_of_128_bits() {
     // Nearest, halves away from zero, a denominator of 0 as 1, saturating beyond +-2^46.

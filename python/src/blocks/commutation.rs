@@ -14,7 +14,7 @@ type Answer<'py> = (Bound<'py, PyAny>, Vec<(f64, Bound<'py, PyAny>)>);
 /// Six-step commutation: from the rotor's angle and speed to the step of each period, and to the changes within it.
 ///
 /// Sector s spans 30 + 60 s to 90 + 60 s electrical degrees, where 0 is the rising zero crossing of phase A's back-EMF. Forward torque takes the step of
-/// the rotor's sector (`for_sector`), reverse torque the opposite one. It is the drive's commutator (`narx_core::motor::commutator`), bit for bit.
+/// the rotor's sector (`for_sector`), reverse torque the opposite one. It is the drive's commutator (`narx_core::motor::commutate::commutator`), bit for bit.
 ///
 /// tick_rate: periods a second, 1 to 1 000 000 Hz. advance: commutation ahead of its place, 0 to 30 electrical degrees (parameter 273). earliest: first
 /// instant of a period at which a new step can act, 0 to 1 period. Raises ParameterError, which names what is out of range.

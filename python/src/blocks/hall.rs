@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 ///
 /// A neighbouring code after a plausible interval is taken at once, anything else only if it is still there a tick later. The speed is taken over up to a
 /// revolution (valid / 6 turns over the sum of the last intervals), the angle interpolated with it. It is the drive's hall station
-/// (`narx_core::motor::hall`), bit for bit.
+/// (`narx_core::motor::rotor::hall`), bit for bit.
 ///
 /// tick_rate: 1 000 to 100 000 Hz. order: which permutation of the lines, 0 to 5 (parameter 262). polarity: lines to invert, 0 to 7 (parameter 263).
 /// offset: how far the edges lie beyond their place, -180 to 180 electrical degrees (parameter 80). timeout: no edge for so long is standstill, s

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 /// Proportional-integral controller: u = Kp e + integral of Ki e dt, within its limits.
 ///
 /// Errors and outputs are in units of your choice, from -32768 to 32768 in steps of 2^-16; the integrator has 16 fraction bits more and never holds
-/// more than brings the output to a limit. It is the controller of the drive's loops (`narx_core::motor::pi`), bit for bit.
+/// more than brings the output to a limit. It is the controller of the drive's loops (`narx_core::motor::control::pi`), bit for bit.
 ///
 /// proportional: Kp, output per error, 0 or more. integral: Ki, output per error and second, 0 or more. step_rate: steps a second, 1 to 1 000 000 Hz.
 /// minimum, maximum: limits of the output. Raises ParameterError, which names what is out of range.

@@ -7,9 +7,9 @@ use crate::state::words;
 use narx_core::blocks::{
     CommutationSettings, ZeroCrossing as Core, ZeroCrossingReading as Reading, ZeroCrossingSettings,
 };
-use narx_core::motor::front_end::Channel;
-use narx_core::motor::pwm::Commutation;
-use narx_core::motor::rails::Rail;
+use narx_core::motor::commutate::pwm::Commutation;
+use narx_core::motor::guard::rails::Rail;
+use narx_core::motor::sense::front_end::Channel;
 use narx_core::motor::{PwmCommand, SampleMode, Samples};
 use numpy::{AllowTypeChange, IntoPyArray, PyArrayLike1, PyArrayLike2};
 use pyo3::prelude::*;
@@ -19,7 +19,7 @@ use pyo3::types::PyDict;
 ///
 /// The floating terminal is compared with the mean of the other two; the crossing lies where 2 v_f - v_g - v_h passes 0, interpolated between samples.
 /// Crossings are the middles of the sectors (60 + 60 s degrees), the commutation lies 30 degrees less the advance behind. They are the drive's stations
-/// (`narx_core::motor::back_emf`, `zero_crossing`, `listening`), bit for bit, without its start sequence: align the rotor, `start`, and commutate as it
+/// (`narx_core::motor::rotor::back_emf`, `zero_crossing`, `listening`), bit for bit, without its start sequence: align the rotor, `start`, and commutate as it
 /// says.
 ///
 /// tick_rate: 1 000 to 100 000 Hz. volts_per_code: of the converter that the voltages are rounded to, up to 0.0625 V. noise_codes: smallest signal, 1 to

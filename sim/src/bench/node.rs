@@ -2,7 +2,7 @@
 
 use core::ops::Deref;
 use narx_core::bus::{BusState, Frame};
-use narx_core::motor::event::{Event, Health, Status};
+use narx_core::motor::machine::event::{Event, Health, Status};
 #[cfg(feature = "update")]
 use narx_core::node::update;
 use narx_core::node::{Action, Node, Outputs, SlowInputs};

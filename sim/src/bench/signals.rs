@@ -5,7 +5,7 @@ use crate::plant::Observation;
 use crate::trace::{Signal, Trace};
 use narx_core::dictionary::number;
 use narx_core::motor::PwmCommand;
-use narx_core::motor::commutation::sector_of;
+use narx_core::motor::commutate::commutation::sector_of;
 use narx_core::units::{ElectricalAngle, ElectricalSpeed};
 
 /// Electrical degrees of a margin of 1 (u16 turn).

@@ -5,7 +5,7 @@ use crate::engineering;
 use core::fmt;
 use libm::{fmax, fmin, sqrt};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::limits::power_rating;
+use narx_core::motor::control::limits::power_rating;
 use narx_core::units::Volts;
 
 /// Continuous torque at a speed.

@@ -123,6 +123,13 @@ impl Track {
         Self { powers: [[sin, cos], first, power(-x2, bend), power(-skew, -x3), fourth] }
     }
 
+    /// All of it is further by `x` rad, which is so little that the rates stay.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn turn(&mut self, x: f64) {
+        let [sin, cos] = self.powers[0];
+        self.powers[0] = [sin + x * cos, cos - x * sin];
+    }
+
     /// `t` seconds after the middle.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn at(&self, t: f64) -> Rotation {

@@ -67,6 +67,7 @@ impl Plant {
     }
 
     pub(super) fn apply_injections(&mut self) {
+        self.stage.arrive();
         self.stage.enter_book();
         self.gates_until = 0.0;
         self.stage.set_open(self.injected.open);
@@ -108,6 +109,7 @@ impl Plant {
     }
 
     pub(super) fn apply_drift(&mut self) {
+        self.stage.arrive();
         self.stage.enter_book();
         let motor = &self.config.motor;
         let rise = self.winding_temperature - REFERENCE_TEMPERATURE;

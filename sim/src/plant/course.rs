@@ -1,6 +1,7 @@
-//! The shaft's way from one stop of the plant to the next: predicted, so that the circuit can be solved along it, and then
-//! settled with the torque that came of it.
+//! The shaft's way over a period of the plant or two: predicted, so that the circuit can be solved along it, and then settled with
+//! the torque that came of it.
 
+use super::INSTANT;
 use super::angle::{Rotation, Sweep, Track};
 use super::emf::{Chord, EmfShape};
 use super::mechanics::{Motion, Push, Shaft};
@@ -8,11 +9,11 @@ use super::segment::Shape;
 use super::stage::Stage;
 use super::wiring::Wiring;
 
-/// Longest course, s: a period at 10 kHz.
-const LENGTH_MAX: f64 = 100e-6;
+/// Longest course, s: two periods at 10 kHz.
+const LENGTH_MAX: f64 = 200e-6;
 /// Part of the shaft's and the circuit's common swing, rad, that a course may be long: a rotor that is light for its torque swings
-/// against the winding's inductance within a period.
-const SWING_MAX: f64 = 0.1;
+/// against the winding's inductance within a period or two.
+const SWING_MAX: f64 = 0.11;
 /// The same of the swing about where currents hold the rotor: without friction its energy has to last for many of them.
 const HOLD_MAX: f64 = 0.07;
 /// Courses are not made shorter than this because of a wrong prediction, s.
@@ -20,7 +21,7 @@ const LENGTH_MIN: f64 = 5e-6;
 /// Less is no course, s: rounding may leave the shaft a hair before a corner.
 const PROGRESS: f64 = 1e-10;
 /// Largest electrical angle of a course, rad: the back-EMF is linear in it to 1e-3.
-const ANGLE_MAX: f64 = 0.25;
+const ANGLE_MAX: f64 = 0.27;
 /// Largest error of a phase's back-EMF because the speed was predicted wrongly: V, and part of the back-EMF. Beyond it the
 /// next courses are shorter.
 const EMF_ERROR: (f64, f64) = (1e-3, 1e-3);
@@ -44,6 +45,8 @@ pub(crate) struct Course {
     half_gain: f64,
     sweep: Sweep,
     track: Track,
+    /// By so much the shaft is ahead of that prediction, electrical rad; `track` knows.
+    ahead: f64,
     /// Torque impulse so far, N m s, and its moment about the start, N m s2.
     pub(crate) impulse: f64,
     pub(crate) moment: f64,
@@ -65,6 +68,7 @@ impl Course {
             half_gain: 0.0,
             sweep: Sweep::new(&Rotation::of(0.0), 0.0),
             track: Track::new(&Rotation::of(0.0), 0.0, 0.0),
+            ahead: 0.0,
             impulse: 0.0,
             moment: 0.0,
             path: 0.0,
@@ -82,6 +86,12 @@ impl Course {
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn acceleration(&self, torque: f64) -> f64 {
         self.motion.drift + self.motion.per_inertia * torque
+    }
+
+    /// Nothing is left of it.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn is_done(&self) -> bool {
+        self.rest() < 2.0 * INSTANT
     }
 
     /// What is left of it, s.
@@ -111,7 +121,8 @@ impl Course {
 
     /// Electrical angle after `t` seconds of the course, turns.
     pub(crate) fn turns(&self, shaft: &Shaft, t: f64) -> f64 {
-        shaft.angle + t * (self.rate + self.half_gain * t) * (0.5 / core::f64::consts::PI)
+        let way = self.ahead + t * (self.rate + self.half_gain * t);
+        shaft.angle + way * (0.5 / core::f64::consts::PI)
     }
 
     /// Its sine and cosine.
@@ -122,10 +133,11 @@ impl Course {
 }
 
 impl Stage {
-    /// Begins a course of `limit` seconds or less. Returns how long it is.
+    /// Begins a course that ends with the present period, which has `rest` seconds left, with the next one, or before both.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    pub(crate) fn set_out(&mut self, limit: f64) -> f64 {
-        let length = self.longest(limit).max(PROGRESS).min(limit);
+    pub(crate) fn set_out(&mut self, rest: f64, period: f64) {
+        let longest = self.longest(rest + period).max(PROGRESS);
+        let length = if longest < rest + period && longest > rest { rest } else { longest };
         let motion = self.shaft.predict(self.torque, length);
         let acceleration = motion.drift + motion.per_inertia * self.torque;
         let (rate, half_gain) =
@@ -144,8 +156,7 @@ impl Stage {
             let middle = Rotation { sin: sin - late * cos, cos: cos + late * sin };
             course.track = Track::new(&middle, rate + half_gain * length, gain);
         }
-        (course.impulse, course.moment, course.path) = (0.0, 0.0, 0.0);
-        length
+        (course.impulse, course.moment, course.path, course.ahead) = (0.0, 0.0, 0.0, 0.0);
     }
 
     /// The rotor's inertia, or the winding's inductance, is what it is from now on.
@@ -193,11 +204,30 @@ impl Stage {
         }
     }
 
-    /// At the end of a course: moves the shaft and books what added up.
+    /// At a stop on the way: the course goes on from where the shaft is, which the torque has told since it began.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn go_on(&mut self) {
+        let course = &mut self.course;
+        let expected = (course.rate + course.half_gain * course.elapsed) * course.elapsed;
+        let ahead = course.path * self.shaft.pole_pairs() - expected;
+        course.track.turn(ahead - course.ahead);
+        course.ahead = ahead;
+    }
+
+    /// Electrical angle now, turns.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    pub(crate) fn angle(&self) -> f64 {
+        self.shaft.angle + self.course.path * self.shaft.turns_per_radian()
+    }
+
+    /// Ends a course where it is: moves the shaft and books what added up.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn arrive(&mut self) {
         let course = &self.course;
-        let Course { length: h, impulse, moment, path, .. } = *course;
+        let Course { elapsed: h, impulse, moment, path, .. } = *course;
+        if h == 0.0 {
+            return;
+        }
         let expected = path / h;
         let turn = self.shaft.turn(&Push {
             h,
@@ -220,6 +250,8 @@ impl Stage {
         self.shaft.apply(&turn);
         self.course.elapsed = 0.0;
         self.course.length = 0.0;
+        self.course.path = 0.0;
+        self.course.impulse = 0.0;
         self.impulse += impulse;
         self.ledger.shaft += impulse * turn.mean;
         self.ledger.friction += turn.friction;

@@ -5,7 +5,7 @@ use super::config::HallConfig;
 use super::injection::Injected;
 use crate::random::Random;
 use heapless::Vec;
-use narx_core::motor::samples::EDGES_MAX;
+use narx_core::motor::sense::samples::EDGES_MAX;
 use narx_core::motor::{Edge, EdgeSource};
 
 /// Length of a glitch, 1/65 536 of a period.
@@ -133,24 +133,15 @@ impl Halls {
         }
     }
 
-    /// Follows the rotor from `angle_from` to `angle_to` (turns) in the part `from..to` (1/65 536) of the
-    /// period, at constant speed, and captures the edges.
+    /// Nothing switches while the rotor comes to `angle`, turns.
     #[inline]
-    pub(crate) fn follow(
-        &mut self,
-        angle: (f64, f64),
-        part: (f64, f64),
-        injected: &Injected,
-        random: &mut Random,
-        capture: &mut Capture,
-    ) {
-        if angle.1 > self.quiet.0 && angle.1 < self.quiet.1 && self.glitch.is_none() {
-            return;
-        }
-        self.follow_edges(angle, part, injected, random, capture);
+    pub(crate) fn are_quiet(&self, angle: f64) -> bool {
+        angle > self.quiet.0 && angle < self.quiet.1 && self.glitch.is_none()
     }
 
-    fn follow_edges(
+    /// Follows the rotor from `angle_from` to `angle_to` (turns) in the part `from..to` (1/65 536) of the
+    /// period, at constant speed, and captures the edges.
+    pub(crate) fn follow(
         &mut self,
         angle: (f64, f64),
         part: (f64, f64),

@@ -2,7 +2,7 @@
 //!
 //! Every interval between two switching events is a linear circuit and is solved exactly (`interval`, `segment`, `network`);
 //! diodes and the source change state at located instants (`diodes`, `event`); the shaft is predicted and then settled
-//! from stop to stop (`course`, `mechanics`). Per period:
+//! over a period or two (`course`, `mechanics`). Per period:
 //!
 //! ```text
 //!  period k   0 |========= sample() ========| finish_period() =====================| 1
@@ -80,6 +80,8 @@ pub struct Plant {
     command: PwmCommand,
     stage: Stage,
     halls: Halls,
+    /// The rotor's angle, turns, up to which the sensors have followed it, and when that was, s.
+    followed: (f64, f64),
     capture: Capture,
     captured: Capture,
     comparators: Option<Comparators>,
@@ -152,6 +154,7 @@ impl Plant {
             command: PwmCommand::default(),
             stage: Stage::new(config),
             halls: Halls::new(&config.hall, config.angle_deg / 360.0),
+            followed: (config.angle_deg / 360.0, 0.0),
             capture: Capture::default(),
             captured: Capture::default(),
             comparators: config.comparator.map(Comparators::new),
@@ -220,9 +223,13 @@ impl Plant {
 
     fn start_next_period(&mut self, command: &PwmCommand) {
         self.peak_current = core::mem::replace(&mut self.stage.peak, 0.0);
-        self.marks = [Marks { charge: self.stage.charge(), impulse: self.stage.impulse }, self.marks[0]];
+        self.marks = [
+            Marks { charge: self.stage.charge(), impulse: self.stage.impulse + self.stage.course.impulse },
+            self.marks[0],
+        ];
         self.tick += 1;
         self.t = 0.0;
+        self.followed.1 = 0.0;
         self.gates_until = self.gates.latch(command);
         self.command = *command;
         if !self.config.board.hall_capture {
@@ -242,7 +249,13 @@ impl Plant {
 
     /// The true values now.
     pub fn observe(&self) -> Observation {
-        let stage = &self.stage;
+        let arrived;
+        let stage = if self.stage.course.elapsed == 0.0 {
+            &self.stage
+        } else {
+            arrived = self.stage.arrived();
+            &arrived
+        };
         let [start, before] = self.marks;
         Observation {
             time: self.tick as f64 * self.period + self.t,

@@ -114,13 +114,29 @@ impl Stage {
 
     /// Back-EMF of every leg now, V.
     pub(crate) fn legs_emf(&self) -> [f64; 3] {
-        let course = &self.course;
+        let (speed, course) = (self.speed(), &self.course);
         if course.elapsed == 0.0 {
-            return self.shape.now(self.shaft.angle, &self.rotation).map(|shape| shape * self.shaft.speed);
+            return self.shape.now(self.shaft.angle, &self.rotation).map(|shape| shape * speed);
         }
-        let speed = course.speed();
         let (turns, rotation) = (course.turns(&self.shaft, course.elapsed), course.rotation(course.elapsed));
         self.shape.now(turns, &rotation).map(|shape| shape * speed)
+    }
+
+    /// Mechanical speed now, rad/s.
+    pub(crate) fn speed(&self) -> f64 {
+        if self.course.elapsed == 0.0 { self.shaft.speed } else { self.course.speed() }
+    }
+
+    /// Sine and cosine of the electrical angle now.
+    fn rotation_now(&self) -> Rotation {
+        if self.course.elapsed == 0.0 { self.rotation } else { self.course.rotation(self.course.elapsed) }
+    }
+
+    /// A copy whose course ends now.
+    pub(crate) fn arrived(&self) -> Self {
+        let mut stage = self.clone();
+        stage.arrive();
+        stage
     }
 
     /// Brings `circuit` up to date.
@@ -148,6 +164,7 @@ impl Stage {
 
     /// Keeps rounding from adding up in what is followed in small steps; to be called now and then.
     pub(crate) fn straighten(&mut self) {
+        self.arrive();
         self.rotation = Rotation::of(self.shaft.angle);
     }
 
@@ -174,8 +191,8 @@ impl Stage {
     fn add_idle(&self, terminals: &mut [f64; 3]) {
         let (v, drop) = (self.electric.v, self.network.drop);
         let wiring = self.circuit.wiring;
-        if !self.changed && wiring.conducting == 2 && self.shape.is_sine() && self.course.elapsed == 0.0 {
-            let emf = self.shape.aside(wiring, &self.rotation) * self.shaft.speed;
+        if !self.changed && wiring.conducting == 2 && self.shape.is_sine() {
+            let emf = self.shape.aside(wiring, &self.rotation_now()) * self.speed();
             let terminal = (wiring.high_share * v + self.circuit.drop_idle + emf).max(-drop).min(v + drop);
             for x in 0..3 {
                 if self.legs[x] == Leg::Idle && !self.open[x] {
@@ -215,6 +232,7 @@ impl Stage {
 
     /// Changes the load; energy that a new inertia brings along is not created by the plant.
     pub(crate) fn set_load(&mut self, load: super::LoadConfig) {
+        self.arrive();
         let before = self.shaft.energy();
         self.shaft.set_load(load);
         self.stored_at_start += self.shaft.energy() - before;

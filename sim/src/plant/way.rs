@@ -19,14 +19,21 @@ impl Plant {
     /// Runs to `target`, s from the start of the period; nothing if that has passed.
     pub(super) fn advance(&mut self, target: f64) {
         while target - self.t > INSTANT {
-            let (from, before) = (self.t, self.stage.shaft.angle);
-            let goal = from + self.stage.set_out(target - from);
+            // A course goes on over stops that leave the legs as they are.
+            if self.stage.course.is_done() {
+                self.stage.set_out(self.period - self.t, self.period);
+            }
+            let goal = self.t + self.stage.course.rest();
             let goal = if target - goal > INSTANT { goal } else { target };
             while goal - self.t > INSTANT {
                 self.run(goal);
             }
-            self.stage.arrive();
-            self.follow_halls(before, from);
+            if self.stage.course.is_done() {
+                self.stage.arrive();
+            } else {
+                self.stage.go_on();
+            }
+            self.follow_halls();
         }
     }
 
@@ -34,6 +41,7 @@ impl Plant {
     pub(super) fn advance_and_set(&mut self, instant: f64, step: Step) {
         if step != self.gates.step() {
             self.advance(instant);
+            self.stage.arrive();
             self.gates.set_step(step);
             self.gates_until = 0.0;
         }
@@ -124,14 +132,19 @@ impl Plant {
         self.gates_until = self.gates.next_change(self.t, f64::INFINITY);
     }
 
-    fn follow_halls(&mut self, angle_before: f64, from: f64) {
-        let per_period = self.parts_per_second;
-        self.halls.follow(
-            (angle_before, self.stage.shaft.angle),
-            (from * per_period, self.t * per_period),
-            &self.injected,
-            &mut self.random,
-            &mut self.capture,
-        );
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn follow_halls(&mut self) {
+        let angle = self.stage.angle();
+        let (before, from) = core::mem::replace(&mut self.followed, (angle, self.t));
+        if !self.halls.are_quiet(angle) {
+            let per_period = self.parts_per_second;
+            self.halls.follow(
+                (before, angle),
+                (from * per_period, self.t * per_period),
+                &self.injected,
+                &mut self.random,
+                &mut self.capture,
+            );
+        }
     }
 }

@@ -8,7 +8,7 @@ use narx_core::bus::narmotion::{Addresses, MESSAGES, MessageKind, MotorMode, Req
 use narx_core::bus::{BusState, ErrorState, Frame};
 use narx_core::device::{Background, ControlTick, Queues};
 use narx_core::dictionary::{Dictionary, PARAMETER_COUNT, Parameter, Parameters};
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::{Board, Edge, EdgeSource, Lines, Samples};
 use narx_core::node::{Action, Identity, SelfTests, SlowInputs};
 use narx_core::scope::Memory;

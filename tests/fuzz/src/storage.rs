@@ -3,7 +3,7 @@
 use crate::program::Program;
 use crate::real::{self, Chip, now, open, store};
 use narx_core::dictionary::{Parameters, number};
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::{Board, Coefficients};
 use narx_core::storage::layout::Layout;
 use narx_core::storage::{Entry, Opened, Part, Report, Request, Storage};

@@ -5,7 +5,7 @@ use crate::sound::Sound;
 use narx_core::bus::eddycan::{Channels, Position};
 use narx_core::dictionary::Parameters;
 use narx_core::eddycan::{Configuration, MeasuringRange, TxDriver, Variant};
-use narx_core::motor::front_end::Board;
+use narx_core::motor::sense::front_end::Board;
 use narx_core::node::{Identity, Node};
 use narx_core::recording::transcript::{
     Answers, CALLS_VERSION, NodeSetup, Transcribable, Transcriber, Transcript, TxDriverSetup,

@@ -5,10 +5,10 @@ use js_sys::{Array, Object};
 use narx_core::blocks::{
     CommutationSettings, ZeroCrossing as Core, ZeroCrossingReading as Reading, ZeroCrossingSettings,
 };
-use narx_core::motor::front_end::Channel;
-use narx_core::motor::pwm::Commutation;
-use narx_core::motor::rails::Rail;
-use narx_core::motor::zero_crossing::Why;
+use narx_core::motor::commutate::pwm::Commutation;
+use narx_core::motor::guard::rails::Rail;
+use narx_core::motor::rotor::zero_crossing::Why;
+use narx_core::motor::sense::front_end::Channel;
 use narx_core::motor::{Direction, PwmCommand, SampleMode, Samples, Step};
 use narx_wasm_values::error::{range_error, shown, type_error, whole};
 use narx_wasm_values::options::{Options, set};

@@ -2,8 +2,8 @@
 
 use super::trial::Trial;
 use narx_core::motor::State;
-use narx_core::motor::event::Limiter;
-use narx_core::motor::limits::power_rating;
+use narx_core::motor::control::limits::power_rating;
+use narx_core::motor::machine::event::Limiter;
 use narx_core::units::Volts;
 use narx_sim::commissioning::{Commissioning, Mode, Nameplate};
 use narx_sim::plant::{Ledger, LoadConfig, PlantConfig};

@@ -2,7 +2,7 @@
 
 use super::table::{Facts, Row, Section};
 use narx_core::eddycan::OBJECTS;
-use narx_core::motor::fault::Cause;
+use narx_core::motor::guard::fault::Cause;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Write};
 use std::fs;

@@ -7,8 +7,8 @@ use narx_core::bus::Id;
 use narx_core::bus::narmotion::{Addresses, MessageId, MessageKind};
 use narx_core::dictionary::{Dictionary, PRINTED_COUNT, Parameter};
 use narx_core::eddycan::{OBJECTS, Object};
-use narx_core::motor::fault::{Cause, FaultWord};
-use narx_core::motor::state::{State, TRANSITIONS};
+use narx_core::motor::guard::fault::{Cause, FaultWord};
+use narx_core::motor::machine::state::{State, TRANSITIONS};
 
 /// First number of Table 11.
 const CONTROL_FIRST: u16 = 78;

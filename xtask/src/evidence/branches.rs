@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn rooms_add_up_and_every_gap_is_explained_or_open() {
-        let files = [("motor/pi.rs", 4, 4), ("motor/ramp.rs", 6, 5), ("units.rs", 2, 0)];
+        let files = [("motor/control/pi.rs", 4, 4), ("motor/ramp.rs", 6, 5), ("units.rs", 2, 0)];
         let files = files.map(|(name, branches, covered)| (name.to_owned(), File { branches, covered }));
         let branches = Branches { command: COMMAND.into(), commit: "c".into(), files: files.into() };
         let why = |name: &str| Why::from([(name.to_owned(), "const".to_owned())]);
@@ -96,7 +96,7 @@ mod tests {
         ] {
             assert!(text.lines().any(|found| found == line), "no {line} in\n{text}");
         }
-        assert!(!text.contains("| `motor/pi.rs`"), "{text}");
-        assert!(table(&branches, &why("motor/pi.rs")).unwrap_err().contains("misses no branch"));
+        assert!(!text.contains("| `motor/control/pi.rs`"), "{text}");
+        assert!(table(&branches, &why("motor/control/pi.rs")).unwrap_err().contains("misses no branch"));
     }
 }

@@ -31,10 +31,10 @@ const HEADER: &str = "ffi/include/narx.h";
 
 /// Where the enumerations stand that the header takes from the core.
 const ENUMERATIONS: [&str; 4] = [
-    "core/src/motor/commutation.rs",
-    "core/src/motor/pwm.rs",
-    "core/src/motor/samples.rs",
-    "core/src/motor/state.rs",
+    "core/src/motor/commutate/commutation.rs",
+    "core/src/motor/commutate/pwm.rs",
+    "core/src/motor/sense/samples.rs",
+    "core/src/motor/machine/state.rs",
 ];
 
 /// Where the parameters' numbers stand.

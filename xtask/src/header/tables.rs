@@ -3,7 +3,7 @@
 
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, Message, NAMES, Opcode};
 use narx_core::eddycan::OBJECTS;
-use narx_core::motor::fault::{Cause, FaultWord};
+use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_host::can_log::{identifier, message_name};
 use std::fmt::Write;
 

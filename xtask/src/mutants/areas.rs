@@ -50,7 +50,10 @@ pub(super) const AREAS: [Area; 5] = [
         name: "machine",
         what: "state machine, faults, protection",
         package: "narx-core",
-        files: &["core/src/motor/{machine,state,fault,protection}.rs", "core/src/motor/protection/*.rs"],
+        files: &[
+            "core/src/motor/{machine,machine/state,guard/fault,guard/protection}.rs",
+            "core/src/motor/guard/protection/*.rs",
+        ],
         quick: quick(&["machine"], ""),
         long: Some(Tests { timeout: "120", ..quick(&["drive"], "bench") }),
     },

@@ -1,7 +1,7 @@
 //! What recordings lead the drive through.
 
-use narx_core::motor::fault::FaultWord;
-use narx_core::motor::state::TRANSITIONS;
+use narx_core::motor::guard::fault::FaultWord;
+use narx_core::motor::machine::state::TRANSITIONS;
 use narx_core::motor::{Drive, Event, PwmCommand, Samples, State, Status};
 use narx_core::recording::{Recording, Replayable, replay_with};
 use serde::{Deserialize, Serialize};

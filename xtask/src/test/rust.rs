@@ -39,12 +39,6 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         ),
         // Alone, because with others the core gets their features.
         Step::command(root, "without features", "cargo", &["test", "-p", "narx-small"]),
-        Step::command(
-            root,
-            "without shortcuts",
-            "cargo",
-            &["test", "-p", "narx-small", "--features", "hall-calibration"],
-        ),
         Step::new("vectors", move || vectors::regenerate(root, true)),
         Step::new("coverage", move || coverage::regenerate(root, true)),
         Step::new("CAN database", move || dbc::regenerate(root, true)),

@@ -3,8 +3,8 @@
 use super::scenario::{parameter, within};
 use narx_core::bus::Frame;
 use narx_core::bus::candump::{Content, Line};
-use narx_core::motor::event::Health;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
+use narx_core::motor::machine::event::Health;
 use narx_sim::plant::{Injection, InjectionOptions, Phase};
 use serde::Deserialize;
 

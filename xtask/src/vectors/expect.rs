@@ -2,9 +2,9 @@
 
 use super::scenario::within;
 use narx_core::bus::Id;
-use narx_core::motor::event::{HallCalibration, Refusal, Status};
-use narx_core::motor::fault::{Cause, FaultWord};
-use narx_core::motor::state::State;
+use narx_core::motor::guard::fault::{Cause, FaultWord};
+use narx_core::motor::machine::event::{HallCalibration, Refusal, Status};
+use narx_core::motor::machine::state::State;
 use serde::Deserialize;
 use std::collections::{BTreeSet, VecDeque};
 

@@ -3,7 +3,7 @@
 use narx_core::bus::Frame;
 use narx_core::bus::narmotion::{FromDrive, MessageId, MessageKind};
 use narx_core::dictionary::number;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_core::motor::{State, Step};
 use narx_sim::bench::Bench;
 use std::fmt;

@@ -5,7 +5,7 @@ use super::never::NEVER;
 use super::world::{Story, TICK};
 use crate::parity::Counts;
 use narx_core::motor::State;
-use narx_core::motor::fault::FaultWord;
+use narx_core::motor::guard::fault::FaultWord;
 use narx_sim::plant::Injection;
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -8,7 +8,7 @@ use super::update::UpdateAnswer;
 use super::word::StatusWord;
 use super::words::{DecodeError, Words, long};
 use crate::bus::Frame;
-use crate::motor::fault::FaultWord;
+use crate::motor::guard::fault::FaultWord;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 

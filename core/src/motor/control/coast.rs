@@ -2,7 +2,7 @@
 
 use super::{Control, ControlCoefficients, MOTORING};
 use crate::motor::gain::Gain;
-use crate::motor::measurement::{Measured, Measurement};
+use crate::motor::sense::measurement::{Measured, Measurement};
 use crate::units::{quotient, saturate64};
 use serde::{Deserialize, Serialize};
 

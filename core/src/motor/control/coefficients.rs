@@ -1,9 +1,8 @@
 //! What the control station multiplies and compares with.
 
-use crate::motor::band::Band;
+use crate::motor::control::limits::LimitCoefficients;
+use crate::motor::control::pi::PiGains;
 use crate::motor::gain::Gain;
-use crate::motor::limits::LimitCoefficients;
-use crate::motor::pi::PiGains;
 use serde::{Deserialize, Serialize};
 
 /// Coefficients of the control station. Volts, amperes and rev/s are raw I16F16, duties raw U1F15.
@@ -34,10 +33,10 @@ pub struct ControlCoefficients {
 }
 
 impl ControlCoefficients {
-    /// Duties that a mode with this largest one applies as they are asked for, dead time included.
-    pub fn duties(&self, duty_max: u16) -> Band {
-        let least = self.duty_min.max(self.dead_time.saturating_add(1));
-        Band::new(least.into(), duty_max.into())
+    /// Volts of a level on this bus, raw I16F16.
+    #[inline]
+    pub const fn volts(&self, level: i32, bus_voltage: i32) -> i32 {
+        if self.levels_of_bus { ((bus_voltage as i64 * level as i64) >> 16) as i32 } else { level }
     }
 }
 

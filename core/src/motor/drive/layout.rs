@@ -2,28 +2,12 @@
 
 use super::Drive;
 use postcard::ser_flavors::Flavor;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event): changes with any field of theirs.
-pub const LAYOUT_VERSION: u16 = 7;
+pub const LAYOUT_VERSION: u16 = 8;
 
 /// What the drive does with its inputs: rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 8;
-
-impl Serialize for Drive {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// What follows from the coefficients is not recorded, but made anew.
-impl<'de> Deserialize<'de> for Drive {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut drive = Self::deserialize(deserializer)?;
-        drive.settle_calm();
-        Ok(drive)
-    }
-}
+pub const BEHAVIOUR_VERSION: u16 = 9;
 
 impl Drive {
     /// Hands its serialised state (postcard) to `each` byte by byte, until that declines one. There is this one way, because all that

@@ -1,91 +1,112 @@
 //! What a state applies: the pattern, and the command that it becomes.
 
 use super::Drive;
-use crate::motor::commutation::Step;
+use crate::motor::commutate::commutation::Step;
+use crate::motor::commutate::pwm::{Commutations, Rectification};
 use crate::motor::control::Demand;
-use crate::motor::hall_calibration::HallCalibrator;
-use crate::motor::pwm::{Commutations, PwmCommand, Rectification};
-use crate::motor::samples::{SampleMode, Samples};
-use crate::motor::sensorless::Plan;
-use crate::motor::state::State;
+use crate::motor::machine::state::State;
+use crate::motor::rotor::Position;
+use crate::motor::rotor::hall_calibration::HallCalibrator;
+use crate::motor::rotor::sensorless::Plan;
+use crate::motor::sense::samples::{SampleMode, Samples};
 use crate::units::Duty;
+use serde::{Deserialize, Serialize};
 
-/// The pattern of one tick and what drives it.
+/// What the bridge is to do until the stations are asked again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Pattern {
     pub(super) demand: Demand,
+    /// The step that goes on.
     pub(super) step: Step,
-    pub(super) commutations: Commutations,
     /// A duty of 0 is meant: the low sides short the windings.
     pub(super) short: bool,
 }
 
 impl Pattern {
-    const OFF: Self =
-        Self { demand: Demand::Off, step: Step::Coast, commutations: Commutations::NONE, short: false };
+    pub(super) const OFF: Self = Self::hold(Demand::Off, Step::Coast);
 
-    pub(super) fn hold(demand: Demand, step: Step) -> Self {
-        Self { demand, step, ..Self::OFF }
-    }
-
-    /// The step after the last commutation.
-    pub(super) fn last(&self) -> Step {
-        self.commutations.last().map_or(self.step, |last| last.step)
+    const fn hold(demand: Demand, step: Step) -> Self {
+        Self { demand, step, short: false }
     }
 }
 
 impl Drive {
-    /// What this state applies.
-    pub(super) fn pattern(&mut self, samples: &Samples) -> Pattern {
-        match self.machine.state() {
+    /// Sets what this state wants of the bridge. The rotor's position if the commutator is to choose the step, `None` if one is held or the bridge is off.
+    #[inline]
+    pub(super) fn choose_demand(&mut self, samples: &Samples) -> Option<Position> {
+        let held = match self.machine.state() {
+            State::HallClosedLoop => return self.hall_closed_loop(),
             State::RotorLock if self.machine.calibrating() => self.calibration_lock(),
             State::OpenLoop if self.machine.calibrating() => self.hall_calibration(samples),
-            State::OpenLoop if !self.machine.is_sensorless() => self.open_loop(),
-            State::HallClosedLoop => self.hall_closed_loop(),
+            State::OpenLoop if !self.machine.is_sensorless() => return self.open_loop(),
             State::RotorLock
             | State::OpenLoop
             | State::SensorlessClosedLoop
-            | State::SensorlessAutoRestart => self.sensorless(),
+            | State::SensorlessAutoRestart => return self.sensorless(),
             State::Initialization | State::Standby | State::Fault => Pattern::OFF,
+        };
+        self.hold(held)
+    }
+
+    /// The bridge holds a step, or is off.
+    #[inline(never)]
+    fn hold(&mut self, held: Pattern) -> Option<Position> {
+        self.want(held.demand);
+        self.pattern = held;
+        None
+    }
+
+    #[inline]
+    fn want(&mut self, demand: Demand) {
+        if demand != self.pattern.demand {
+            self.control.beware();
+            self.stale = true;
+            (self.pattern.demand, self.pattern.short) = (demand, false);
         }
     }
 
     /// What the sequence from standstill to closed loop wants now.
-    fn sensorless(&mut self) -> Pattern {
+    #[inline]
+    fn sensorless(&mut self) -> Option<Position> {
         let direction = self.machine.direction();
         let state = self.machine.state();
-        let speed = self.sensorless_forward();
-        let c = &self.coefficients;
-        // Nothing is brought up in a direction that is no longer wanted.
-        if self.machine.reversing() && !self.sensorless.is_running() {
-            return Pattern::OFF;
+        // While a reversal is requested no rotor is started in the old direction.
+        if !self.sensorless.is_running() && self.machine.reversing() {
+            return self.hold(Pattern::OFF);
         }
-        let plan = self.sensorless.step(&c.sensorless, state, direction);
-        self.heed_speed();
-        let c = &self.coefficients;
-        match self.sensorless.take_begun() {
-            Some(true) => self.control.start(&c.control, speed, self.volts(c.control.initial_level)),
-            // A light rotor may have leapt beyond what is ever asked of it: the set-point does not.
-            Some(false) => {
-                let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
-                self.control.hand_over(speed.min(c.sensorless_mode.speed_max), applied);
+        let plan = self.sensorless.step(&self.coefficients.sensorless, self.now, state, direction);
+        self.pattern_due = self.sensorless.due();
+        if let Some(caught) = self.sensorless.take_begun() {
+            self.close_loop(caught);
+        }
+        match plan {
+            Plan::Speed(fade) => self.want(Demand::Speed(fade)),
+            Plan::Level(level) => {
+                self.want(Demand::Level(level));
+                // A current limit that takes the kick's duty to 0 freewheels: with the bridge off the winding's energy would go to the bus.
+                self.pattern.short = true;
             }
-            None => {}
-        }
-        let demand = match plan {
-            Plan::Coast => return Pattern::OFF,
+            Plan::Coast => return self.hold(Pattern::OFF),
             Plan::Short => {
-                return Pattern { short: true, ..Pattern::hold(Demand::Voltage { voltage: 0 }, Step::LockA) };
+                return self.hold(Pattern { short: true, ..Pattern::hold(Demand::Level(0), Step::LockA) });
             }
-            Plan::Hold(step, level) => return Pattern::hold(self.level(level), step),
-            Plan::Level(level) => self.level(level),
-            Plan::Speed(fade) => Demand::Speed { measured: speed, fade },
-        };
+            Plan::Hold(step, level) => return self.hold(Pattern::hold(Demand::Level(level), step)),
+        }
         let rotor = self.sensorless.rotor();
-        let (step, commutations) =
-            self.commutator.step(&c.commutator, rotor.angle(), rotor.speed(), direction);
-        // A current limit that takes the kick's duty to 0 freewheels: with the bridge off the winding's energy would go to the bus.
-        let short = matches!(plan, Plan::Level(_));
-        Pattern { demand, step, commutations, short }
+        Some(Position { angle: rotor.angle(self.now), speed: rotor.speed() })
+    }
+
+    /// Closed loop begins with a rotor that was `caught` coasting, or brought up.
+    #[inline(never)]
+    fn close_loop(&mut self, caught: bool) {
+        let (speed, bus, c) = (self.speed_forward(), self.measurement.bus_voltage(), &self.coefficients);
+        if caught {
+            self.control.start(&c.control, speed, bus);
+        } else {
+            // A light rotor may have leapt beyond what is ever asked of it: the set-point does not.
+            let applied = self.control.applied(&c.control, bus);
+            self.control.hand_over(speed.min(c.sensorless_mode.speed_max), applied);
+        }
     }
 
     /// Two locks one after the other, 60 degrees apart: a rotor that rests on the dead point of the first is off that
@@ -93,65 +114,53 @@ impl Drive {
     fn calibration_lock(&mut self) -> Pattern {
         let c = &self.coefficients.machine;
         let level = self.lock.step(c.lock_level, c.lock_rate);
-        let second = self.machine.age() >= c.lock / 2;
-        Pattern::hold(self.level(level), if second { HallCalibrator::LOCK } else { Step::LockB })
+        let second = self.machine.age(self.now) >= c.lock / 2;
+        Pattern::hold(Demand::Level(level), if second { HallCalibrator::LOCK } else { Step::LockB })
     }
 
+    #[inline(never)]
     fn hall_calibration(&mut self, samples: &Samples) -> Pattern {
         let c = &self.coefficients.hall_calibration;
         let (step, calibration) = self.calibrator.step(c, samples.hall);
         self.calibration = calibration;
-        Pattern::hold(self.level(c.level), step)
+        Pattern::hold(Demand::Level(c.level), step)
     }
 
-    fn level(&self, level: i32) -> Demand {
-        Demand::Voltage { voltage: self.volts(level) }
-    }
-
-    fn open_loop(&mut self) -> Pattern {
+    #[inline(never)]
+    fn open_loop(&mut self) -> Option<Position> {
         let direction = self.machine.direction();
         let run = !self.machine.reversing();
-        let field = self.rotor.step_open_loop(&self.coefficients, direction, run);
-        let (step, commutations) =
-            self.commutator.step(&self.coefficients.commutator, field.angle, field.speed, direction);
-        Pattern { demand: self.level(field.level), step, commutations, short: false }
+        let field = self.rotor.step_open_loop(&self.coefficients, self.now, direction, run);
+        self.want(Demand::Level(field.level));
+        Some(Position { angle: field.angle, speed: field.speed })
     }
 
     /// A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,
     /// where no current is measured. So is one whose sensors contradict themselves.
     #[inline]
-    pub(super) fn hall_demand(&self) -> Option<Demand> {
-        let least = -(self.coefficients.hall_mode.speed_min / 2);
-        let speed = self.machine.direction().signed(self.rotor.hall_speed().to_bits());
-        let runs = speed >= least && !self.rotor.hall_doubtful();
-        runs.then_some(Demand::Speed { measured: speed.max(0), fade: 0 })
-    }
-
-    fn hall_closed_loop(&mut self) -> Pattern {
-        let direction = self.machine.direction();
-        let Some(demand) = self.hall_demand() else { return Pattern::OFF };
-        let position = self.rotor.hall_position();
-        let (step, commutations) =
-            self.commutator.step(&self.coefficients.commutator, position.angle, position.speed, direction);
-        Pattern { demand, step, commutations, short: false }
-    }
-
-    /// A duty of 0 leaves the bridge off: with the low side on, a turning motor would brake itself.
-    pub(super) fn command(&self, pattern: &Pattern, duty: Duty, rectification: Rectification) -> PwmCommand {
-        let now = self.applied.duty.to_bits();
-        let idle =
-            matches!(pattern.demand, Demand::Off) || (duty.to_bits() == 0 && now == 0 && !pattern.short);
-        let (step, commutations) =
-            if idle { (Step::Coast, Commutations::NONE) } else { (pattern.step, pattern.commutations) };
-        let (sample_at, sample_mode) = self.sampling(duty.to_bits());
-        PwmCommand {
-            duty: if matches!(pattern.demand, Demand::Off) { Duty::ZERO } else { duty },
-            rectification,
-            sample_at,
-            sample_mode,
-            step,
-            commutations,
+    fn hall_closed_loop(&mut self) -> Option<Position> {
+        let torque = self.machine.direction();
+        let turns_back = torque.signed(self.rotor.hall_turns()) < 0
+            && torque.signed(self.hall_speed().to_bits()) < -(self.coefficients.hall_mode.speed_min / 2);
+        if turns_back || self.rotor.hall_doubtful() {
+            return self.hold(Pattern::OFF);
         }
+        self.want(Demand::Speed(0));
+        Some(self.rotor.hall_position(self.now))
+    }
+
+    /// Sets what is applied. A duty of 0 leaves the bridge off: with the low side on, a turning motor would brake itself. The step acts in this period and the
+    /// duty in the next, so the bridge goes off when the duty that is in force is 0, too.
+    #[inline]
+    pub(super) fn command(&mut self, duty: Duty, rectification: Rectification) {
+        let Pattern { demand, short, .. } = self.pattern;
+        let off = matches!(demand, Demand::Off);
+        let duty = if off { Duty::ZERO } else { duty };
+        if duty.to_bits() == 0 && (off || (self.applied.duty.to_bits() == 0 && !short)) {
+            (self.applied.step, self.applied.commutations) = (Step::Coast, Commutations::NONE);
+        }
+        (self.applied.sample_at, self.applied.sample_mode) = self.sampling(duty.to_bits());
+        (self.applied.duty, self.applied.rectification) = (duty, rectification);
     }
 
     /// Duties from which the on-time is sampled, and below which the off-time is, raw U1F15.
@@ -167,7 +176,7 @@ impl Drive {
     /// A pulse that is long enough for a valid sample (parameter 272) is sampled in its middle, a shorter one after it has ended; down to an eighth below the
     /// limit the mode stays.
     #[inline]
-    pub(super) fn sampling(&self, duty: u16) -> (u16, SampleMode) {
+    fn sampling(&self, duty: u16) -> (u16, SampleMode) {
         let (begins, lasts) = self.on_time;
         if duty >= begins || (duty >= lasts && self.applied.sample_mode == SampleMode::OnTime) {
             (0, SampleMode::OnTime)

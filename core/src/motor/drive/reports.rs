@@ -1,10 +1,10 @@
 //! What the tick reports, and when.
 
 use super::Drive;
-use crate::motor::commutation::{Direction, Step};
-use crate::motor::event::{Limiter, Status};
-use crate::motor::samples::Samples;
-use crate::motor::state::State;
+use crate::motor::commutate::commutation::{Direction, Step};
+use crate::motor::machine::event::{Limiter, Status};
+use crate::motor::machine::state::State;
+use crate::motor::sense::samples::Samples;
 use crate::units::{Amps, ElectricalAngle, ElectricalSpeed, Volts, Watts};
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,6 @@ impl Drive {
         if !core::mem::take(&mut self.reports.due) {
             return None;
         }
-        self.tell();
         Some(self.status())
     }
 
@@ -83,7 +82,7 @@ impl Drive {
     }
 
     /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by back-EMF, or that of the open-loop field; 0 if neither is there.
-    pub(super) const fn speed_sensorless(&self) -> i32 {
+    pub(super) fn speed_sensorless(&self) -> i32 {
         if self.listens {
             self.sensorless_speed()
         } else if self.turns_field() {
@@ -96,8 +95,8 @@ impl Drive {
     /// The rotor is known to stand: with the bridge off neither its terminals nor the hall sensors show that it turns.
     fn stands_still(&self) -> bool {
         let c = &self.coefficients;
-        let (mute, stopped) = (self.rotor.hall_mute(), self.rotor.hall_stopped(c));
-        self.listens && self.sensorless.hears_rest(&c.sensorless) && (mute || stopped)
+        let (mute, stopped) = (self.rotor.hall_mute(), self.rotor.hall_stopped());
+        self.listens && self.sensorless.hears_rest(&c.sensorless, self.now) && (mute || stopped)
     }
 
     /// The rotor may turn while [`Status::sectors`] stands: no hall sensor shows it, and no commutation leads or follows it.
@@ -124,12 +123,12 @@ impl Drive {
             faults: self.protection.word(),
             critical: self.protection.critical(),
             extended_code: self.protection.code(),
-            command_expired: self.machine.command_expired(&c.machine),
+            command_expired: self.machine.command_expired(&c.machine, self.now),
             refusal: self.machine.refusal(),
             supply_low: voltage < c.protection.supply_low,
             direction,
             setpoint: ElectricalSpeed::from_bits(self.setpoint()),
-            speed_hall: self.rotor.hall_speed(),
+            speed_hall: self.hall_speed(),
             speed_sensorless: ElectricalSpeed::from_bits(self.speed_sensorless()),
             angle: ElectricalAngle((self.angle() >> 16) as u16),
             sectors: self.rotor.sectors(),

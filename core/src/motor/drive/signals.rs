@@ -1,10 +1,11 @@
 //! What the scope sees of the drive.
 
 use super::Drive;
-use crate::motor::fault::FaultWord;
-use crate::motor::samples::Samples;
+use crate::motor::guard::fault::FaultWord;
+use crate::motor::machine::state::State;
+use crate::motor::rotor::zero_crossing::Why;
+use crate::motor::sense::samples::Samples;
 use crate::motor::signal::{ShaftScale, Signal};
-use crate::motor::zero_crossing::Why;
 use crate::units::Duty;
 
 impl Drive {
@@ -24,14 +25,14 @@ impl Drive {
         self.sample(signal, shaft, samples) as i16
     }
 
-    /// The last step was not one that looks at everything.
-    pub(crate) const fn was_calm(&self) -> bool {
-        !self.machine.state().is_driving() || self.calm.slept() > 0
+    /// The last step asked no station.
+    pub(crate) fn has_rested(&self) -> bool {
+        !self.machine.state().is_driving() || self.asked != self.now
     }
 
     /// Samples of four signals, as of the last step, Q3.12 of their bases. Not a loop: within one the compiler would compute every signal there
     /// is before it, or call each.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    #[inline]
     pub(crate) fn sample4(
         &self,
         signals: &[Signal; 4],
@@ -47,14 +48,13 @@ impl Drive {
     }
 
     /// Sample of one signal. Bases are chosen so that a shift does: 16 V, 2 A, 64 W, one turn. What cannot leave the range is not bounded.
-    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
-    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    #[inline]
     pub(crate) fn sample(&self, signal: Signal, shaft: ShaftScale, samples: &Samples) -> i32 {
         let terminal = |code| bounded(self.coefficients.measurement.phase_voltage.convert(code) >> 8);
         match signal {
             Signal::SetPoint => bounded(shaft.speed(self.setpoint())),
             Signal::SpeedSensorless => bounded(shaft.speed(self.speed_sensorless())),
-            Signal::SpeedHall => bounded(shaft.speed(self.rotor.hall_speed().to_bits())),
+            Signal::SpeedHall => bounded(shaft.speed(self.hall_speed().to_bits())),
             Signal::BusVoltage => bounded(self.measurement.bus_voltage() >> 8),
             Signal::BusCurrent => bounded(self.measurement.bus_current() >> 5),
             Signal::Power => {
@@ -86,7 +86,15 @@ impl Drive {
         }
     }
 
-    /// Electrical angle that the commutation uses, u32 turn: an estimator that sleeps would have turned it on.
+    /// Open loop turns its field, whatever the rotor does.
+    #[inline]
+    pub(super) const fn turns_field(&self) -> bool {
+        matches!(self.machine.state(), State::OpenLoop)
+            && !self.machine.calibrating()
+            && !self.machine.is_sensorless()
+    }
+
+    /// Electrical angle that the commutation uses, u32 turn: extrapolated to `now`, also while the estimator is not asked.
     #[inline]
     pub(super) fn angle(&self) -> u32 {
         if let Some(lock) = self.applied.step.lock_angle()
@@ -94,11 +102,13 @@ impl Drive {
         {
             return lock;
         }
-        if !self.machine.state().is_driving() && !self.rotor.hall_mute() {
-            return self.rotor.hall_position().angle;
+        if self.turns_field() {
+            self.rotor.field_angle(self.now)
+        } else if !self.listens || (!self.machine.state().is_driving() && !self.rotor.hall_mute()) {
+            self.rotor.hall_position(self.now).angle
+        } else {
+            self.sensorless.rotor().angle(self.now)
         }
-        let (angle, speed) = self.place();
-        angle.wrapping_add((speed as u32).wrapping_mul(self.calm.slept()))
     }
 }
 

@@ -1,35 +1,43 @@
 //! When the state changes, and what a transition sets up.
 
 use super::Drive;
-use crate::motor::event::HallCalibration;
+use crate::motor::machine::event::HallCalibration;
+use crate::motor::machine::state::State;
 use crate::motor::machine::{Change, Inputs};
 use crate::motor::ramp::Ramp;
-use crate::motor::samples::Samples;
-use crate::motor::state::State;
+use crate::motor::sense::samples::Samples;
 
 impl Drive {
+    /// True if the state has changed.
+    #[inline(never)]
+    pub(super) fn advance_state(&mut self, critical: bool, samples: &Samples) -> bool {
+        if self.listens {
+            self.sensorless.renew(self.now);
+        }
+        let stands = self.may_stand();
+        !self.machine.rests(self.now, critical, stands) && self.change_state(critical, stands, samples)
+    }
+
+    /// Speed 0, as the running mode judges it.
     #[inline]
-    pub(super) fn advance_state(&mut self, critical: bool, samples: &Samples) {
-        let stopped = match self.machine.state() {
-            State::HallClosedLoop => self.rotor.hall_stopped(&self.coefficients),
+    fn stopped(&self, stands: bool) -> bool {
+        match self.machine.state() {
             // A calibration's field is slow enough to count as standing.
-            State::OpenLoop if self.machine.is_sensorless() => !self.sensorless.is_running(),
-            State::OpenLoop => self.machine.calibrating() || self.rotor.field_stopped(),
+            State::OpenLoop if !self.machine.is_sensorless() => {
+                self.machine.calibrating() || self.rotor.field_stopped()
+            }
             // What was not brought up by the end of open loop (T34) has the time-out to show a crossing.
             State::SensorlessClosedLoop if self.sensorless.is_kicking() => {
-                self.machine.age() << 16 > self.coefficients.sensorless.timeout
+                self.machine.age(self.now) > self.coefficients.sensorless.timeout >> 16
             }
-            State::SensorlessClosedLoop | State::SensorlessAutoRestart => !self.sensorless.is_running(),
-            _ => true,
-        };
-        let unhealthy = self.health.self_test_failed || !self.health.store_faults.is_empty();
-        if !self.machine.rests(&self.coefficients.machine, critical, stopped, unhealthy) {
-            self.change_state(critical, stopped, unhealthy, samples);
+            _ => stands,
         }
     }
 
     #[inline(never)]
-    fn change_state(&mut self, critical: bool, stopped: bool, unhealthy: bool, samples: &Samples) {
+    fn change_state(&mut self, critical: bool, stands: bool, samples: &Samples) -> bool {
+        let stopped = self.stopped(stands);
+        let unhealthy = self.health.self_test_failed || !self.health.store_faults.is_empty();
         let inputs = Inputs {
             critical,
             unhealthy,
@@ -38,13 +46,15 @@ impl Drive {
             calibrated: matches!(self.calibration, HallCalibration::Done(_) | HallCalibration::Failed),
             parameters_fit: self.parameters_fit,
         };
-        if let Some(change) = self.machine.advance(&self.coefficients.machine, &inputs) {
+        let change = self.machine.advance(&self.coefficients.machine, self.now, &inputs);
+        if let Some(change) = change {
             self.protection.wake();
             self.reports.stirred = true;
             self.enter(change, samples);
-            self.settle();
-            self.heed_speed();
+            self.refresh();
+            self.pattern_due = self.now;
         }
+        change.is_some()
     }
 
     /// What a transition sets up.
@@ -54,44 +64,45 @@ impl Drive {
         }
         let c = &self.coefficients;
         let direction = self.machine.direction();
-        let initial = self.volts(c.control.initial_level);
+        let bus = self.measurement.bus_voltage();
         match change.row.to {
-            // What was seen while supplies came up and has gone is nobody's fault; what has not is latched again.
+            // Faults that were seen while supplies came up and have gone are dropped; those still present are latched again in the next tick.
             State::Standby if !change.row.from.is_driving() => self.protection.acknowledge(),
             State::Fault if change.row.from == State::Initialization => {
                 self.protection.raise_boot_failure(self.health);
             }
             State::RotorLock => {
                 self.lock = Ramp::default();
-                self.control.start(&c.control, 0, initial);
+                self.control.start(&c.control, 0, bus);
                 if self.machine.calibrating() {
                     self.calibration = HallCalibration::Running;
                 } else {
-                    self.sensorless.start(true);
+                    self.sensorless.start(self.now, true);
                 }
             }
             State::OpenLoop if self.machine.is_sensorless() => {}
             State::SensorlessClosedLoop if self.sensorless.is_running() => {
                 let brought_up = change.row.from == State::OpenLoop && !self.sensorless.is_caught();
+                let initial = c.control.volts(c.control.initial_level, bus);
                 if brought_up && initial > 0 {
                     self.control.hand_over(self.control.setpoint(), initial);
                 }
             }
             State::SensorlessAutoRestart => {
-                self.sensorless.start(false);
-                self.control.start(&c.control, 0, initial);
+                self.sensorless.start(self.now, false);
+                self.control.start(&c.control, 0, bus);
             }
             State::OpenLoop => {
                 if self.machine.calibrating() {
                     self.calibrator.start(samples.hall);
                 } else {
-                    self.rotor.start_open_loop(0, direction);
-                    self.control.start(&c.control, 0, initial);
+                    self.rotor.start_open_loop(self.now, 0, direction);
+                    self.control.start(&c.control, 0, bus);
                 }
             }
             State::HallClosedLoop => {
-                let speed = self.rotor.hall_speed().to_bits().saturating_mul(direction.sign());
-                self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0), initial);
+                let speed = self.hall_speed().to_bits().saturating_mul(direction.sign());
+                self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0), bus);
             }
             _ => {}
         }
@@ -101,7 +112,7 @@ impl Drive {
             self.commutator.reset();
         }
         if !change.row.to.is_driving() {
-            self.sensorless.end_start();
+            self.sensorless.end_start(self.now);
             if self.calibration == HallCalibration::Running {
                 self.calibration = HallCalibration::Failed;
             }

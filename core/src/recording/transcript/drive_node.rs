@@ -3,8 +3,8 @@
 use super::{Answers, Transcribable};
 use crate::bus::{BusState, Frame};
 use crate::dictionary::{Dictionary, Parameters};
-use crate::motor::event::{Health, Status};
-use crate::motor::front_end::Board;
+use crate::motor::machine::event::{Health, Status};
+use crate::motor::sense::front_end::Board;
 #[cfg(feature = "update")]
 use crate::node::update;
 use crate::node::{Identity, Node, ResetCause, SelfTests, SlowInputs};

@@ -13,7 +13,7 @@ mod page;
 
 use super::{Memory, Opened, Part, Report, Request, parameters::FORMAT};
 use crate::dictionary::{Dictionary, PARAMETER_COUNT, Parameters, number::SOFTWARE_RELEASE};
-use crate::motor::fault::FaultWord;
+use crate::motor::guard::fault::FaultWord;
 use core::cmp::Ordering;
 use embedded_storage::nor_flash::NorFlash;
 use page::{COMMIT, HEAD, Page};

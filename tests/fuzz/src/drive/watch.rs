@@ -5,7 +5,7 @@ use narx_core::bus::narmotion::{
 };
 use narx_core::bus::{ErrorState, Frame, Id};
 use narx_core::dictionary::{Dictionary, Parameters, number};
-use narx_core::motor::state::TRANSITIONS;
+use narx_core::motor::machine::state::TRANSITIONS;
 use narx_core::motor::{Drive, PwmCommand, State, Step};
 use narx_core::node::Node;
 

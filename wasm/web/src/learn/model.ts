@@ -1,4 +1,4 @@
-// What the pictures know of a motor: the same numbers as core/src/motor/commutation.rs. Electrical degrees; 0 is the rising zero crossing of
+// What the pictures know of a motor: the same numbers as core/src/motor/commutate/commutation.rs. Electrical degrees; 0 is the rising zero crossing of
 // phase A's back-EMF.
 
 export type Leg = "floating" | "low" | "switched";

@@ -1,0 +1,135 @@
+//! What is done once a millisecond, spread over its ticks: one duty a tick, and none in a tick that has more to do.
+
+use super::Drive;
+use crate::motor::clock::Instant;
+use crate::motor::control::Demand;
+use crate::motor::machine::state::State;
+use crate::motor::sense::samples::Samples;
+use crate::units::{Amps, Duty};
+use serde::{Deserialize, Serialize};
+
+/// The duties of a millisecond in their order.
+mod duty {
+    pub(super) const RATINGS: u32 = 0;
+    pub(super) const SPEED_LOOP: u32 = 1;
+    pub(super) const RAILS: u32 = 2;
+    pub(super) const REPORT: u32 = 3;
+    /// How many there are.
+    pub(super) const COUNT: u32 = 4;
+}
+
+/// How far this millisecond's duties have come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Duties {
+    /// The tick of the next duty.
+    due: Instant,
+    next: u32,
+    /// The first tick of the next millisecond.
+    end: Instant,
+    /// Speed of a closed loop as the speed loop has seen it last, a magnitude in the direction of torque, raw I16F16 electrical rev/s.
+    speed: i32,
+}
+
+impl Duties {
+    #[inline]
+    pub(super) const fn are_due(&self, now: Instant) -> bool {
+        self.due.is_due(now)
+    }
+}
+
+impl Drive {
+    /// The next duty. A `busy` tick leaves it to a later one while the millisecond has more ticks than duties.
+    #[inline(never)]
+    pub(super) fn do_duty(&mut self, busy: bool, samples: &Samples, current: Amps) {
+        let (now, next) = (self.now, self.duties.next);
+        self.duties.due = now.next();
+        if next == duty::RATINGS {
+            let ticks = self.coefficients.control.ticks_per_ms.into();
+            if ticks < duty::COUNT {
+                return self.do_all(ticks, samples, current);
+            }
+        }
+        // The first millisecond after power-up has no end yet; nothing turns then, so no tick is busy.
+        let ticks_left = self.duties.end.since(now);
+        if busy && ticks_left > duty::COUNT - next {
+            return;
+        }
+        self.duties.next = next + 1;
+        match next {
+            duty::RATINGS => self.rate(current),
+            duty::SPEED_LOOP => {
+                if !self.listens {
+                    self.duties.next = duty::REPORT;
+                }
+                self.run_speed_loop(current);
+            }
+            duty::RAILS => self.check_rails(),
+            _ => {
+                let end = self.duties.end;
+                let next_end = end.after(self.coefficients.control.ticks_per_ms.into());
+                self.duties =
+                    Duties { due: end, next: duty::RATINGS, end: next_end, speed: self.duties.speed };
+                self.make_due(samples);
+            }
+        }
+    }
+
+    /// A board with fewer ticks than duties in a millisecond does all in its first.
+    #[inline(never)]
+    fn do_all(&mut self, ticks: u32, samples: &Samples, current: Amps) {
+        self.duties.due = self.now.after(ticks);
+        self.rate(current);
+        self.run_speed_loop(current);
+        if self.listens {
+            self.check_rails();
+        }
+        self.make_due(samples);
+    }
+
+    #[inline(never)]
+    fn rate(&mut self, current: Amps) {
+        if matches!(self.machine.state(), State::Initialization | State::Standby) {
+            self.measurement.find_zero(&self.coefficients.measurement, current);
+        }
+        let stands = matches!(self.pattern.demand, Demand::Speed(_)) && self.duties.speed == 0;
+        let temperature = self.slow.temperature;
+        self.control.rate(&self.coefficients.control, &self.measurement, temperature, !stands);
+    }
+
+    #[inline(never)]
+    fn run_speed_loop(&mut self, current: Amps) {
+        if !matches!(self.pattern.demand, Demand::Speed(_)) {
+            return;
+        }
+        let speed = self.speed_forward();
+        self.duties.speed = speed;
+        let c = &self.coefficients;
+        let mode = c.mode(self.machine.state());
+        // A rotor that is found late, or has leapt ahead, comes to the ramp of open loop at twice its rate.
+        let rises = self.machine.state() == State::OpenLoop && !self.sensorless.is_caught();
+        let (wanted, rate) = if rises {
+            let rate = c.open_loop.rate.saturating_mul(2 * i64::from(c.control.ticks_per_ms));
+            (c.open_loop.setpoint(self.machine.age(self.now)), rate)
+        } else {
+            let commanded = self.machine.command().speed.to_bits();
+            (commanded.min(mode.speed_max).max(mode.speed_min), c.control.speed_rate)
+        };
+        let target = if self.machine.reversing() { 0 } else { wanted };
+        self.control.run_speed_loop(&c.control, mode, (target, rate), speed, (&self.measurement, current));
+    }
+
+    #[inline(never)]
+    fn check_rails(&mut self) {
+        let c = &self.coefficients;
+        if self.machine.state().is_driving() {
+            let driven = self.applied.duty != Duty::ZERO;
+            let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
+            let current = self.control.phase_current();
+            self.sensorless.check(&c.sensorless, self.now, driven, applied, current, self.duties.speed);
+            // The check may have ended the episode: the next tick asks.
+            if !self.sensorless.is_running() {
+                (self.due, self.watchful, self.steers) = (self.now, true, true);
+            }
+        }
+    }
+}
