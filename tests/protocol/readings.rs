@@ -58,7 +58,7 @@ fn what_the_tick_sees_of_the_hall_sensors() {
     let mut wired = Wired::turning();
     let healthy = [number::HALL_INVALID, number::HALL_JUMPS].map(|number| wired.read(number));
     assert_eq!(wired.read(number::ACTIVE_LIMITER), Limiter::Speed as i32);
-    wired.bench.plant_mut().inject(Injection::HallGlitches(200.0));
+    wired.bench.plant_mut().inject(Injection::HallGlitches(1000.0));
     wired.run(0.5);
     let jumps = wired.read(number::HALL_JUMPS);
     wired.put(Input::HallSupply, 3.0);

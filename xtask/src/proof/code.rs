@@ -60,6 +60,7 @@ impl Code {
                 functions.insert(start, function);
                 at = Some((start, Held::default()));
             } else if let Some((start, held)) = &mut at
+                && !is_fill(line)
                 && let Some((operation, operands)) = instruction(line)
                 && let Some(function) = functions.get_mut(start)
             {
@@ -187,6 +188,13 @@ impl Function {
 fn head(line: &str) -> Option<(u32, &str)> {
     let (start, name) = line.strip_suffix(">:")?.split_once(" <")?;
     Some((u32::from_str_radix(start, 16).ok()?, name))
+}
+
+/// What the linker fills gaps between functions with: d4d4, which the disassembler takes for a branch to 84 bytes before it.
+fn is_fill(line: &str) -> bool {
+    let place = line.split_once(':').and_then(|(place, _)| u32::from_str_radix(place.trim(), 16).ok());
+    let branch = instruction(line).filter(|(operation, _)| *operation == "bmi.n");
+    place.zip(branch).is_some_and(|(place, (_, operands))| target(operands) == place.checked_sub(84))
 }
 
 /// `    16402:<tab>bl<tab>2074 <name>` without the comment behind it.
@@ -332,6 +340,16 @@ mod tests {
         assert!(code.functions[&0x600].calls_any && !code.functions[&0x500].calls_any);
         assert_eq!(code.functions[&0x500].float.as_deref(), Some("vadd.f32 s0, s1, s2"));
         assert_eq!(code.functions[&0x400].float, None);
+    }
+
+    #[test]
+    fn what_fills_a_gap_calls_nothing() {
+        let code = Code::parse(
+            &TEXT.replace(" 602:\tpop\t{r4, pc}", " 602:\tpop\t{r4, pc}\n     604:\tbmi.n\t5b0 <work+0xb0>"),
+        );
+        assert_eq!(code.functions[&0x600].calls.len(), 0);
+        let branch = Code::parse(&TEXT.replace("cbz\tr0, 408 <interrupt+0x8>", "bmi.n\t500 <work>"));
+        assert!(branch.functions[&0x400].calls.contains(&0x500));
     }
 
     #[test]
