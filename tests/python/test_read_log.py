@@ -104,6 +104,7 @@ def impossible(line: str, frame: can.Message) -> bool:
         or not frame.is_extended_id and frame.arbitration_id > 0x7FF
         or len(frame.data) != frame.dlc and not frame.is_remote_frame
         or frame.dlc > (64 if frame.is_fd else 8)
+        or frame.is_error_frame and len(data) > 16
         or frame.is_remote_frame and (frame.is_fd or not re.fullmatch("[Rr][0-8]?", data))
         or bool(re.match("2[0-9A-F]{7}$|3[0-9A-F]{7}$|[A-F][0-9A-F]{7}$", digits.upper()))
     )
