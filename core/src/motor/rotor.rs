@@ -153,8 +153,8 @@ impl Rotor {
     /// The bridge was commutated for a rotor in `sector` (0..=5): where the hall sensors show nothing, that is where it is.
     #[inline]
     pub const fn count_commutation(&mut self, sector: Option<u8>, backward: bool) {
-        if let Some(sector) = sector
-            && self.hall.is_mute()
+        if self.hall.is_mute()
+            && let Some(sector) = sector
             && !matches!(self.turned.sector, Some(counted) if counted == sector)
         {
             self.turned.reach(sector, backward);

@@ -38,11 +38,9 @@ impl Drive {
             Source::Both => Pattern::OFF,
             Source::Terminals => return self.sensorless(),
             Source::Field => return self.open_loop(),
-            Source::Halls => match self.machine.state() {
-                State::RotorLock => self.calibration_lock(),
-                State::OpenLoop => self.hall_calibration(samples),
-                _ => return self.hall_closed_loop(),
-            },
+            Source::Halls if !self.machine.calibrating() => return self.hall_closed_loop(),
+            Source::Halls if self.machine.state() == State::RotorLock => self.calibration_lock(),
+            Source::Halls => self.hall_calibration(samples),
         };
         self.hold(held)
     }
