@@ -238,7 +238,7 @@ impl ZeroCrossing {
         }
     }
 
-    /// What the step of `sector` shows: the age of a crossing that is believed.
+    /// Hands the estimator what the step of `sector` shows; returns the age of a crossing that it believes.
     fn take(&mut self, sector: u8, sight: Sight) -> Option<i32> {
         let (now, starting) = (self.now, self.mode == Mode::Starting);
         match sight {

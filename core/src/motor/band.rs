@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// So many values, from a lowest one on.
+/// A range of values: the lowest one, and their number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Band {
     low: i32,

@@ -17,7 +17,7 @@ impl Instant {
         Self(self.0.wrapping_add(1))
     }
 
-    /// So many ticks later, but no later than the farthest deadline.
+    /// The instant that many ticks later, at most the farthest deadline.
     #[inline]
     pub const fn after(self, ticks: u32) -> Self {
         Self(self.0.wrapping_add(if ticks < HORIZON { ticks } else { HORIZON }))

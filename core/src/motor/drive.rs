@@ -76,7 +76,7 @@ pub struct Drive {
     /// Duty from which the on-time is sampled, and below which the off-time is, raw U1F15.
     on_time: (u16, u16),
     duties: Duties,
-    /// What goes on until the stations are asked again.
+    /// The demand and step that are repeated until the stations are asked again.
     pattern: Pattern,
     /// What was applied in the last tick.
     applied: PwmCommand,
@@ -467,7 +467,7 @@ impl Drive {
         self.signed_speed().saturating_abs()
     }
 
-    /// The same in the direction of torque; 0 backward.
+    /// [`signed_speed`](Self::signed_speed) counted in the direction of torque, 0 if the rotor turns backward.
     #[inline]
     fn speed_forward(&self) -> i32 {
         self.machine.direction().signed(self.signed_speed()).max(0)

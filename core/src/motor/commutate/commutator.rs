@@ -206,7 +206,7 @@ const fn neighbour(sector: u8, backward: bool) -> u8 {
 /// A sector, less what the sector of an angle is rounded by.
 const INSIDE: u32 = SIXTH - (1 << 17);
 
-/// How far ahead a boundary is taken in this period, u32 turn: to the middle of the next one's blind start.
+/// The angle, u32 turn, within which a sector boundary is commutated in this period: the rotor's way until the middle of the next period's blind start.
 fn window(c: &CommutatorCoefficients, speed: i32) -> u32 {
     let per_tick = speed.saturating_abs();
     (per_tick as u32).saturating_add(part_of(per_tick, c.earliest.into()) / 2)

@@ -1,4 +1,4 @@
-//! What is done once a millisecond, spread over its ticks: one duty a tick, and none in a tick that has more to do.
+//! The duties of each millisecond, one a tick. A tick that brings an edge, a crossing or a commutation leaves its duty to a later one.
 
 use super::Drive;
 use crate::motor::clock::Instant;
@@ -14,7 +14,7 @@ mod duty {
     pub(super) const SPEED_LOOP: u32 = 1;
     pub(super) const RAILS: u32 = 2;
     pub(super) const REPORT: u32 = 3;
-    /// How many there are.
+    /// Number of duties.
     pub(super) const COUNT: u32 = 4;
 }
 

@@ -1,4 +1,4 @@
-//! What a quiet tick is: no deadline has come, and the samples lie where they concern no station.
+//! The quiet tick: no deadline has come, and the samples lie in bands that concern no station.
 
 use super::Drive;
 use crate::motor::band::Band;

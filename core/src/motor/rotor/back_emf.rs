@@ -127,7 +127,7 @@ struct Watch {
     phase: u8,
 }
 
-/// What leaves a sample without news.
+/// The samples that bring no news.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Quiet {
     /// Samples before this tick are ignored.

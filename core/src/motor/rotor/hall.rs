@@ -80,7 +80,7 @@ pub struct HallEvents {
 }
 
 impl HallEvents {
-    /// Anything at all.
+    /// Any of these events has happened.
     #[inline]
     pub const fn happened(self) -> bool {
         self.sectors != 0 || self.invalid || self.jump

@@ -116,7 +116,7 @@ pub struct Sensorless {
     due: Instant,
 }
 
-/// So many times the time of rest (5 ms each) with the same terminal the highest mean standstill: a rotor at 333 electrical rpm would have shown another, and
+/// Number of rest times (5 ms each) after which a highest terminal that stays the same means standstill: a rotor at 333 electrical rpm would have shown another, and
 /// what is slower is brought to rest by the locks.
 const STILL: u32 = 12;
 /// Where the second lock leaves the rotor: 120 degrees, the middle of an odd sector, whose crossing rises and shows in the off-time too.

@@ -261,7 +261,7 @@ impl ZeroCrossing {
         (here, error)
     }
 
-    /// So many intervals took this time `each`.
+    /// Takes `intervals` new intervals of the time `each`.
     #[inline]
     fn learn(&mut self, each: u32, intervals: u8) {
         let off = each.abs_diff(self.interval);

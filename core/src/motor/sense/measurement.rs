@@ -195,7 +195,7 @@ impl Measurement {
         Duty::from_bits(ratio(voltage, bus) as u16)
     }
 
-    /// The same, on a bus above [`BUS_MIN`], of a positive voltage below the bus, in 1/32 768.
+    /// The same, on a bus above `BUS_MIN`, of a positive voltage below the bus, in 1/32 768.
     #[inline]
     pub const fn duty_within(&self, voltage: i32) -> u32 {
         ratio(voltage as u32, self.bus_voltage as u32)

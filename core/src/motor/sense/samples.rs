@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub const EDGES_MAX: usize = 4;
 
 /// Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the previous
-/// [`PwmCommand`](super::PwmCommand) asked for.
+/// [`PwmCommand`](crate::motor::PwmCommand) asked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Samples {
     /// Number of this PWM period since power-up.
