@@ -119,7 +119,7 @@ fn open_loop_takes_its_own_level_and_stops_at_0() {
     let (turning, stopping) = (build(500), build(0));
     let mut field = OpenLoop::default();
     let mut now = Instant::default();
-    field.start(now, 0);
+    field.start(now, 0, Direction::Forward);
     let mut step = |field: &mut OpenLoop, c: &_| {
         now = now.next();
         field.step(c, now, Direction::Forward, true)

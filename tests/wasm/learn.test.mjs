@@ -138,7 +138,7 @@ test("demagnetisation: current and inductance hold the terminal at the rail unti
     const { page, complaints } = await open("demagnetisation", STILL);
     await reaches(page, "clamped", 0, 1);
     await reaches(page, "late", 0, 0);
-    await slide(page, /Load/, 180);
+    await slide(page, /Load/, 140);
     await slide(page, /Inductance/, 4);
     await reaches(page, "clamped", 30, 60);
     await reaches(page, "late", 30, 70);

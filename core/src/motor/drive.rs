@@ -15,20 +15,18 @@ use super::commutate::commutation::{Direction, Step};
 use super::commutate::commutator::Commutator;
 use super::commutate::pwm::{Commutations, PwmCommand};
 use super::control::{Control, Demand};
-use super::guard::fault::Cause;
 use super::guard::open_phase::OpenPhase;
 use super::guard::protection::{Evidence, Protection};
 use super::machine::Machine;
 use super::machine::event::{Event, HallCalibration, Health, SlowMeasurements};
 use super::machine::state::State;
 use super::ramp::Ramp;
-use super::rotor::Rotor;
 use super::rotor::hall::HallEvents;
 use super::rotor::hall_calibration::HallCalibrator;
-use super::rotor::sensorless::Sensorless;
+use super::rotor::{Rotor, Source};
 use super::sense::measurement::Measurement;
 use super::sense::samples::{SampleMode, Samples};
-use crate::units::{Amps, ElectricalSpeed};
+use crate::units::Amps;
 use core::borrow::Borrow;
 use duties::Duties;
 pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
@@ -62,7 +60,6 @@ pub struct Drive {
     health: Health,
     measurement: Measurement,
     rotor: Rotor,
-    sensorless: Sensorless,
     protection: Protection,
     open_phase: OpenPhase,
     machine: Machine,
@@ -71,8 +68,6 @@ pub struct Drive {
     lock: Ramp,
     calibrator: HallCalibrator,
     calibration: HallCalibration,
-    /// Somebody listens to the terminals.
-    listens: bool,
     /// Duty from which the on-time is sampled, and below which the off-time is, raw U1F15.
     on_time: (u16, u16),
     duties: Duties,
@@ -102,7 +97,6 @@ impl Drive {
             health: Health::default(),
             measurement: Measurement::default(),
             rotor: Rotor::default(),
-            sensorless: Sensorless::default(),
             protection: Protection::default(),
             open_phase: OpenPhase::default(),
             machine: Machine::default(),
@@ -111,7 +105,6 @@ impl Drive {
             lock: Ramp::default(),
             calibrator: HallCalibrator::default(),
             calibration: HallCalibration::None,
-            listens: false,
             on_time: (0, 0),
             duties: Duties::default(),
             pattern: Pattern::OFF,
@@ -126,17 +119,23 @@ impl Drive {
         self
     }
 
-    /// Computes what depends on state and coefficients alone, so that the tick need not. The terminals are listened to with the bridge off, too: they
-    /// tell whether the rotor stands.
+    /// Computes what depends on state and coefficients alone, so that the tick need not.
     fn refresh(&mut self) {
-        let listens = !self.machine.state().is_driving() || self.machine.is_sensorless();
-        if listens && !self.listens {
-            self.sensorless.begin_listening(self.now);
-        }
-        self.listens = listens;
+        self.rotor.follow(self.now, self.source());
         self.on_time = self.sampling_limits();
         self.control.beware();
         self.quiet.stay_within(&self.coefficients.protection, self.machine.state());
+    }
+
+    /// Who shows where the rotor is. With the bridge off the terminals are heard, too: they tell whether it stands.
+    fn source(&self) -> Source {
+        match self.machine.state() {
+            state if !state.is_driving() => Source::Both,
+            State::HallClosedLoop => Source::Halls,
+            _ if self.machine.is_sensorless() => Source::Terminals,
+            _ if self.machine.calibrating() => Source::Halls,
+            _ => Source::Field,
+        }
     }
 
     /// Takes one event; call before [`step`](Self::step), at most once a tick.
@@ -183,7 +182,6 @@ impl Drive {
         (self.watchful, self.steers, self.stale) = (true, true, true);
         self.rotor.wake(now);
         self.machine.wake(now);
-        self.sensorless.wake();
         self.control.beware();
     }
 
@@ -191,7 +189,7 @@ impl Drive {
     pub fn step(&mut self, samples: &Samples) -> PwmCommand {
         self.now = self.now.next();
         let current = self.measurement.step(&self.coefficients.measurement, samples);
-        let sensed = self.listens && self.sense(samples);
+        let sensed = self.sense_terminals(samples);
         self.open_phase.count(current);
         let rests = !sensed && self.is_quiet(samples, current) && !self.due.is_due(self.now);
         let busy = if rests {
@@ -209,10 +207,9 @@ impl Drive {
 
     /// The terminals: true if the estimate of the rotor has changed.
     #[inline]
-    fn sense(&mut self, samples: &Samples) -> bool {
-        let (c, torque) = (&self.coefficients.sensorless, self.machine.direction());
-        let bus = self.measurement.bus_voltage();
-        self.sensorless.sense(c, self.now, samples, bus, &self.applied, torque)
+    fn sense_terminals(&mut self, samples: &Samples) -> bool {
+        let (c, bus, torque) = (&self.coefficients, self.measurement.bus_voltage(), self.machine.direction());
+        self.rotor.sense_terminals(c, self.now, samples, bus, &self.applied, torque)
     }
 
     /// Asks the stations in turn, each if its deadline has come or something new concerns it. It ends with the pattern of this period and the next deadline.
@@ -238,7 +235,7 @@ impl Drive {
         if watched || moved || self.stale {
             self.look_out(samples);
         }
-        self.sensorless.note(&self.applied);
+        self.rotor.sensorless.note(&self.applied);
         self.due = self.deadline();
         turned || moved || !self.applied.commutations.is_empty()
     }
@@ -246,13 +243,13 @@ impl Drive {
     /// The hall sensors, if they show anything or their deadline has come.
     #[inline]
     fn sense_halls(&mut self, samples: &Samples) -> HallEvents {
-        let mute = self.watchful && self.rotor.hall_mute();
-        if !(mute || !self.quiet.repeats(samples) || self.rotor.due().is_due(self.now)) {
+        let mute = self.watchful && self.rotor.hall.is_mute();
+        if !(mute || !self.quiet.repeats(samples) || self.rotor.hall.due().is_due(self.now)) {
             return HallEvents::default();
         }
         self.quiet.hall = samples.hall;
-        let events = self.rotor.step(&self.coefficients, self.now, samples);
-        if self.rotor.hall_mute() {
+        let events = self.rotor.sense_halls(&self.coefficients, self.now, samples);
+        if self.rotor.hall.is_mute() {
             // From here on the commutation counts the sectors, so the pattern is chosen in this tick.
             self.pattern_due = self.now;
         }
@@ -274,29 +271,13 @@ impl Drive {
         self.watchful = !self.protection.is_quiet()
             || self.open_phase.is_resting()
             || self.open_phase.is_found(&self.coefficients.open_phase)
-            || self.sensorless_fault().is_some()
-            || ((halls || state == State::SensorlessClosedLoop) && self.may_stand())
-            || (halls && self.rotor.hall_mute());
-        self.steers = state.is_driving() && !self.is_closed_loop() && !self.waits();
+            || self.rotor.fault().is_some()
+            || ((halls || state == State::SensorlessClosedLoop) && self.rotor.may_stand())
+            || (halls && self.rotor.hall.is_mute());
+        let idles = self.machine.calibrating() || (halls && self.pattern.demand == Demand::Off);
+        let waits = !idles && self.rotor.waits(&self.coefficients, !self.machine.reversing());
+        self.steers = state.is_driving() && !waits;
         self.stale = self.steers;
-    }
-
-    /// A closed loop turns the rotor: the pattern changes by an edge, a crossing or a deadline.
-    #[inline]
-    fn is_closed_loop(&self) -> bool {
-        match self.machine.state() {
-            State::HallClosedLoop => self.pattern.demand != Demand::Off,
-            _ => self.machine.is_sensorless() && self.sensorless.is_running(),
-        }
-    }
-
-    /// Until its deadline the pattern cannot change.
-    fn waits(&self) -> bool {
-        if self.turns_field() {
-            self.rotor.field_is_steady(&self.coefficients, !self.machine.reversing())
-        } else {
-            self.machine.is_sensorless() && self.sensorless.waits(&self.coefficients.sensorless)
-        }
     }
 
     /// Repeats the present step, without a commutation.
@@ -348,7 +329,7 @@ impl Drive {
         self.control.decide(&c.control, mode, demand, speed, &measured, &self.measurement);
         let output = self.control.output();
         self.command(output.duty, output.rectification);
-        self.sensorless.note(&self.applied);
+        self.rotor.sensorless.note(&self.applied);
         let (duties, bus) = (self.duties_sampled_alike(), self.measurement.bus_voltage());
         let c = &self.coefficients;
         self.control.ease(&c.control, c.mode(self.machine.state()), demand, bus, duties);
@@ -366,10 +347,8 @@ impl Drive {
     /// Where the hall sensors show nothing, the commutation counts the sectors.
     #[inline]
     fn count_commutation(&mut self) {
-        if self.rotor.hall_mute() {
-            let backward = self.machine.direction() == Direction::Reverse;
-            self.rotor.count_commutation(self.commutator.sector(), backward);
-        }
+        let backward = self.machine.direction() == Direction::Reverse;
+        self.rotor.count_commutation(self.commutator.sector(), backward);
     }
 
     /// True if a critical fault is present now. `ask` comes here for anything that may be a fault, or that the detector of an open phase has to see; here it is
@@ -378,7 +357,7 @@ impl Drive {
     fn protect(&mut self, samples: &Samples, current: Amps, hall: HallEvents) -> bool {
         let mut open_phase = false;
         if self.machine.state().is_driving() && !self.machine.calibrating() {
-            self.open_phase.rest(self.applied.step, self.applied.duty, current, self.may_stand());
+            self.open_phase.rest(self.applied.step, self.applied.duty, current, self.rotor.may_stand());
             open_phase = self.open_phase.is_found(&self.coefficients.open_phase);
         }
         let noted = open_phase
@@ -387,15 +366,17 @@ impl Drive {
             || current.abs().to_bits() > self.coefficients.protection.over_current.trip
             || self.concerns_faults(hall)
             || self.overspeeds(true)
-            || self.sensorless_fault().is_some()
-            || (self.machine.state() == State::HallClosedLoop && self.may_stand());
+            || self.rotor.fault().is_some()
+            || (self.machine.state() == State::HallClosedLoop && self.rotor.may_stand());
         noted && self.judge(samples, current, hall, open_phase)
     }
 
     /// The rotor has shown that it turns too fast.
     #[inline]
     fn overspeeds(&self, turned: bool) -> bool {
-        turned && self.turns().unsigned_abs() > self.quiet.overspeed && self.machine.state().is_driving()
+        turned
+            && self.rotor.turns().unsigned_abs() > self.quiet.overspeed
+            && self.machine.state().is_driving()
     }
 
     /// The fault logic must see these events of the hall sensors: all but a plain edge forward.
@@ -419,14 +400,14 @@ impl Drive {
             health: self.health,
             request: self.machine.command().request,
             hall,
-            hall_stopped: self.rotor.hall_stopped(),
-            speed: self.speed(),
+            hall_stopped: self.rotor.hall.stopped(),
+            speed: self.speed().saturating_abs(),
             hall_driving: state == State::HallClosedLoop,
             driving: state.is_driving() || self.machine.starting(),
             torque: self.applied.step != Step::Coast,
             torque_sign: self.machine.direction().sign() as i8,
             open_phase,
-            sensorless: self.sensorless_fault(),
+            sensorless: self.rotor.fault(),
         };
         self.reports.stirred = true;
         let critical = self.protection.step(&self.coefficients.protection, &evidence);
@@ -435,63 +416,15 @@ impl Drive {
         critical
     }
 
-    /// Speed as of the last edge or crossing, 2^-32 turn a tick, signed.
-    #[inline]
-    fn turns(&self) -> i32 {
-        match self.machine.state() {
-            State::HallClosedLoop => self.rotor.hall_turns(),
-            _ if self.machine.is_sensorless() => self.sensorless.rotor().speed_mean(),
-            _ => self.rotor.hall_turns(),
-        }
-    }
-
-    /// The fault of a full bucket of ended episodes. Once the bridge is off that is over, and the next start begins with an empty bucket.
-    fn sensorless_fault(&self) -> Option<Cause> {
-        let driven = self.machine.state().is_driving() && self.machine.is_sensorless();
-        if driven { self.sensorless.fault() } else { None }
-    }
-
-    /// Speed by the running mode, signed, raw I16F16 electrical rev/s.
-    #[inline]
-    fn signed_speed(&self) -> i32 {
-        if self.machine.is_sensorless() && self.machine.state() != State::HallClosedLoop {
-            self.sensorless_speed()
-        } else {
-            self.hall_speed().to_bits()
-        }
-    }
-
-    /// Its magnitude.
+    /// Speed by whom shows the rotor, signed, raw I16F16 electrical rev/s.
     #[inline]
     fn speed(&self) -> i32 {
-        self.signed_speed().saturating_abs()
+        self.rotor.speed(&self.coefficients, self.now)
     }
 
     /// [`signed_speed`](Self::signed_speed) counted in the direction of torque, 0 if the rotor turns backward.
     #[inline]
     fn speed_forward(&self) -> i32 {
-        self.machine.direction().signed(self.signed_speed()).max(0)
-    }
-
-    /// Speed by the hall sensors, signed.
-    #[inline]
-    fn hall_speed(&self) -> ElectricalSpeed {
-        self.rotor.hall_speed(&self.coefficients, self.now)
-    }
-
-    /// Speed by back-EMF, signed, raw I16F16 electrical rev/s.
-    #[inline]
-    fn sensorless_speed(&self) -> i32 {
-        let c = &self.coefficients;
-        c.speed_of_turns.apply32(self.sensorless.speed(&c.sensorless, self.now))
-    }
-
-    /// The rotor is not known to turn.
-    #[inline]
-    fn may_stand(&self) -> bool {
-        match self.machine.state() {
-            State::HallClosedLoop => self.rotor.hall_stopped(),
-            _ => !(self.machine.is_sensorless() && self.sensorless.is_running()),
-        }
+        self.machine.direction().signed(self.speed()).max(0)
     }
 }

@@ -1,4 +1,4 @@
-//! Where the rotor is: from the hall sensors, or, in open loop, where the field says it is; and how far it has turned.
+//! Where the rotor is, how fast it turns, and how far it has turned: by the hall sensors, by the terminals, or, in open loop, by the field that it follows.
 
 pub mod back_emf;
 pub mod hall;
@@ -11,17 +11,36 @@ pub mod zero_crossing;
 use super::clock::Instant;
 use super::coefficients::Coefficients;
 use super::commutate::commutation::Direction;
-use super::rotor::hall::{Hall, HallCoefficients, HallDiagnostics, HallEvents};
-use super::rotor::open_loop::{Field, OpenLoop};
+use super::commutate::pwm::PwmCommand;
+use super::guard::fault::Cause;
 use super::sense::samples::Samples;
 use crate::units::ElectricalSpeed;
+use hall::{Hall, HallCoefficients, HallEvents};
+use open_loop::OpenLoop;
+use sensorless::Sensorless;
 use serde::{Deserialize, Serialize};
+
+/// Who shows where the rotor is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Source {
+    /// The bridge is off: the hall sensors and the terminals.
+    #[default]
+    Both,
+    /// The terminals, by their back-EMF.
+    Terminals,
+    /// The hall sensors.
+    Halls,
+    /// Nobody: it is to follow the field of open loop.
+    Field,
+}
 
 /// State of the rotor station.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rotor {
-    hall: Hall,
-    open_loop: OpenLoop,
+    source: Source,
+    pub(super) hall: Hall,
+    pub(super) sensorless: Sensorless,
+    pub(super) field: OpenLoop,
     turned: Turned,
 }
 
@@ -64,9 +83,57 @@ pub struct Position {
 }
 
 impl Rotor {
-    /// One tick of the sensors.
+    /// From now on `source` shows where the rotor is.
+    pub fn follow(&mut self, now: Instant, source: Source) {
+        let listened = self.listens();
+        self.source = source;
+        if self.listens() && !listened {
+            self.sensorless.begin_listening(now);
+        }
+    }
+
+    /// Who shows where the rotor is.
     #[inline]
-    pub fn step(&mut self, c: &Coefficients, now: Instant, samples: &Samples) -> HallEvents {
+    pub const fn source(&self) -> Source {
+        self.source
+    }
+
+    /// The terminals show something of the rotor.
+    #[inline]
+    const fn listens(&self) -> bool {
+        matches!(self.source, Source::Both | Source::Terminals)
+    }
+
+    /// The next tick looks at everything.
+    pub const fn wake(&mut self, now: Instant) {
+        self.hall.wake(now);
+        self.sensorless.wake();
+    }
+
+    /// Keeps the distance of its instants below the clock's range while nothing else is asked of it.
+    pub fn renew(&mut self, now: Instant) {
+        if self.listens() {
+            self.sensorless.renew(now);
+        }
+    }
+
+    /// The terminals in one tick; `applied` was in force until this period's boundary. True if the estimate of the rotor has changed.
+    #[inline]
+    pub fn sense_terminals(
+        &mut self,
+        c: &Coefficients,
+        now: Instant,
+        samples: &Samples,
+        bus_voltage: i32,
+        applied: &PwmCommand,
+        torque: Direction,
+    ) -> bool {
+        self.listens() && self.sensorless.sense(&c.sensorless, now, samples, bus_voltage, applied, torque)
+    }
+
+    /// The hall sensors in one tick.
+    #[inline]
+    pub fn sense_halls(&mut self, c: &Coefficients, now: Instant, samples: &Samples) -> HallEvents {
         let events = self.hall.step(&c.hall, now, samples);
         self.count_halls(events.sectors < 0);
         events
@@ -86,22 +153,12 @@ impl Rotor {
     /// The bridge was commutated for a rotor in `sector` (0..=5): where the hall sensors show nothing, that is where it is.
     #[inline]
     pub const fn count_commutation(&mut self, sector: Option<u8>, backward: bool) {
-        if let Some(sector) = sector
+        if self.hall.is_mute()
+            && let Some(sector) = sector
             && !matches!(self.turned.sector, Some(counted) if counted == sector)
         {
             self.turned.reach(sector, backward);
         }
-    }
-
-    /// When the hall sensors have to be asked even if their code stays.
-    #[inline]
-    pub const fn due(&self) -> Instant {
-        self.hall.due()
-    }
-
-    /// The next tick looks at everything.
-    pub const fn wake(&mut self, now: Instant) {
-        self.hall.wake(now);
     }
 
     /// The hall lines mean something else from now on: what was measured by the old meaning is forgotten.
@@ -111,59 +168,62 @@ impl Rotor {
         }
     }
 
-    /// Open loop starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where
-    /// the field's pull is 0 and grows as it turns.
-    pub fn start_open_loop(&mut self, now: Instant, angle: u32, direction: Direction) {
-        const QUARTER: u32 = 1 << 30;
-        self.open_loop.start(
-            now,
-            match direction {
-                Direction::Forward => angle.wrapping_sub(QUARTER),
-                Direction::Reverse => angle.wrapping_add(QUARTER),
-            },
-        );
-    }
-
-    /// One tick of the open-loop field; it slows to standstill unless `run`.
-    pub fn step_open_loop(
-        &mut self,
-        c: &Coefficients,
-        now: Instant,
-        direction: Direction,
-        run: bool,
-    ) -> Field {
-        self.open_loop.step(&c.open_loop, now, direction, run)
-    }
-
-    /// The field turns on at the speed that it has.
-    pub fn field_is_steady(&self, c: &Coefficients, run: bool) -> bool {
-        self.open_loop.is_steady(&c.open_loop, run)
-    }
-
-    /// The open-loop field stands still.
-    pub const fn field_stopped(&self) -> bool {
-        self.open_loop.stopped()
-    }
-
-    /// Position by the hall sensors.
+    /// The fault of too many episodes that ended. Once the bridge is off that is over, and the next start begins with none.
     #[inline]
-    pub const fn hall_position(&self, now: Instant) -> Position {
-        Position { angle: self.hall.angle(now), speed: self.hall.speed() }
+    pub fn fault(&self) -> Option<Cause> {
+        if self.source == Source::Terminals { self.sensorless.fault() } else { None }
     }
 
-    /// No hall edge for the time-out.
-    pub const fn hall_stopped(&self) -> bool {
-        self.hall.stopped()
+    /// Until a deadline the rotor and what leads it change by nothing but what the sensors show. `run`: open loop keeps its speed.
+    pub fn waits(&self, c: &Coefficients, run: bool) -> bool {
+        match self.source {
+            Source::Both | Source::Halls => true,
+            Source::Terminals => self.sensorless.waits(&c.sensorless),
+            Source::Field => self.field.is_steady(&c.open_loop, run),
+        }
     }
 
-    /// The hall sensors are not to be believed now.
-    pub const fn hall_doubtful(&self) -> bool {
-        self.hall.doubtful()
+    /// The rotor is not known to turn.
+    #[inline]
+    pub const fn may_stand(&self) -> bool {
+        match self.source {
+            Source::Halls => self.hall.stopped(),
+            Source::Terminals => !self.sensorless.is_running(),
+            Source::Both | Source::Field => true,
+        }
     }
 
-    /// The hall sensors show no valid code.
-    pub const fn hall_mute(&self) -> bool {
-        self.hall.is_mute()
+    /// The rotor is known to stand: with the bridge off neither its terminals nor the hall sensors show that it turns.
+    pub fn stands_still(&self, c: &Coefficients, now: Instant) -> bool {
+        let silent = self.hall.is_mute() || self.hall.stopped();
+        self.listens() && self.sensorless.hears_rest(&c.sensorless, now) && silent
+    }
+
+    /// The bridge turns the rotor or holds it: it does not coast.
+    pub const fn is_led(&self) -> bool {
+        match self.source {
+            Source::Both => false,
+            Source::Terminals => self.sensorless.is_led(),
+            Source::Halls | Source::Field => true,
+        }
+    }
+
+    /// Speed by whom shows it, signed, raw I16F16 electrical rev/s.
+    #[inline]
+    pub fn speed(&self, c: &Coefficients, now: Instant) -> i32 {
+        match self.source {
+            Source::Terminals => self.speed_heard(c, now),
+            Source::Both | Source::Halls | Source::Field => self.hall_speed(c, now).to_bits(),
+        }
+    }
+
+    /// The same as of the last edge or crossing, 2^-32 turn a tick.
+    #[inline]
+    pub const fn turns(&self) -> i32 {
+        match self.source {
+            Source::Terminals => self.sensorless.rotor().speed_mean(),
+            Source::Both | Source::Halls | Source::Field => self.hall.speed(),
+        }
     }
 
     /// Speed by the hall sensors, signed.
@@ -172,29 +232,33 @@ impl Rotor {
         ElectricalSpeed::from_bits(c.speed_of_turns.apply32(self.hall.speed_bounded(now)))
     }
 
-    /// Speed as of the last edge, 2^-32 turn a tick, signed.
-    #[inline]
-    pub const fn hall_turns(&self) -> i32 {
-        self.hall.speed()
+    /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by the terminals, or that of the open-loop field; 0 if neither is there.
+    pub fn speed_without_halls(&self, c: &Coefficients, now: Instant, torque: Direction) -> i32 {
+        match self.source {
+            Source::Both | Source::Terminals => self.speed_heard(c, now),
+            Source::Halls => 0,
+            Source::Field => torque.signed(self.field.frequency()),
+        }
     }
 
-    /// Counts of the hall sensors.
-    pub const fn hall_diagnostics(&self) -> HallDiagnostics {
-        self.hall.diagnostics()
+    /// Speed by the terminals, signed, raw I16F16 electrical rev/s.
+    #[inline]
+    fn speed_heard(&self, c: &Coefficients, now: Instant) -> i32 {
+        c.speed_of_turns.apply32(self.sensorless.speed(&c.sensorless, now))
+    }
+
+    /// Electrical angle at the boundary `now`, u32 turn.
+    pub const fn angle(&self, now: Instant) -> u32 {
+        match self.source {
+            Source::Both if self.hall.is_mute() => self.sensorless.rotor().angle(now),
+            Source::Both | Source::Halls => self.hall.angle(now),
+            Source::Terminals => self.sensorless.rotor().angle(now),
+            Source::Field => self.field.angle(now),
+        }
     }
 
     /// Sectors turned since power-up, signed: by the hall sensors, or by the commutation where they show nothing.
     pub const fn sectors(&self) -> i32 {
         self.turned.sectors
-    }
-
-    /// Angle of the open-loop field, u32 turn.
-    pub const fn field_angle(&self, now: Instant) -> u32 {
-        self.open_loop.angle(now)
-    }
-
-    /// Frequency of the open-loop field, a magnitude, raw I16F16 electrical rev/s.
-    pub const fn field_frequency(&self) -> i32 {
-        self.open_loop.frequency()
     }
 }

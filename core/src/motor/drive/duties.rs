@@ -4,19 +4,16 @@ use super::Drive;
 use crate::motor::clock::Instant;
 use crate::motor::control::Demand;
 use crate::motor::machine::state::State;
+use crate::motor::rotor::Source;
 use crate::motor::sense::samples::Samples;
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
 
-/// The duties of a millisecond in their order.
-mod duty {
-    pub(super) const RATINGS: u32 = 0;
-    pub(super) const SPEED_LOOP: u32 = 1;
-    pub(super) const RAILS: u32 = 2;
-    pub(super) const REPORT: u32 = 3;
-    /// Number of duties.
-    pub(super) const COUNT: u32 = 4;
-}
+/// The duties of a millisecond in their order; the last one is rails and report.
+const RATINGS: u32 = 0;
+const SPEED_LOOP: u32 = 1;
+/// Number of duties.
+const DUTIES: u32 = 3;
 
 /// How far this millisecond's duties have come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,32 +40,26 @@ impl Drive {
     pub(super) fn do_duty(&mut self, busy: bool, samples: &Samples, current: Amps) {
         let (now, next) = (self.now, self.duties.next);
         self.duties.due = now.next();
-        if next == duty::RATINGS {
+        if next == RATINGS {
             let ticks = self.coefficients.control.ticks_per_ms.into();
-            if ticks < duty::COUNT {
+            if ticks < DUTIES {
                 return self.do_all(ticks, samples, current);
             }
         }
         // The first millisecond after power-up has no end yet; nothing turns then, so no tick is busy.
         let ticks_left = self.duties.end.since(now);
-        if busy && ticks_left > duty::COUNT - next {
+        if busy && ticks_left > DUTIES - next {
             return;
         }
         self.duties.next = next + 1;
         match next {
-            duty::RATINGS => self.rate(current),
-            duty::SPEED_LOOP => {
-                if !self.listens {
-                    self.duties.next = duty::REPORT;
-                }
-                self.run_speed_loop(current);
-            }
-            duty::RAILS => self.check_rails(),
+            RATINGS => self.rate(current),
+            SPEED_LOOP => self.run_speed_loop(current),
             _ => {
                 let end = self.duties.end;
                 let next_end = end.after(self.coefficients.control.ticks_per_ms.into());
-                self.duties =
-                    Duties { due: end, next: duty::RATINGS, end: next_end, speed: self.duties.speed };
+                self.duties = Duties { due: end, next: RATINGS, end: next_end, speed: self.duties.speed };
+                self.check_rails();
                 self.make_due(samples);
             }
         }
@@ -80,9 +71,7 @@ impl Drive {
         self.duties.due = self.now.after(ticks);
         self.rate(current);
         self.run_speed_loop(current);
-        if self.listens {
-            self.check_rails();
-        }
+        self.check_rails();
         self.make_due(samples);
     }
 
@@ -106,7 +95,7 @@ impl Drive {
         let c = &self.coefficients;
         let mode = c.mode(self.machine.state());
         // A rotor that is found late, or has leapt ahead, comes to the ramp of open loop at twice its rate.
-        let rises = self.machine.state() == State::OpenLoop && !self.sensorless.is_caught();
+        let rises = self.machine.state() == State::OpenLoop && !self.rotor.sensorless.is_caught();
         let (wanted, rate) = if rises {
             let rate = c.open_loop.rate.saturating_mul(2 * i64::from(c.control.ticks_per_ms));
             (c.open_loop.setpoint(self.machine.age(self.now)), rate)
@@ -120,16 +109,18 @@ impl Drive {
 
     #[inline(never)]
     fn check_rails(&mut self) {
+        if self.rotor.source() != Source::Terminals {
+            return;
+        }
         let c = &self.coefficients;
-        if self.machine.state().is_driving() {
-            let driven = self.applied.duty != Duty::ZERO;
-            let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
-            let current = self.control.phase_current();
-            self.sensorless.check(&c.sensorless, self.now, driven, applied, current, self.duties.speed);
-            // The check may have ended the episode: the next tick asks.
-            if !self.sensorless.is_running() {
-                (self.due, self.watchful, self.steers) = (self.now, true, true);
-            }
+        let driven = self.applied.duty != Duty::ZERO;
+        let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
+        let current = self.control.phase_current();
+        let speed = self.duties.speed;
+        self.rotor.sensorless.check(&c.sensorless, self.now, driven, applied, current, speed);
+        // The check may have ended the episode: the next tick asks.
+        if !self.rotor.sensorless.is_running() {
+            (self.due, self.watchful, self.steers) = (self.now, true, true);
         }
     }
 }

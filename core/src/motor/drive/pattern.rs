@@ -5,9 +5,9 @@ use crate::motor::commutate::commutation::Step;
 use crate::motor::commutate::pwm::{Commutations, Rectification};
 use crate::motor::control::Demand;
 use crate::motor::machine::state::State;
-use crate::motor::rotor::Position;
 use crate::motor::rotor::hall_calibration::HallCalibrator;
 use crate::motor::rotor::sensorless::Plan;
+use crate::motor::rotor::{Position, Source};
 use crate::motor::sense::samples::{SampleMode, Samples};
 use crate::units::Duty;
 use serde::{Deserialize, Serialize};
@@ -34,16 +34,13 @@ impl Drive {
     /// Sets what this state wants of the bridge. The rotor's position if the commutator is to choose the step, `None` if one is held or the bridge is off.
     #[inline]
     pub(super) fn choose_demand(&mut self, samples: &Samples) -> Option<Position> {
-        let held = match self.machine.state() {
-            State::HallClosedLoop => return self.hall_closed_loop(),
-            State::RotorLock if self.machine.calibrating() => self.calibration_lock(),
-            State::OpenLoop if self.machine.calibrating() => self.hall_calibration(samples),
-            State::OpenLoop if !self.machine.is_sensorless() => return self.open_loop(),
-            State::RotorLock
-            | State::OpenLoop
-            | State::SensorlessClosedLoop
-            | State::SensorlessAutoRestart => return self.sensorless(),
-            State::Initialization | State::Standby | State::Fault => Pattern::OFF,
+        let held = match self.rotor.source() {
+            Source::Both => Pattern::OFF,
+            Source::Terminals => return self.sensorless(),
+            Source::Field => return self.open_loop(),
+            Source::Halls if !self.machine.calibrating() => return self.hall_closed_loop(),
+            Source::Halls if self.machine.state() == State::RotorLock => self.calibration_lock(),
+            Source::Halls => self.hall_calibration(samples),
         };
         self.hold(held)
     }
@@ -71,12 +68,12 @@ impl Drive {
         let direction = self.machine.direction();
         let state = self.machine.state();
         // While a reversal is requested no rotor is started in the old direction.
-        if !self.sensorless.is_running() && self.machine.reversing() {
+        if !self.rotor.sensorless.is_running() && self.machine.reversing() {
             return self.hold(Pattern::OFF);
         }
-        let plan = self.sensorless.step(&self.coefficients.sensorless, self.now, state, direction);
-        self.pattern_due = self.sensorless.due();
-        if let Some(caught) = self.sensorless.take_begun() {
+        let plan = self.rotor.sensorless.step(&self.coefficients.sensorless, self.now, state, direction);
+        self.pattern_due = self.rotor.sensorless.due();
+        if let Some(caught) = self.rotor.sensorless.take_begun() {
             self.close_loop(caught);
         }
         match plan {
@@ -92,7 +89,7 @@ impl Drive {
             }
             Plan::Hold(step, level) => return self.hold(Pattern::hold(Demand::Level(level), step)),
         }
-        let rotor = self.sensorless.rotor();
+        let rotor = self.rotor.sensorless.rotor();
         Some(Position { angle: rotor.angle(self.now), speed: rotor.speed() })
     }
 
@@ -130,7 +127,7 @@ impl Drive {
     fn open_loop(&mut self) -> Option<Position> {
         let direction = self.machine.direction();
         let run = !self.machine.reversing();
-        let field = self.rotor.step_open_loop(&self.coefficients, self.now, direction, run);
+        let field = self.rotor.field.step(&self.coefficients.open_loop, self.now, direction, run);
         self.want(Demand::Level(field.level));
         Some(Position { angle: field.angle, speed: field.speed })
     }
@@ -140,13 +137,13 @@ impl Drive {
     #[inline]
     fn hall_closed_loop(&mut self) -> Option<Position> {
         let torque = self.machine.direction();
-        let turns_back = torque.signed(self.rotor.hall_turns()) < 0
-            && torque.signed(self.hall_speed().to_bits()) < -(self.coefficients.hall_mode.speed_min / 2);
-        if turns_back || self.rotor.hall_doubtful() {
+        let turns_back = torque.signed(self.rotor.hall.speed()) < 0
+            && torque.signed(self.speed()) < -(self.coefficients.hall_mode.speed_min / 2);
+        if turns_back || self.rotor.hall.doubtful() {
             return self.hold(Pattern::OFF);
         }
         self.want(Demand::Speed(0));
-        Some(self.rotor.hall_position(self.now))
+        Some(Position { angle: self.rotor.hall.angle(self.now), speed: self.rotor.hall.speed() })
     }
 
     /// Sets what is applied. A duty of 0 leaves the bridge off: with the low side on, a turning motor would brake itself. The step acts in this period and the
@@ -165,7 +162,7 @@ impl Drive {
 
     /// Duties from which the on-time is sampled, and below which the off-time is, raw U1F15.
     pub(super) fn sampling_limits(&self) -> (u16, u16) {
-        if !self.listens {
+        if matches!(self.rotor.source(), Source::Halls | Source::Field) {
             // Without an eye on back-EMF there is no need to go that far.
             return (ON_ABOVE, OFF_BELOW);
         }

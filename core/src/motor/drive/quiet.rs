@@ -67,6 +67,6 @@ impl Drive {
         if self.watchful || self.steers {
             return self.now.next();
         }
-        self.machine.due().earlier(self.rotor.due()).earlier(self.pattern_due)
+        self.machine.due().earlier(self.rotor.hall.due()).earlier(self.pattern_due)
     }
 }

@@ -4,6 +4,7 @@ use super::Drive;
 use crate::motor::commutate::commutation::{Direction, Step};
 use crate::motor::machine::event::{Limiter, Status};
 use crate::motor::machine::state::State;
+use crate::motor::rotor::Source;
 use crate::motor::sense::samples::Samples;
 use crate::units::{Amps, ElectricalAngle, ElectricalSpeed, Volts, Watts};
 use serde::{Deserialize, Serialize};
@@ -67,12 +68,12 @@ impl Drive {
     pub(super) fn setpoint(&self) -> i32 {
         let closed = match self.machine.state() {
             State::HallClosedLoop => true,
-            State::SensorlessClosedLoop | State::SensorlessAutoRestart => self.sensorless.is_running(),
+            State::SensorlessClosedLoop | State::SensorlessAutoRestart => self.rotor.sensorless.is_running(),
             _ => false,
         };
         let setpoint = match closed {
             true => self.control.setpoint(),
-            false if self.turns_field() => self.rotor.field_frequency(),
+            false if self.rotor.source() == Source::Field => self.rotor.field.frequency(),
             false => 0,
         };
         match self.machine.direction() {
@@ -83,40 +84,24 @@ impl Drive {
 
     /// Speed without hall sensors, signed, raw I16F16 electrical rev/s: by back-EMF, or that of the open-loop field; 0 if neither is there.
     pub(super) fn speed_sensorless(&self) -> i32 {
-        if self.listens {
-            self.sensorless_speed()
-        } else if self.turns_field() {
-            self.machine.direction().signed(self.rotor.field_frequency())
-        } else {
-            0
-        }
-    }
-
-    /// The rotor is known to stand: with the bridge off neither its terminals nor the hall sensors show that it turns.
-    fn stands_still(&self) -> bool {
-        let c = &self.coefficients;
-        let (mute, stopped) = (self.rotor.hall_mute(), self.rotor.hall_stopped());
-        self.listens && self.sensorless.hears_rest(&c.sensorless, self.now) && (mute || stopped)
+        self.rotor.speed_without_halls(&self.coefficients, self.now, self.machine.direction())
     }
 
     /// The rotor may turn while [`Status::sectors`] stands: no hall sensor shows it, and no commutation leads or follows it.
     fn loses_sight(&self) -> bool {
-        let led = match self.machine.state() {
-            // The position is counted from here.
-            State::Initialization => true,
-            state => state.is_driving() && (!self.machine.is_sensorless() || self.sensorless.is_led()),
-        };
-        self.rotor.hall_mute() && !led && !self.stands_still()
+        // The position is counted from the end of Initialization.
+        let counts = self.machine.state() != State::Initialization && self.rotor.hall.is_mute();
+        counts && !self.rotor.is_led() && !self.rotor.stands_still(&self.coefficients, self.now)
     }
 
     fn status(&self) -> Status {
         let c = &self.coefficients;
         let direction = self.machine.direction();
         let state = self.machine.state();
-        let hall = self.rotor.hall_diagnostics();
+        let hall = self.rotor.hall.diagnostics();
         let (voltage, current) = (self.measurement.bus_voltage(), self.measurement.bus_current());
         let power = (i64::from(voltage) * i64::from(current)) >> 16;
-        let (crossing, crossing_margin, crossings) = self.sensorless.why();
+        let (crossing, crossing_margin, crossings) = self.rotor.sensorless.why();
         Status {
             tick: self.reports.tick,
             state,
@@ -128,11 +113,11 @@ impl Drive {
             supply_low: voltage < c.protection.supply_low,
             direction,
             setpoint: ElectricalSpeed::from_bits(self.setpoint()),
-            speed_hall: self.hall_speed(),
+            speed_hall: self.rotor.hall_speed(c, self.now),
             speed_sensorless: ElectricalSpeed::from_bits(self.speed_sensorless()),
             angle: ElectricalAngle((self.angle() >> 16) as u16),
             sectors: self.rotor.sectors(),
-            standstill: self.stands_still(),
+            standstill: self.rotor.stands_still(c, self.now),
             unseen: self.loses_sight(),
             bus_voltage: Volts::from_bits(voltage),
             bus_current: Amps::from_bits(current),

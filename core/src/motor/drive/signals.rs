@@ -2,7 +2,6 @@
 
 use super::Drive;
 use crate::motor::guard::fault::FaultWord;
-use crate::motor::machine::state::State;
 use crate::motor::rotor::zero_crossing::Why;
 use crate::motor::sense::samples::Samples;
 use crate::motor::signal::{ShaftScale, Signal};
@@ -17,7 +16,7 @@ impl Drive {
     /// What became of the last step's zero crossing, how far the last accepted one lay behind its prediction (turn of 65 536), and how many were
     /// accepted.
     pub const fn crossing(&self) -> (Why, i16, u32) {
-        self.sensorless.why()
+        self.rotor.sensorless.why()
     }
 
     /// Sample of a signal as of the last step, Q3.12 of its base in [`DRIVE_SIGNALS`](crate::motor::signal::DRIVE_SIGNALS): what a scope would record.
@@ -54,7 +53,9 @@ impl Drive {
         match signal {
             Signal::SetPoint => bounded(shaft.speed(self.setpoint())),
             Signal::SpeedSensorless => bounded(shaft.speed(self.speed_sensorless())),
-            Signal::SpeedHall => bounded(shaft.speed(self.hall_speed().to_bits())),
+            Signal::SpeedHall => {
+                bounded(shaft.speed(self.rotor.hall_speed(&self.coefficients, self.now).to_bits()))
+            }
             Signal::BusVoltage => bounded(self.measurement.bus_voltage() >> 8),
             Signal::BusCurrent => bounded(self.measurement.bus_current() >> 5),
             Signal::Power => {
@@ -70,8 +71,8 @@ impl Drive {
             Signal::Limiter => (self.limiter() as i32) << 11,
             Signal::Step => (self.applied.step as i32) << 11,
             Signal::Hall => bounded(i32::from(samples.hall) << 12),
-            Signal::Crossing => (self.sensorless.why().0 as i32) << 12,
-            Signal::CrossingMargin => i32::from(self.sensorless.why().1 >> 1),
+            Signal::Crossing => (self.rotor.sensorless.why().0 as i32) << 12,
+            Signal::CrossingMargin => i32::from(self.rotor.sensorless.why().1 >> 1),
             Signal::LoopVoltage => bounded(self.control.speed_voltage() >> 8),
             Signal::PhaseCurrent => bounded(self.control.phase_current() >> 5),
             Signal::PeriodCurrent => {
@@ -86,14 +87,6 @@ impl Drive {
         }
     }
 
-    /// Open loop turns its field, whatever the rotor does.
-    #[inline]
-    pub(super) const fn turns_field(&self) -> bool {
-        matches!(self.machine.state(), State::OpenLoop)
-            && !self.machine.calibrating()
-            && !self.machine.is_sensorless()
-    }
-
     /// Electrical angle that the commutation uses, u32 turn: extrapolated to `now`, also while the estimator is not asked.
     #[inline]
     pub(super) fn angle(&self) -> u32 {
@@ -102,13 +95,7 @@ impl Drive {
         {
             return lock;
         }
-        if self.turns_field() {
-            self.rotor.field_angle(self.now)
-        } else if !self.listens || (!self.machine.state().is_driving() && !self.rotor.hall_mute()) {
-            self.rotor.hall_position(self.now).angle
-        } else {
-            self.sensorless.rotor().angle(self.now)
-        }
+        self.rotor.angle(self.now)
     }
 }
 

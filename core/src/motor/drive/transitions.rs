@@ -11,10 +11,8 @@ impl Drive {
     /// True if the state has changed.
     #[inline(never)]
     pub(super) fn advance_state(&mut self, critical: bool, samples: &Samples) -> bool {
-        if self.listens {
-            self.sensorless.renew(self.now);
-        }
-        let stands = self.may_stand();
+        self.rotor.renew(self.now);
+        let stands = self.rotor.may_stand();
         !self.machine.rests(self.now, critical, stands) && self.change_state(critical, stands, samples)
     }
 
@@ -24,10 +22,10 @@ impl Drive {
         match self.machine.state() {
             // A calibration's field is slow enough to count as standing.
             State::OpenLoop if !self.machine.is_sensorless() => {
-                self.machine.calibrating() || self.rotor.field_stopped()
+                self.machine.calibrating() || self.rotor.field.stopped()
             }
             // What was not brought up by the end of open loop (T34) has the time-out to show a crossing.
-            State::SensorlessClosedLoop if self.sensorless.is_kicking() => {
+            State::SensorlessClosedLoop if self.rotor.sensorless.is_kicking() => {
                 self.machine.age(self.now) > self.coefficients.sensorless.timeout >> 16
             }
             _ => stands,
@@ -77,31 +75,31 @@ impl Drive {
                 if self.machine.calibrating() {
                     self.calibration = HallCalibration::Running;
                 } else {
-                    self.sensorless.start(self.now, true);
+                    self.rotor.sensorless.start(self.now, true);
                 }
             }
             State::OpenLoop if self.machine.is_sensorless() => {}
-            State::SensorlessClosedLoop if self.sensorless.is_running() => {
-                let brought_up = change.row.from == State::OpenLoop && !self.sensorless.is_caught();
+            State::SensorlessClosedLoop if self.rotor.sensorless.is_running() => {
+                let brought_up = change.row.from == State::OpenLoop && !self.rotor.sensorless.is_caught();
                 let initial = c.control.volts(c.control.initial_level, bus);
                 if brought_up && initial > 0 {
                     self.control.hand_over(self.control.setpoint(), initial);
                 }
             }
             State::SensorlessAutoRestart => {
-                self.sensorless.start(self.now, false);
+                self.rotor.sensorless.start(self.now, false);
                 self.control.start(&c.control, 0, bus);
             }
             State::OpenLoop => {
                 if self.machine.calibrating() {
                     self.calibrator.start(samples.hall);
                 } else {
-                    self.rotor.start_open_loop(self.now, 0, direction);
+                    self.rotor.field.start(self.now, 0, direction);
                     self.control.start(&c.control, 0, bus);
                 }
             }
             State::HallClosedLoop => {
-                let speed = self.hall_speed().to_bits().saturating_mul(direction.sign());
+                let speed = self.rotor.hall_speed(c, self.now).to_bits().saturating_mul(direction.sign());
                 self.control.start(&c.control, speed.min(c.hall_mode.speed_max).max(0), bus);
             }
             _ => {}
@@ -112,7 +110,7 @@ impl Drive {
             self.commutator.reset();
         }
         if !change.row.to.is_driving() {
-            self.sensorless.end_start(self.now);
+            self.rotor.sensorless.end_start(self.now);
             if self.calibration == HallCalibration::Running {
                 self.calibration = HallCalibration::Failed;
             }

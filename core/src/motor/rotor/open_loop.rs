@@ -56,8 +56,13 @@ impl OpenLoopCoefficients {
 }
 
 impl OpenLoop {
-    /// Starts at a rotor angle (u32 turn) from zero frequency.
-    pub fn start(&mut self, now: Instant, angle: u32) {
+    /// Starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where the field's pull is 0 and grows as it turns.
+    pub fn start(&mut self, now: Instant, angle: u32, direction: Direction) {
+        const QUARTER: u32 = 1 << 30;
+        let angle = match direction {
+            Direction::Forward => angle.wrapping_sub(QUARTER),
+            Direction::Reverse => angle.wrapping_add(QUARTER),
+        };
         *self = Self { angle, at: now, ..Self::default() };
     }
 
