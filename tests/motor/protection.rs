@@ -1,6 +1,8 @@
 //! Fault logic: every cause with its threshold, hysteresis and published qualification time, mask, latch and code.
 
 use crate::support::coefficients;
+use core::ops::{Deref, DerefMut};
+use narx_core::motor::clock::Instant;
 use narx_core::motor::guard::fault::CauseRow;
 use narx_core::motor::guard::protection::{Evidence, Protection, ProtectionCoefficients};
 use narx_core::motor::machine::event::{Health, Request, SlowMeasurements};
@@ -26,6 +28,34 @@ pub(crate) fn healthy() -> Evidence {
         torque: true,
         torque_sign: 1,
         open_phase: false,
+    }
+}
+
+/// The fault logic and its clock.
+#[derive(Default)]
+pub(crate) struct Guard {
+    pub(crate) now: Instant,
+    protection: Protection,
+}
+
+impl Guard {
+    pub(crate) fn step(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
+        self.now = self.now.next();
+        self.protection.step(c, self.now, evidence)
+    }
+}
+
+impl Deref for Guard {
+    type Target = Protection;
+
+    fn deref(&self) -> &Protection {
+        &self.protection
+    }
+}
+
+impl DerefMut for Guard {
+    fn deref_mut(&mut self) -> &mut Protection {
+        &mut self.protection
     }
 }
 
@@ -79,7 +109,7 @@ fn thresholds_hysteresis_and_qualification() {
     let c = limits(u32::MAX);
     for (cause, within, beyond, held, cleared) in QUANTITIES {
         let critical = cause != Cause::TemperatureWarning;
-        let mut protection = Protection::default();
+        let mut protection = Guard::default();
         let mut word = |evidence: &Evidence| {
             let tripped = protection.step(&c, evidence);
             assert_eq!(
@@ -121,7 +151,7 @@ fn thresholds_hysteresis_and_qualification() {
 fn an_over_voltage_of_more_than_a_volt_qualifies_at_once() {
     let c = limits(u32::MAX);
     for (milli, at_once) in [(61_001, false), (62_000, false), (62_001, true), (80_000, true)] {
-        let mut protection = Protection::default();
+        let mut protection = Guard::default();
         assert_eq!(protection.step(&c, &with(Cause::OverVoltage, milli)), at_once, "{milli} mV");
     }
 }
@@ -144,7 +174,7 @@ fn conditions_qualify_as_published() {
         (Cause::StoreVersion, Evidence { health: store(FaultWord::STORE_VERSION), ..h }),
     ];
     for (cause, evidence) in cases {
-        let mut protection = Protection::default();
+        let mut protection = Guard::default();
         assert!(!protection.step(&c, &healthy()));
         let needed = ticks(cause);
         for tick in 1..=needed {
@@ -155,14 +185,14 @@ fn conditions_qualify_as_published() {
         assert_eq!(protection.critical(), cause.bit(), "{cause:?} is latched");
     }
     // The other digital input is not configured to shut down.
-    let mut protection = Protection::default();
+    let mut protection = Guard::default();
     assert!(!(0..100).any(|_| protection.step(&c, &Evidence { lines: Lines::DSI2, ..healthy() })));
 }
 
 /// Ticks until the fault, in a hall closed loop in which every tick is `evidence(tick)`.
 fn hall_fault(evidence: impl Fn(u32) -> Evidence) -> Option<(u32, u16)> {
     let c = limits(u32::MAX);
-    let mut protection = Protection::default();
+    let mut protection = Guard::default();
     (1..20_000).find_map(|tick| protection.step(&c, &evidence(tick)).then(|| (tick, protection.code())))
 }
 
@@ -223,7 +253,7 @@ fn mask_bit_by_bit() {
         for (mask, chosen) in [(1 << bit, true), (!(1_u32 << bit), false), (0, false), (u32::MAX, true)] {
             for driving in [false, true] {
                 let c = limits(mask);
-                let mut protection = Protection::default();
+                let mut protection = Guard::default();
                 // Hall sensors are judged while driving only.
                 let evidence = Evidence { driving, hall_driving: driving, ..evidence };
                 let critical = (0..2000).any(|_| protection.step(&c, &evidence));
@@ -238,7 +268,7 @@ fn mask_bit_by_bit() {
     }
     // The time-out is the state machine's to judge; it is latched as it is raised.
     assert!(FaultWord::critical(0, true).contains(FaultWord::DEVICE_TIMEOUT));
-    let mut protection = Protection::default();
+    let mut protection = Guard::default();
     protection.raise_timeout();
     assert_eq!((protection.critical(), protection.code()), (FaultWord::DEVICE_TIMEOUT, 0x1D01));
 }
@@ -246,7 +276,7 @@ fn mask_bit_by_bit() {
 #[test]
 fn the_first_code_is_kept() {
     let c = limits(u32::MAX);
-    let mut protection = Protection::default();
+    let mut protection = Guard::default();
     protection.step(&c, &Evidence { lines: Lines::DRIVER_FAULT, ..healthy() });
     protection.step(&c, &Evidence { lines: Lines::EMERGENCY, ..healthy() });
     assert_eq!(protection.code(), Cause::DriverLine as u16);

@@ -1,26 +1,27 @@
-//! When the fault logic need not look: a tick that may leave it out is one in which it would find nothing.
+//! When the fault logic need not look: a tick that may leave it out is one in which it would find nothing new.
 
-use crate::protection::{QUANTITIES, healthy, limits, with};
-use narx_core::motor::guard::protection::{Evidence, Health, Protection, ProtectionCoefficients};
+use crate::protection::{Guard, QUANTITIES, healthy, limits, with};
+use narx_core::motor::guard::protection::{Evidence, Health, Limit, ProtectionCoefficients};
 use narx_core::motor::rotor::hall::HallEvents;
 use narx_core::motor::{Cause, FaultWord, Lines};
+use narx_core::units::{Amps, Celsius, Volts};
+use proptest::prelude::*;
 
-fn at_rest(c: &ProtectionCoefficients) -> Protection {
-    let mut protection = Protection::default();
-    assert!(!protection.is_quiet(), "nothing was looked at yet");
-    protection.step(c, &healthy());
-    protection
+fn at_rest(c: &ProtectionCoefficients) -> Guard {
+    let mut guard = Guard::default();
+    assert!(guard.due().is_due(guard.now), "nothing was looked at yet");
+    guard.step(c, &healthy());
+    guard
 }
 
-/// The tick with this evidence may leave it out.
-fn is_left_out(protection: &Protection, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
+/// The next tick with this evidence may leave it out.
+fn is_left_out(guard: &Guard, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
     let (voltage, current) =
         (evidence.measured.bus_voltage.to_bits(), evidence.measured.bus_current.to_bits());
-    protection.stays_quiet(evidence.speed)
-        && protection.stays_quiet_at(c, &evidence.slow)
-        && c.bus_voltage().contains(voltage)
-        && c.bus_current().contains(current)
-        && !evidence.lines.intersects(c.lines())
+    !guard.due().is_due(guard.now.next())
+        && evidence.speed <= guard.overspeed_trip()
+        && guard.stays_calm(voltage, current, evidence.lines)
+        && guard.stays_calm_at(c, &evidence.slow)
 }
 
 /// Up to each threshold, and not a thousandth beyond it.
@@ -32,16 +33,16 @@ fn every_quantity_stirs_it_at_its_threshold() {
             // The warning would come before it.
             c.warning.trip = i32::MAX;
         }
-        let protection = at_rest(&c);
-        assert!(is_left_out(&protection, &c, &with(cause, within)), "{cause:?}");
-        assert!(!is_left_out(&protection, &c, &with(cause, beyond)), "{cause:?}");
+        let guard = at_rest(&c);
+        assert!(is_left_out(&guard, &c, &with(cause, within)), "{cause:?}");
+        assert!(!is_left_out(&guard, &c, &with(cause, beyond)), "{cause:?}");
     }
 }
 
 #[test]
 fn every_line_that_is_looked_at_stirs_it() {
     let c = limits(u32::MAX);
-    let protection = at_rest(&c);
+    let guard = at_rest(&c);
     for (line, seen) in [
         (Lines::DRIVER_FAULT, true),
         (Lines::EMERGENCY, true),
@@ -49,41 +50,101 @@ fn every_line_that_is_looked_at_stirs_it() {
         // Not configured to shut down.
         (Lines::DSI2, false),
     ] {
-        assert_eq!(is_left_out(&protection, &c, &Evidence { lines: line, ..healthy() }), !seen, "{line:?}");
+        assert_eq!(is_left_out(&guard, &c, &Evidence { lines: line, ..healthy() }), !seen, "{line:?}");
     }
 }
 
-/// What has begun to qualify, or waits to clear, is looked at in every tick; then there is rest again.
+/// A fault that lasts needs no look before it ends: half a minute of it takes a few.
 #[test]
-fn what_was_stirred_comes_to_rest() {
+fn a_lasting_fault_is_left_out() {
     let c = limits(0);
-    let h = Evidence { driving: false, ..healthy() };
-    let hall = |hall| Evidence { hall, ..healthy() };
-    let mut cases: Vec<(String, Evidence)> =
-        QUANTITIES.map(|(cause, _, beyond, ..)| (format!("{cause:?}"), with(cause, beyond))).to_vec();
-    cases.extend([
-        ("line".to_owned(), Evidence { lines: Lines::DSI1, ..h }),
-        ("invalid".to_owned(), hall(HallEvents { invalid: true, ..HallEvents::default() })),
-        ("jump".to_owned(), hall(HallEvents { jump: true, ..HallEvents::default() })),
-        ("stall".to_owned(), Evidence { hall_stopped: true, ..healthy() }),
+    let lasting = |cause, milli| (cause, with(cause, milli));
+    for (cause, evidence) in [
+        lasting(Cause::OverVoltage, 61_500),
+        lasting(Cause::UnderVoltage, 12_000),
+        lasting(Cause::TemperatureWarning, 186_000),
+        lasting(Cause::OverPressure, 3_400),
+        (Cause::ShutdownLine, Evidence { lines: Lines::DSI1, ..healthy() }),
+        (Cause::EmergencyLine, Evidence { lines: Lines::EMERGENCY, ..healthy() }),
         (
-            "store".to_owned(),
-            Evidence { health: Health { store_faults: FaultWord::STORE_MISMATCH, ..Health::default() }, ..h },
+            Cause::StoreMismatch,
+            Evidence {
+                health: Health { store_faults: FaultWord::STORE_MISMATCH, ..Health::default() },
+                ..healthy()
+            },
         ),
-    ]);
-    for (what, evidence) in cases {
-        let mut protection = at_rest(&c);
-        assert!(protection.is_quiet(), "{what}");
-        protection.step(&c, &evidence);
-        assert!(!protection.is_quiet() && !protection.stays_quiet(0), "{what}");
-        assert!(!protection.stays_quiet_at(&c, &healthy().slow), "{what}");
+    ] {
+        let mut guard = at_rest(&c);
+        guard.step(&c, &evidence);
+        let mut looks = 0;
+        for _ in 0..300_000 {
+            if is_left_out(&guard, &c, &evidence) {
+                guard.now = guard.now.next();
+            } else {
+                guard.step(&c, &evidence);
+                looks += 1;
+            }
+        }
+        assert!(guard.word().contains(cause.bit()), "{cause:?}");
+        assert!(looks <= 2, "{cause:?}: {looks} looks");
+    }
+}
+
+/// What counts the events of the hall sensors forgets with time, so every tick looks until all is forgotten.
+#[test]
+fn counts_of_the_sensors_come_to_rest() {
+    let c = limits(0);
+    let hall = |hall| Evidence { hall, ..healthy() };
+    for (what, evidence) in [
+        ("invalid", hall(HallEvents { invalid: true, ..HallEvents::default() })),
+        ("jump", hall(HallEvents { jump: true, ..HallEvents::default() })),
+        ("stall", Evidence { hall_stopped: true, ..healthy() }),
+        ("overspeed", with(Cause::Overspeed, 350_000)),
+    ] {
+        let mut guard = at_rest(&c);
+        guard.step(&c, &evidence);
+        assert!(!is_left_out(&guard, &c, &healthy()), "{what}");
         // A jump weighs 13, one a millisecond is taken away.
         for _ in 0..140 {
-            protection.step(&c, &healthy());
+            guard.step(&c, &healthy());
         }
-        assert!(protection.is_quiet(), "{what}: at rest again");
-        protection.wake();
-        assert!(!protection.is_quiet(), "{what}: woken");
+        assert!(is_left_out(&guard, &c, &healthy()), "{what}: at rest again");
+        let now = guard.now;
+        guard.wake(now);
+        assert!(!is_left_out(&guard, &c, &healthy()), "{what}: woken");
+    }
+}
+
+proptest! {
+    /// One that looks only when it must says the same in every tick as one that always looks.
+    #[test]
+    fn who_sleeps_finds_the_same(
+        mask in any::<u32>(),
+        course in prop::collection::vec(
+            (15_000..63_000_i32, -7_500..7_500_i32, 180_000..192_000_i32, 3_000..3_500_i32, 0..16_u8, 1..150_u32),
+            1..40,
+        ),
+    ) {
+        let c = limits(mask);
+        let (mut looks, mut sleeps) = (Guard::default(), Guard::default());
+        for (volts, amps, degrees, pressure, lines, ticks) in course {
+            let mut evidence = healthy();
+            evidence.measured.bus_voltage = Volts::from_milli(volts);
+            evidence.measured.bus_current = Amps::from_milli(amps);
+            evidence.slow.temperature = Celsius::from_milli(degrees);
+            evidence.slow.pressure = Volts::from_milli(pressure);
+            evidence.lines = Lines::from_bits_truncate(lines);
+            for tick in 0..ticks {
+                let found = looks.step(&c, &evidence);
+                if is_left_out(&sleeps, &c, &evidence) {
+                    sleeps.now = sleeps.now.next();
+                } else {
+                    sleeps.step(&c, &evidence);
+                }
+                let told = (sleeps.is_critical(), sleeps.word(), sleeps.critical(), sleeps.code());
+                prop_assert_eq!(told, (found, looks.word(), looks.critical(), looks.code()), "tick {}", tick);
+            }
+        }
     }
 }
 
@@ -91,10 +152,10 @@ fn what_was_stirred_comes_to_rest() {
 #[test]
 fn edges_backward_are_remembered() {
     let c = limits(u32::MAX);
-    let mut protection = at_rest(&c);
+    let mut guard = at_rest(&c);
     let mut turn = |sectors| {
-        protection.step(&c, &Evidence { hall: HallEvents { sectors, ..HallEvents::default() }, ..healthy() });
-        protection.goes_forward()
+        guard.step(&c, &Evidence { hall: HallEvents { sectors, ..HallEvents::default() }, ..healthy() });
+        guard.goes_forward()
     };
     assert_eq!([0, 1, -1, 1, 1, 1, 0].map(&mut turn), [true, true, false, false, false, true, true]);
 }
@@ -103,19 +164,13 @@ fn edges_backward_are_remembered() {
 #[test]
 fn a_lowered_overspeed_waits_for_the_next_episode() {
     let c = limits(u32::MAX);
-    let lower = ProtectionCoefficients {
-        overspeed_hall: narx_core::motor::guard::protection::Limit {
-            trip: 50 << 16,
-            clear: 40 << 16,
-            ticks: 1,
-        },
-        ..c
-    };
-    let mut protection = at_rest(&c);
-    assert!(!protection.step(&lower, &healthy()), "100 rev/s");
-    assert!(protection.stays_quiet(healthy().speed));
-    protection.forget_episode();
-    assert!(!protection.stays_quiet(1), "the next tick finds it anew");
-    assert!(protection.step(&lower, &healthy()));
-    assert_eq!(protection.code(), Cause::Overspeed as u16);
+    let overspeed_hall = Limit { trip: 50 << 16, clear: 40 << 16, ticks: 1 };
+    let lower = ProtectionCoefficients { overspeed_hall, ..c };
+    let mut guard = at_rest(&c);
+    assert!(!guard.step(&lower, &healthy()), "100 rev/s");
+    assert!(is_left_out(&guard, &lower, &healthy()));
+    guard.forget_episode();
+    assert!(!is_left_out(&guard, &lower, &healthy()), "the next tick finds it anew");
+    assert!(guard.step(&lower, &healthy()));
+    assert_eq!(guard.code(), Cause::Overspeed as u16);
 }

@@ -3,6 +3,7 @@
 use super::error::{SettingError, quantity_within, within};
 use super::{factory, factory_quantity, tick_rate, ticks};
 use crate::dictionary::number;
+use crate::motor::clock::Instant;
 use crate::motor::guard::fault::FaultWord;
 use crate::motor::guard::protection::{Evidence, Protection, ProtectionCoefficients, Thresholds};
 use crate::motor::machine::Change;
@@ -63,6 +64,7 @@ const SPEED_MAX: i32 = 10_000 << 16;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
     coefficients: ProtectionCoefficients,
+    now: Instant,
     station: Protection,
 }
 
@@ -96,12 +98,13 @@ impl Fault {
             hall_stall_ticks: ticks(s.hall_stall_ms, rate),
         };
         let coefficients = ProtectionCoefficients::new(rate, &thresholds);
-        Ok(Self { coefficients, station: Protection::default() })
+        Ok(Self { coefficients, now: Instant::default(), station: Protection::default() })
     }
 
     /// One tick. True while a critical fault is present: the bridge is to go off.
     pub fn step(&mut self, evidence: &Evidence) -> bool {
-        self.station.step(&self.coefficients, evidence)
+        self.now = self.now.next();
+        self.station.step(&self.coefficients, self.now, evidence)
     }
 
     /// What the fault logic does as a [`StateMachine`](super::StateMachine) beside it changes its state: a time-out and a failed boot are latched, leaving

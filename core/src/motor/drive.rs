@@ -124,7 +124,10 @@ impl Drive {
         self.rotor.follow(self.now, self.source());
         self.on_time = self.sampling_limits();
         self.control.beware();
-        self.quiet.stay_within(&self.coefficients.protection, self.machine.state());
+        self.quiet.least_current = match self.machine.state() {
+            State::RotorLock | State::OpenLoop | State::SensorlessAutoRestart => OpenPhase::LEAST_AT_REST,
+            _ => i32::MIN,
+        };
     }
 
     /// Who shows where the rotor is. With the bridge off the terminals are heard, too: they tell whether it stands.
@@ -150,7 +153,7 @@ impl Drive {
         let is_known = match event {
             Event::Command(command) => self.machine.knows(command.request),
             Event::SetPoint(_) => true,
-            Event::Slow(slow) => self.protection.stays_quiet_at(&self.coefficients.protection, slow),
+            Event::Slow(slow) => self.protection.stays_calm_at(&self.coefficients.protection, slow),
             Event::Health(health) => *health == self.health,
             Event::Coefficients(_) | Event::CoefficientsRejected | Event::CalibrateHall(_) => false,
         };
@@ -170,7 +173,6 @@ impl Drive {
             Event::CalibrateHall(run) => self.machine.handle_calibration(*run),
         }
         if !is_known {
-            self.protection.wake();
             self.wake();
         }
     }
@@ -181,6 +183,7 @@ impl Drive {
         (self.due, self.pattern_due) = (now, now);
         (self.watchful, self.steers, self.stale) = (true, true, true);
         self.rotor.wake(now);
+        self.protection.wake(now);
         self.machine.wake(now);
         self.control.beware();
     }
@@ -221,10 +224,14 @@ impl Drive {
         let hall = self.sense_halls(samples);
         let turned = hall.sectors != 0 || sensed;
         let watched = self.watchful
+            || self.protection.due().is_due(now)
             || !self.is_electrically_quiet(samples, current)
             || self.concerns_faults(hall)
             || self.overspeeds(turned);
-        let critical = watched && self.protect(samples, current, hall);
+        if watched {
+            self.protect(samples, current, hall);
+        }
+        let critical = self.protection.is_critical();
         let moved = (critical || self.watchful || self.machine.due().is_due(now))
             && self.advance_state(critical, samples);
         if turned || moved || self.steers || self.pattern_due.is_due(now) {
@@ -268,8 +275,7 @@ impl Drive {
         }
         let state = self.machine.state();
         let halls = state == State::HallClosedLoop;
-        self.watchful = !self.protection.is_quiet()
-            || self.open_phase.is_resting()
+        self.watchful = self.open_phase.is_resting()
             || self.open_phase.is_found(&self.coefficients.open_phase)
             || self.rotor.fault().is_some()
             || ((halls || state == State::SensorlessClosedLoop) && self.rotor.may_stand())
@@ -351,24 +357,24 @@ impl Drive {
         self.rotor.count_commutation(self.commutator.sector(), backward);
     }
 
-    /// True if a critical fault is present now. `ask` comes here for anything that may be a fault, or that the detector of an open phase has to see; here it is
-    /// decided whether the whole fault logic runs.
+    /// `ask` comes here for anything that may be a fault, or that the detector of an open phase has to see; here it is decided whether the whole fault logic runs.
     #[inline(never)]
-    fn protect(&mut self, samples: &Samples, current: Amps, hall: HallEvents) -> bool {
+    fn protect(&mut self, samples: &Samples, current: Amps, hall: HallEvents) {
         let mut open_phase = false;
         if self.machine.state().is_driving() && !self.machine.calibrating() {
             self.open_phase.rest(self.applied.step, self.applied.duty, current, self.rotor.may_stand());
             open_phase = self.open_phase.is_found(&self.coefficients.open_phase);
         }
-        let noted = open_phase
-            || !self.protection.is_quiet()
-            || !self.quiet.allows(samples, self.measurement.bus_voltage())
-            || current.abs().to_bits() > self.coefficients.protection.over_current.trip
+        let concerned = open_phase
+            || self.protection.due().is_due(self.now)
+            || !self.protection.stays_calm(self.measurement.bus_voltage(), current.to_bits(), samples.lines)
             || self.concerns_faults(hall)
             || self.overspeeds(true)
             || self.rotor.fault().is_some()
             || (self.machine.state() == State::HallClosedLoop && self.rotor.may_stand());
-        noted && self.judge(samples, current, hall, open_phase)
+        if concerned {
+            self.judge(samples, current, hall, open_phase);
+        }
     }
 
     /// The rotor has shown that it turns too fast.
@@ -391,7 +397,7 @@ impl Drive {
     }
 
     #[inline(never)]
-    fn judge(&mut self, samples: &Samples, current: Amps, hall: HallEvents, open_phase: bool) -> bool {
+    fn judge(&mut self, samples: &Samples, current: Amps, hall: HallEvents, open_phase: bool) {
         let state = self.machine.state();
         let evidence = Evidence {
             measured: self.measurement.measured(current),
@@ -409,11 +415,11 @@ impl Drive {
             open_phase,
             sensorless: self.rotor.fault(),
         };
-        self.reports.stirred = true;
-        let critical = self.protection.step(&self.coefficients.protection, &evidence);
+        let before = self.protection.word();
+        self.protection.step(&self.coefficients.protection, self.now, &evidence);
+        self.reports.stirred |= self.protection.word() != before;
         let overspeed = self.protection.overspeed_trip();
         self.quiet.overspeed = self.coefficients.open_loop.turns.apply32(overspeed).unsigned_abs();
-        critical
     }
 
     /// Speed by whom shows the rotor, signed, raw I16F16 electrical rev/s.

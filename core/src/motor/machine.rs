@@ -199,9 +199,9 @@ impl Machine {
     fn deadline(&self, c: &MachineCoefficients) -> Instant {
         let left = match self.state {
             State::Initialization => c.boot.saturating_sub(self.age).max(1),
-            State::Standby if !self.wants_to_run() => u32::MAX,
-            State::Fault if !self.acknowledged => u32::MAX,
-            State::Standby | State::Fault => 1,
+            State::Standby if self.wants_to_run() && self.refusal == Refusal::None => 1,
+            State::Fault if self.acknowledged => c.fault_wait.saturating_sub(self.age).max(1),
+            State::Standby | State::Fault => u32::MAX,
             _ if self.calibrating() || !self.wants_to_run() || self.reversing() => 1,
             _ => {
                 let silent = c.command_timeout.saturating_sub(self.command_age);

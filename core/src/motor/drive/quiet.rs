@@ -1,49 +1,27 @@
 //! The quiet tick: no deadline has come, and the samples lie in bands that concern no station.
 
 use super::Drive;
-use crate::motor::band::Band;
 use crate::motor::clock::Instant;
-use crate::motor::guard::open_phase::OpenPhase;
-use crate::motor::guard::protection::ProtectionCoefficients;
-use crate::motor::machine::state::State;
-use crate::motor::sense::samples::{Lines, Samples};
+use crate::motor::sense::samples::Samples;
 use crate::units::Amps;
 use serde::{Deserialize, Serialize};
 
-/// Samples that concern no station.
+/// What the stations have seen when they were asked last, and by which a quiet tick is told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Quiet {
-    /// Bus voltages without fault, raw I16F16.
-    voltage: Band,
-    /// Digital inputs that signal a fault.
-    lines: Lines,
-    /// Bus currents without fault, raw I16F16; in states that hold a winding, those that show it connected.
-    current: Band,
+    /// Least bus current that is nothing for the detector of an open phase, raw I16F16.
+    pub(super) least_current: i32,
     /// Largest speed that is no fault, 2^-32 turn a tick.
     pub(super) overspeed: u32,
-    /// The hall code when the sensors were asked last.
+    /// The hall code.
     pub(super) hall: u8,
 }
 
 impl Quiet {
-    /// Sets the bands for `state`.
-    pub(super) fn stay_within(&mut self, c: &ProtectionCoefficients, state: State) {
-        let holds = matches!(state, State::RotorLock | State::OpenLoop | State::SensorlessAutoRestart);
-        let currents = c.bus_current();
-        let current = if holds { OpenPhase::carrying(currents) } else { currents };
-        (self.voltage, self.lines, self.current) = (c.bus_voltage(), c.lines(), current);
-    }
-
     /// The hall sensors show the same code, and no edge was captured.
     #[inline]
     pub(super) fn repeats(&self, samples: &Samples) -> bool {
         samples.hall == self.hall && samples.edges.is_empty()
-    }
-
-    /// Voltage and digital inputs are no fault.
-    #[inline]
-    pub(super) fn allows(&self, samples: &Samples, bus_voltage: i32) -> bool {
-        self.voltage.contains(bus_voltage) && !samples.lines.intersects(self.lines)
     }
 }
 
@@ -57,8 +35,8 @@ impl Drive {
     /// Voltage, current and digital inputs are nothing for the fault logic.
     #[inline]
     pub(super) fn is_electrically_quiet(&self, samples: &Samples, current: Amps) -> bool {
-        self.quiet.allows(samples, self.measurement.bus_voltage())
-            && self.quiet.current.contains(current.to_bits())
+        let (voltage, current) = (self.measurement.bus_voltage(), current.to_bits());
+        self.protection.stays_calm(voltage, current, samples.lines) && current >= self.quiet.least_current
     }
 
     /// When the stations have to be asked again if the samples stay quiet: the earliest of their deadlines.
@@ -67,6 +45,7 @@ impl Drive {
         if self.watchful || self.steers {
             return self.now.next();
         }
-        self.machine.due().earlier(self.rotor.hall.due()).earlier(self.pattern_due)
+        let (machine, protection) = (self.machine.due(), self.protection.due());
+        machine.earlier(protection).earlier(self.rotor.hall.due()).earlier(self.pattern_due)
     }
 }

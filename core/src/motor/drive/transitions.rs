@@ -46,7 +46,7 @@ impl Drive {
         };
         let change = self.machine.advance(&self.coefficients.machine, self.now, &inputs);
         if let Some(change) = change {
-            self.protection.wake();
+            self.protection.wake(self.now);
             self.reports.stirred = true;
             self.enter(change, samples);
             self.refresh();

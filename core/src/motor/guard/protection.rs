@@ -7,6 +7,7 @@ pub use thresholds::Thresholds;
 use super::fault::{Cause, FaultWord};
 use crate::blind;
 use crate::motor::band::Band;
+use crate::motor::clock::Instant;
 use crate::motor::machine::Request;
 use crate::motor::rotor::hall::HallEvents;
 use crate::motor::sense::measurement::Measured;
@@ -79,54 +80,89 @@ pub struct ProtectionCoefficients {
 }
 
 impl ProtectionCoefficients {
-    /// Bus voltages that are no fault, raw I16F16.
-    #[inline]
-    pub const fn bus_voltage(&self) -> Band {
-        Band::new(self.under_voltage.trip, self.over_voltage.trip)
-    }
-
-    /// Bus currents that are no fault, raw I16F16.
-    #[inline]
-    pub const fn bus_current(&self) -> Band {
-        Band::new(-self.over_current.trip, self.over_current.trip)
-    }
-
     /// Digital inputs that are looked at.
     #[inline]
-    pub const fn lines(&self) -> Lines {
+    const fn lines(&self) -> Lines {
         Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(self.shutdown_lines)
     }
 }
 
 /// One limit's memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Qualifier {
-    count: u16,
-    active: bool,
+enum Qualifier {
+    /// Within the limit.
+    #[default]
+    AtRest,
+    /// Beyond it since this tick, not yet for long enough.
+    Qualifying(Instant),
+    /// The fault is present until the value is back beyond `clear`.
+    Active,
 }
 
 impl Qualifier {
-    #[inline]
-    fn step(&mut self, beyond: bool, cleared: bool, ticks: u16) -> bool {
-        if beyond {
-            self.count = self.count.saturating_add(1);
-            self.active |= self.count >= ticks;
-        } else {
-            self.count = 0;
-            self.active &= !cleared;
+    fn step(&mut self, now: Instant, beyond: bool, cleared: bool, ticks: u16) -> bool {
+        *self = match *self {
+            Self::Active if !cleared => Self::Active,
+            Self::AtRest if beyond => Self::Qualifying(now),
+            Self::Qualifying(since) if beyond => Self::Qualifying(since),
+            _ => Self::AtRest,
+        };
+        if self.end(now, ticks).is_due(now) {
+            *self = Self::Active;
         }
-        self.active
+        *self == Self::Active
     }
 
-    #[inline]
-    fn above(&mut self, limit: &Limit, value: i32) -> bool {
-        self.step(value > limit.trip, value < limit.clear, limit.ticks)
+    fn above(&mut self, now: Instant, limit: &Limit, value: i32) -> bool {
+        self.step(now, value > limit.trip, value < limit.clear, limit.ticks)
     }
 
-    #[inline]
-    fn below(&mut self, limit: &Limit, value: i32) -> bool {
-        self.step(value < limit.trip, value > limit.clear, limit.ticks)
+    fn below(&mut self, now: Instant, limit: &Limit, value: i32) -> bool {
+        self.step(now, value < limit.trip, value > limit.clear, limit.ticks)
     }
+
+    /// When it becomes active if nothing changes.
+    fn end(self, now: Instant, ticks: u16) -> Instant {
+        match self {
+            Self::Qualifying(since) => since.after(u32::from(ticks).saturating_sub(1)),
+            Self::AtRest | Self::Active => now.after(u32::MAX),
+        }
+    }
+
+    /// Lowest and highest value at which an upper limit stays as it is.
+    const fn range_above(self, limit: &Limit) -> (i32, i32) {
+        match self {
+            Self::AtRest => (i32::MIN, limit.trip),
+            Self::Qualifying(_) => (limit.trip.saturating_add(1), i32::MAX),
+            Self::Active => (limit.clear, i32::MAX),
+        }
+    }
+
+    /// The same for a lower limit.
+    const fn range_below(self, limit: &Limit) -> (i32, i32) {
+        match self {
+            Self::AtRest => (limit.trip, i32::MAX),
+            Self::Qualifying(_) => (i32::MIN, limit.trip.saturating_sub(1)),
+            Self::Active => (i32::MIN, limit.clear),
+        }
+    }
+}
+
+/// `value` lies in `range`, both ends included.
+const fn is_within(value: i32, range: (i32, i32)) -> bool {
+    range.0 <= value && value <= range.1
+}
+
+/// Measurements that change nothing for the fault logic.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Calm {
+    /// Bus voltages, raw I16F16.
+    voltage: Band,
+    /// Bus currents, raw I16F16.
+    current: Band,
+    /// Digital inputs that are looked at, and those of them that are asserted.
+    watched: Lines,
+    asserted: Lines,
 }
 
 /// What the fault logic looks at in one tick.
@@ -195,48 +231,62 @@ pub struct Protection {
     live: FaultWord,
     latched: FaultWord,
     code: u16,
-    /// Every limit and count is at rest: nothing qualifies, nothing waits to clear.
-    quiet: bool,
+    /// A critical fault is present.
+    critical: bool,
+    /// Within these measurements nothing changes before `due`.
+    calm: Calm,
+    due: Instant,
 }
 
 impl Protection {
-    /// One tick. True when a critical fault is present now.
+    /// One tick. True if a critical fault is present now.
     #[inline(never)]
-    pub fn step(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
+    pub fn step(&mut self, c: &ProtectionCoefficients, now: Instant, evidence: &Evidence) -> bool {
         let mask = FaultWord::critical(c.critical_mask, evidence.driving);
         self.live = FaultWord::empty();
-        self.limits(c, evidence, mask);
-        self.conditions(c, evidence, mask);
+        self.limits(c, now, evidence, mask);
+        self.conditions(c, now, evidence, mask);
         self.hall(c, evidence, mask);
-        self.quiet = self.is_at_rest();
-        self.live.intersects(mask)
+        self.critical = self.live.intersects(mask);
+        (self.calm, self.due) = (self.calm(c, evidence.lines), self.deadline(c, now));
+        self.critical
     }
 
     /// Something has changed that does not come with every tick's samples: the next tick looks at everything.
-    pub const fn wake(&mut self) {
-        self.quiet = false;
+    pub const fn wake(&mut self, now: Instant) {
+        self.due = now;
+    }
+
+    /// When everything has to be looked at again if the measurements stay calm.
+    #[inline]
+    pub const fn due(&self) -> Instant {
+        self.due
+    }
+
+    /// These measurements change nothing before [`due`](Self::due). Bus voltage and current are raw I16F16.
+    #[inline]
+    pub const fn stays_calm(&self, bus_voltage: i32, current: i32, lines: Lines) -> bool {
+        self.calm.voltage.contains(bus_voltage)
+            && self.calm.current.contains(current)
+            && lines.intersection(self.calm.watched).bits() == self.calm.asserted.bits()
+    }
+
+    /// Neither do these.
+    pub const fn stays_calm_at(&self, c: &ProtectionCoefficients, slow: &SlowMeasurements) -> bool {
+        let (temperature, pressure) = (slow.temperature.to_bits(), slow.pressure.to_bits());
+        is_within(temperature, self.over_temperature.range_above(&c.over_temperature))
+            && is_within(temperature, self.warning.range_above(&c.warning))
+            && is_within(pressure, self.over_pressure.range_above(&c.over_pressure))
+    }
+
+    /// A critical fault is present.
+    pub const fn is_critical(&self) -> bool {
+        self.critical
     }
 
     /// The speed beyond which a driven episode is too fast, raw I16F16 electrical rev/s.
     pub const fn overspeed_trip(&self) -> i32 {
         self.overspeed_trip
-    }
-
-    /// Everything is at rest, and `speed` (while the bridge is on, else 0; a magnitude, raw I16F16 electrical rev/s) does not stir it. Within
-    /// [`bus_voltage`](ProtectionCoefficients::bus_voltage), [`bus_current`](ProtectionCoefficients::bus_current) and without
-    /// [`lines`](ProtectionCoefficients::lines) most ticks need no more than this.
-    #[inline]
-    pub const fn stays_quiet(&self, speed: i32) -> bool {
-        self.quiet && speed <= self.overspeed_trip
-    }
-
-    /// Everything is at rest, and these measurements do not stir it.
-    pub fn stays_quiet_at(&self, c: &ProtectionCoefficients, slow: &SlowMeasurements) -> bool {
-        let temperature = slow.temperature.to_bits();
-        self.quiet
-            && temperature <= c.over_temperature.trip
-            && temperature <= c.warning.trip
-            && slow.pressure.to_bits() <= c.over_pressure.trip
     }
 
     /// No edge backward is remembered, which one forward would make up for.
@@ -245,27 +295,40 @@ impl Protection {
         self.hall.backwards == 0
     }
 
-    /// Everything is at rest.
-    pub const fn is_quiet(&self) -> bool {
-        self.quiet
+    fn calm(&self, c: &ProtectionCoefficients, lines: Lines) -> Calm {
+        let (low, mut high) = self.over_voltage.range_above(&c.over_voltage);
+        if matches!(self.over_voltage, Qualifier::Qualifying(_)) {
+            high = c.over_voltage_at_once;
+        }
+        let (least, most) = self.under_voltage.range_below(&c.under_voltage);
+        let most_current = c.over_current.trip;
+        Calm {
+            voltage: Band::new(low.max(least), high.min(most)),
+            current: match self.over_current {
+                Qualifier::AtRest => Band::new(-most_current, most_current),
+                _ => Band::EMPTY,
+            },
+            watched: c.lines(),
+            asserted: lines.intersection(c.lines()),
+        }
     }
 
-    fn is_at_rest(&self) -> bool {
-        let at_rest = Qualifier::default();
-        let limits = [
-            self.over_voltage,
-            self.under_voltage,
-            self.over_current,
-            self.over_temperature,
-            self.warning,
-            self.over_pressure,
-            self.overspeed,
-            self.shutdown_line,
-        ];
+    /// Speed and counts of the hall sensors change with time: while one of them tells of a fault, every tick looks.
+    fn deadline(&self, c: &ProtectionCoefficients, now: Instant) -> Instant {
         let HallCounts { invalid, jumps, stalled, .. } = self.hall;
-        self.live.is_empty()
-            && limits.iter().all(|limit| *limit == at_rest)
-            && (invalid, jumps, stalled) == (0, 0, 0)
+        if self.overspeed != Qualifier::AtRest || (invalid, jumps, stalled) != (0, 0, 0) {
+            return now.next();
+        }
+        [
+            (self.over_voltage, c.over_voltage.ticks),
+            (self.under_voltage, c.under_voltage.ticks),
+            (self.over_temperature, c.over_temperature.ticks),
+            (self.warning, c.warning.ticks),
+            (self.over_pressure, c.over_pressure.ticks),
+            (self.shutdown_line, c.shutdown_ticks),
+        ]
+        .into_iter()
+        .fold(now.after(u32::MAX), |due, (limit, ticks)| due.earlier(limit.end(now, ticks)))
     }
 
     /// A fault that the state machine decides: no command for the time-out while driving.
@@ -341,7 +404,7 @@ impl Protection {
         self.latched |= cause.bit();
     }
 
-    fn limits(&mut self, c: &ProtectionCoefficients, evidence: &Evidence, mask: FaultWord) {
+    fn limits(&mut self, c: &ProtectionCoefficients, now: Instant, evidence: &Evidence, mask: FaultWord) {
         let voltage = evidence.measured.bus_voltage.to_bits();
         let current = evidence.measured.bus_current.abs().to_bits();
         let temperature = evidence.slow.temperature.to_bits();
@@ -354,16 +417,16 @@ impl Protection {
             ..c.over_voltage
         };
         let found = [
-            (self.over_current.above(&c.over_current, current), Cause::OverCurrent),
-            (self.over_voltage.above(&over_voltage, voltage), Cause::OverVoltage),
-            (self.under_voltage.below(&c.under_voltage, voltage), Cause::UnderVoltage),
-            (self.over_temperature.above(&c.over_temperature, temperature), Cause::OverTemperature),
-            (self.warning.above(&c.warning, temperature), Cause::TemperatureWarning),
+            (self.over_current.above(now, &c.over_current, current), Cause::OverCurrent),
+            (self.over_voltage.above(now, &over_voltage, voltage), Cause::OverVoltage),
+            (self.under_voltage.below(now, &c.under_voltage, voltage), Cause::UnderVoltage),
+            (self.over_temperature.above(now, &c.over_temperature, temperature), Cause::OverTemperature),
+            (self.warning.above(now, &c.warning, temperature), Cause::TemperatureWarning),
             (
-                self.over_pressure.above(&c.over_pressure, evidence.slow.pressure.to_bits()),
+                self.over_pressure.above(now, &c.over_pressure, evidence.slow.pressure.to_bits()),
                 Cause::OverPressure,
             ),
-            (self.overspeed.above(&overspeed, speed), Cause::Overspeed),
+            (self.overspeed.above(now, &overspeed, speed), Cause::Overspeed),
         ];
         for (active, cause) in found {
             if active {
@@ -372,7 +435,7 @@ impl Protection {
         }
     }
 
-    fn conditions(&mut self, c: &ProtectionCoefficients, evidence: &Evidence, mask: FaultWord) {
+    fn conditions(&mut self, c: &ProtectionCoefficients, now: Instant, evidence: &Evidence, mask: FaultWord) {
         let shutdown = evidence.lines.intersects(c.shutdown_lines);
         let store = evidence.health.store_faults;
         let found = [
@@ -380,7 +443,7 @@ impl Protection {
             (evidence.lines.contains(Lines::EMERGENCY), Cause::EmergencyLine),
             (evidence.health.self_test_failed, Cause::SelfTest),
             (evidence.request == Request::Shutdown, Cause::ShutdownCommanded),
-            (self.shutdown_line.step(shutdown, !shutdown, c.shutdown_ticks), Cause::ShutdownLine),
+            (self.shutdown_line.step(now, shutdown, !shutdown, c.shutdown_ticks), Cause::ShutdownLine),
             (evidence.open_phase && evidence.driving, Cause::OpenPhase),
             (evidence.sensorless == Some(Cause::SensorlessStall), Cause::SensorlessStall),
             (evidence.sensorless == Some(Cause::Desynchronisation), Cause::Desynchronisation),
