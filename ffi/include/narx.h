@@ -1347,7 +1347,7 @@ typedef struct narx_fault_settings_t {
 // Fault logic: memory that the caller owns. It may be copied and moved between calls.
 typedef struct narx_fault_t {
     // Private.
-    uint64_t words[23];
+    uint64_t words[28];
 } narx_fault_t;
 
 // What the fault logic looks at in one tick. Quantities are Q16; flags are not 0 where they hold. Zeroed, it is a board at rest without a

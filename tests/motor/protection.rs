@@ -31,16 +31,18 @@ pub(crate) fn healthy() -> Evidence {
     }
 }
 
-/// The fault logic and its clock.
+/// The fault logic, its clock, and the digital inputs that it has seen.
 #[derive(Default)]
 pub(crate) struct Guard {
     pub(crate) now: Instant,
+    pub(crate) lines: Lines,
     protection: Protection,
 }
 
 impl Guard {
     pub(crate) fn step(&mut self, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
         self.now = self.now.next();
+        self.lines = evidence.lines;
         self.protection.step(c, self.now, evidence)
     }
 }

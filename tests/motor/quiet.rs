@@ -16,11 +16,14 @@ fn at_rest(c: &ProtectionCoefficients) -> Guard {
 
 /// The next tick with this evidence may leave it out.
 fn is_left_out(guard: &Guard, c: &ProtectionCoefficients, evidence: &Evidence) -> bool {
+    let asserted = guard.lines.intersection(c.lines());
     let (voltage, current) =
         (evidence.measured.bus_voltage.to_bits(), evidence.measured.bus_current.to_bits());
     !guard.due().is_due(guard.now.next())
         && evidence.speed <= guard.overspeed_trip()
-        && guard.stays_calm(voltage, current, evidence.lines)
+        && guard.calm_voltages(c).contains(voltage)
+        && c.bus_current().contains(current)
+        && evidence.lines.intersection(c.lines()) == asserted
         && guard.stays_calm_at(c, &evidence.slow)
 }
 

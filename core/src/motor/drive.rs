@@ -124,10 +124,6 @@ impl Drive {
         self.rotor.follow(self.now, self.source());
         self.on_time = self.sampling_limits();
         self.control.beware();
-        self.quiet.least_current = match self.machine.state() {
-            State::RotorLock | State::OpenLoop | State::SensorlessAutoRestart => OpenPhase::LEAST_AT_REST,
-            _ => i32::MIN,
-        };
     }
 
     /// Who shows where the rotor is. With the bridge off the terminals are heard, too: they tell whether it stands.
@@ -367,7 +363,8 @@ impl Drive {
         }
         let concerned = open_phase
             || self.protection.due().is_due(self.now)
-            || !self.protection.stays_calm(self.measurement.bus_voltage(), current.to_bits(), samples.lines)
+            || !self.quiet.allows(samples, self.measurement.bus_voltage())
+            || current.abs().to_bits() > self.coefficients.protection.over_current.trip
             || self.concerns_faults(hall)
             || self.overspeeds(true)
             || self.rotor.fault().is_some()
@@ -416,7 +413,9 @@ impl Drive {
             sensorless: self.rotor.fault(),
         };
         let before = self.protection.word();
-        self.protection.step(&self.coefficients.protection, self.now, &evidence);
+        let c = &self.coefficients.protection;
+        self.protection.step(c, self.now, &evidence);
+        self.quiet.stay_within(&self.protection, c, state, samples.lines);
         self.reports.stirred |= self.protection.word() != before;
         let overspeed = self.protection.overspeed_trip();
         self.quiet.overspeed = self.coefficients.open_loop.turns.apply32(overspeed).unsigned_abs();

@@ -18,7 +18,7 @@ use narx_core::units::{Amps, Celsius, ElectricalSpeed, Volts};
 #[repr(C)]
 pub struct narx_fault_t {
     /// Private.
-    words: [u64; 23],
+    words: [u64; 28],
 }
 
 const _: () = assert!(handle::fits::<narx_fault_t>());

@@ -1,16 +1,25 @@
 //! The quiet tick: no deadline has come, and the samples lie in bands that concern no station.
 
 use super::Drive;
+use crate::motor::band::Band;
 use crate::motor::clock::Instant;
-use crate::motor::sense::samples::Samples;
+use crate::motor::guard::open_phase::OpenPhase;
+use crate::motor::guard::protection::{Protection, ProtectionCoefficients};
+use crate::motor::machine::state::State;
+use crate::motor::sense::samples::{Lines, Samples};
 use crate::units::Amps;
 use serde::{Deserialize, Serialize};
 
 /// What the stations have seen when they were asked last, and by which a quiet tick is told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Quiet {
-    /// Least bus current that is nothing for the detector of an open phase, raw I16F16.
-    pub(super) least_current: i32,
+    /// Bus voltages that change nothing, raw I16F16.
+    voltage: Band,
+    /// The same of bus currents; in states that hold a winding, those that show it connected.
+    current: Band,
+    /// Digital inputs that are looked at, and those of them that were asserted.
+    watched: Lines,
+    asserted: Lines,
     /// Largest speed that is no fault, 2^-32 turn a tick.
     pub(super) overspeed: u32,
     /// The hall code.
@@ -18,10 +27,31 @@ pub(super) struct Quiet {
 }
 
 impl Quiet {
+    /// Takes the bands of the fault logic in `state`, and the digital inputs that it has seen.
+    pub(super) fn stay_within(
+        &mut self,
+        protection: &Protection,
+        c: &ProtectionCoefficients,
+        state: State,
+        lines: Lines,
+    ) {
+        let holds = matches!(state, State::RotorLock | State::OpenLoop | State::SensorlessAutoRestart);
+        let currents = c.bus_current();
+        self.current = if holds { OpenPhase::carrying(currents) } else { currents };
+        self.voltage = protection.calm_voltages(c);
+        (self.watched, self.asserted) = (c.lines(), lines.intersection(c.lines()));
+    }
+
     /// The hall sensors show the same code, and no edge was captured.
     #[inline]
     pub(super) fn repeats(&self, samples: &Samples) -> bool {
         samples.hall == self.hall && samples.edges.is_empty()
+    }
+
+    /// Voltage and digital inputs are what they were for the fault logic.
+    #[inline]
+    pub(super) fn allows(&self, samples: &Samples, bus_voltage: i32) -> bool {
+        self.voltage.contains(bus_voltage) && samples.lines.intersection(self.watched) == self.asserted
     }
 }
 
@@ -35,8 +65,8 @@ impl Drive {
     /// Voltage, current and digital inputs are nothing for the fault logic.
     #[inline]
     pub(super) fn is_electrically_quiet(&self, samples: &Samples, current: Amps) -> bool {
-        let (voltage, current) = (self.measurement.bus_voltage(), current.to_bits());
-        self.protection.stays_calm(voltage, current, samples.lines) && current >= self.quiet.least_current
+        self.quiet.allows(samples, self.measurement.bus_voltage())
+            && self.quiet.current.contains(current.to_bits())
     }
 
     /// When the stations have to be asked again if the samples stay quiet: the earliest of their deadlines.

@@ -3,6 +3,7 @@
 //! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
 //! at rest a step that includes X carries nothing at a voltage that must drive a current.
 
+use crate::motor::band::Band;
 use crate::motor::commutate::commutation::Step;
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
@@ -67,8 +68,10 @@ impl OpenPhase {
         self.found
     }
 
-    /// Least bus current that shows a winding at rest connected, raw I16F16.
-    pub const LEAST_AT_REST: i32 = NONE + 1;
+    /// Of bus currents (raw I16F16), those that a winding at rest carries.
+    pub const fn carrying(currents: Band) -> Band {
+        currents.above(NONE)
+    }
 
     /// A winding at rest seems to carry none.
     pub const fn is_resting(&self) -> bool {

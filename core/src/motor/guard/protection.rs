@@ -80,9 +80,15 @@ pub struct ProtectionCoefficients {
 }
 
 impl ProtectionCoefficients {
+    /// Bus currents that are no fault, raw I16F16.
+    #[inline]
+    pub const fn bus_current(&self) -> Band {
+        Band::new(-self.over_current.trip, self.over_current.trip)
+    }
+
     /// Digital inputs that are looked at.
     #[inline]
-    const fn lines(&self) -> Lines {
+    pub const fn lines(&self) -> Lines {
         Lines::DRIVER_FAULT.union(Lines::EMERGENCY).union(self.shutdown_lines)
     }
 }
@@ -153,18 +159,6 @@ const fn is_within(value: i32, range: (i32, i32)) -> bool {
     range.0 <= value && value <= range.1
 }
 
-/// Measurements that change nothing for the fault logic.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct Calm {
-    /// Bus voltages, raw I16F16.
-    voltage: Band,
-    /// Bus currents, raw I16F16.
-    current: Band,
-    /// Digital inputs that are looked at, and those of them that are asserted.
-    watched: Lines,
-    asserted: Lines,
-}
-
 /// What the fault logic looks at in one tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Evidence {
@@ -233,8 +227,6 @@ pub struct Protection {
     code: u16,
     /// A critical fault is present.
     critical: bool,
-    /// Within these measurements nothing changes before `due`.
-    calm: Calm,
     due: Instant,
 }
 
@@ -248,7 +240,7 @@ impl Protection {
         self.conditions(c, now, evidence, mask);
         self.hall(c, evidence, mask);
         self.critical = self.live.intersects(mask);
-        (self.calm, self.due) = (self.calm(c, evidence.lines), self.deadline(c, now));
+        self.due = self.deadline(c, now);
         self.critical
     }
 
@@ -257,21 +249,15 @@ impl Protection {
         self.due = now;
     }
 
-    /// When everything has to be looked at again if the measurements stay calm.
+    /// When everything has to be looked at again, if until then the digital inputs stay as they are, the bus voltage within
+    /// [`calm_voltages`](Self::calm_voltages), the bus current within [`bus_current`](ProtectionCoefficients::bus_current), and the slow
+    /// measurements where they [change nothing](Self::stays_calm_at).
     #[inline]
     pub const fn due(&self) -> Instant {
         self.due
     }
 
-    /// These measurements change nothing before [`due`](Self::due). Bus voltage and current are raw I16F16.
-    #[inline]
-    pub const fn stays_calm(&self, bus_voltage: i32, current: i32, lines: Lines) -> bool {
-        self.calm.voltage.contains(bus_voltage)
-            && self.calm.current.contains(current)
-            && lines.intersection(self.calm.watched).bits() == self.calm.asserted.bits()
-    }
-
-    /// Neither do these.
+    /// These measurements change nothing before [`due`](Self::due).
     pub const fn stays_calm_at(&self, c: &ProtectionCoefficients, slow: &SlowMeasurements) -> bool {
         let (temperature, pressure) = (slow.temperature.to_bits(), slow.pressure.to_bits());
         is_within(temperature, self.over_temperature.range_above(&c.over_temperature))
@@ -295,28 +281,21 @@ impl Protection {
         self.hall.backwards == 0
     }
 
-    fn calm(&self, c: &ProtectionCoefficients, lines: Lines) -> Calm {
+    /// Bus voltages that change nothing before [`due`](Self::due), raw I16F16.
+    pub fn calm_voltages(&self, c: &ProtectionCoefficients) -> Band {
         let (low, mut high) = self.over_voltage.range_above(&c.over_voltage);
         if matches!(self.over_voltage, Qualifier::Qualifying(_)) {
             high = c.over_voltage_at_once;
         }
         let (least, most) = self.under_voltage.range_below(&c.under_voltage);
-        let most_current = c.over_current.trip;
-        Calm {
-            voltage: Band::new(low.max(least), high.min(most)),
-            current: match self.over_current {
-                Qualifier::AtRest => Band::new(-most_current, most_current),
-                _ => Band::EMPTY,
-            },
-            watched: c.lines(),
-            asserted: lines.intersection(c.lines()),
-        }
+        Band::new(low.max(least), high.min(most))
     }
 
-    /// Speed and counts of the hall sensors change with time: while one of them tells of a fault, every tick looks.
+    /// Current, speed and the counts of the hall sensors change from tick to tick: while one of them may become a fault, every tick looks.
     fn deadline(&self, c: &ProtectionCoefficients, now: Instant) -> Instant {
         let HallCounts { invalid, jumps, stalled, .. } = self.hall;
-        if self.overspeed != Qualifier::AtRest || (invalid, jumps, stalled) != (0, 0, 0) {
+        let rest = [self.over_current, self.overspeed].iter().all(|limit| *limit == Qualifier::AtRest);
+        if !rest || (invalid, jumps, stalled) != (0, 0, 0) {
             return now.next();
         }
         [
