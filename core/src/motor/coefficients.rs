@@ -149,14 +149,14 @@ struct Builder<'a> {
     board: &'a Board,
     /// The first parameter that does not fit. What is built with it is dropped.
     misfit: Option<BuildError>,
-    /// What is being built is of use to a mode that is enabled: what does not fit counts.
+    /// The part that is being built serves a mode that is enabled: a value that does not fit counts.
     binds: bool,
 }
 
 /// Converter codes that stand out of the noise: a signal of three channels, weighted 2, 1 and 1, with 0.7 codes of noise each has 1.7.
 const NOISE: u16 = 4;
 
-/// What is asked for often stays out of line: 64 bits written out at every use would take half as much flash again.
+/// Often-used arithmetic stays out of line: 64 bits written out at every use would take half as much flash again.
 impl Builder<'_> {
     /// The raw value: none that is asked for here has more than 31 bits.
     #[inline(never)]
@@ -544,7 +544,7 @@ impl Builder<'_> {
     }
 }
 
-/// What a ramp adds in a tick that reaches a raw `level` in so many `ticks`, 16 extra bits.
+/// Step a tick of a ramp that reaches a raw `level` in so many `ticks`, 16 extra bits.
 #[inline(never)]
 fn rise_a_tick(level: i32, ticks: u32) -> i64 {
     quotient((level as i64) << 16, (ticks as i64).max(1))

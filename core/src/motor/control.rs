@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 pub use coefficients::{ControlCoefficients, ModeCoefficients};
 
-/// What the state asks of the bridge.
+/// The state's demand on the bridge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Demand {
     /// Bridge off.
@@ -30,14 +30,14 @@ pub enum Demand {
     Speed(u8),
 }
 
-/// What the commutation applies.
+/// Duty and freewheeling for the commutation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Output {
     /// Duty from the next period.
     pub duty: Duty,
     /// Freewheeling from the next period.
     pub rectification: Rectification,
-    /// What bounds the duty.
+    /// The limit that bounds the duty.
     pub limiter: Limiter,
 }
 
@@ -232,12 +232,12 @@ impl Control {
         self.setpoint.value()
     }
 
-    /// What the speed loop wants, raw I16F16 V.
+    /// Voltage that the speed loop wants, raw I16F16 V.
     pub const fn speed_voltage(&self) -> i32 {
         self.speed_voltage
     }
 
-    /// What was applied last.
+    /// The command that was applied last.
     pub const fn output(&self) -> Output {
         self.output
     }
@@ -293,7 +293,7 @@ impl Control {
         (voltage, limiter)
     }
 
-    /// What dead time takes off the duty in the present mode.
+    /// Duty that dead time takes away in the present mode.
     const fn dead_time(&self, c: &ControlCoefficients) -> u16 {
         if matches!(self.output.rectification, Rectification::Synchronous) { c.dead_time } else { 0 }
     }

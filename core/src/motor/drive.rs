@@ -73,7 +73,7 @@ pub struct Drive {
     duties: Duties,
     /// The demand and step that are repeated until the stations are asked again.
     pattern: Pattern,
-    /// What was applied in the last tick.
+    /// The command of the last tick.
     applied: PwmCommand,
     reports: Reports,
 }
@@ -126,7 +126,7 @@ impl Drive {
         self.control.beware();
     }
 
-    /// Who shows where the rotor is. With the bridge off the terminals are heard, too: they tell whether it stands.
+    /// The source of the rotor's position. With the bridge off the terminals are heard, too: they tell whether it stands.
     fn source(&self) -> Source {
         match self.machine.state() {
             state if !state.is_driving() => Source::Both,

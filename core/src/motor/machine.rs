@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Whether this build calibrates hall sensors.
 pub(crate) const CALIBRATES: bool = cfg!(feature = "hall-calibration");
 
-/// What the master asks for.
+/// The master's request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Command {
     /// Motor mode of the request word.
@@ -51,7 +51,7 @@ pub enum Refusal {
     NoFreshRequest = 4,
 }
 
-/// What the state machine needs. Durations are in ticks.
+/// Coefficients of the state machine. Durations are in ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MachineCoefficients {
     /// Enables of Table 6.
@@ -78,7 +78,7 @@ pub struct MachineCoefficients {
     pub command_timeout: u32,
 }
 
-/// What the machine looks at in one tick besides its own memory.
+/// Inputs of the machine in one tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs {
     /// A critical fault is present.
@@ -95,7 +95,7 @@ pub struct Inputs {
     pub parameters_fit: bool,
 }
 
-/// What changed in a tick.
+/// A change of state.
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
     /// The row of the table.

@@ -20,7 +20,7 @@ use open_loop::OpenLoop;
 use sensorless::Sensorless;
 use serde::{Deserialize, Serialize};
 
-/// Who shows where the rotor is.
+/// The source of the rotor's position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Source {
     /// The bridge is off: the hall sensors and the terminals.
@@ -92,7 +92,7 @@ impl Rotor {
         }
     }
 
-    /// Who shows where the rotor is.
+    /// The source of the rotor's position.
     #[inline]
     pub const fn source(&self) -> Source {
         self.source
@@ -217,7 +217,7 @@ impl Rotor {
         }
     }
 
-    /// The same as of the last edge or crossing, 2^-32 turn a tick.
+    /// Speed as of the last edge or crossing, 2^-32 turn a tick.
     #[inline]
     pub const fn turns(&self) -> i32 {
         match self.source {

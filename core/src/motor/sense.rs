@@ -1,4 +1,4 @@
-//! What the hardware shows: samples, their scales, and what they mean in volts and amperes.
+//! Samples of the hardware, their scales, and their meaning in volts and amperes.
 
 pub mod front_end;
 pub mod measurement;

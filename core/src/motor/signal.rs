@@ -1,4 +1,4 @@
-//! What can be seen of a drive, tick by tick: the signals of the scope.
+//! The signals of the scope: quantities of a drive, tick by tick.
 
 use crate::dictionary::Decimal;
 use serde::{Deserialize, Serialize};
@@ -31,15 +31,15 @@ pub enum Signal {
     Angle = 10,
     /// Exact state (section 7).
     State = 11,
-    /// What bounds the duty (parameter 280).
+    /// The limit that bounds the duty (parameter 280).
     Limiter = 12,
     /// Step that is applied: 0 coast, 1 AB, 2 AC, 3 BC, 4 BA, 5 CA, 6 CB, more: rotor lock.
     Step = 13,
     /// Hall lines as read.
     Hall = 14,
-    /// What became of the last zero crossing (parameter 287).
+    /// Outcome of the last zero crossing (parameter 287).
     Crossing = 15,
-    /// How far the last accepted one lay behind its prediction (parameter 288).
+    /// Distance of the last accepted one behind its prediction (parameter 288).
     CrossingMargin = 16,
     /// Voltage that the speed loop wants.
     LoopVoltage = 17,
@@ -60,7 +60,7 @@ pub enum Signal {
 pub struct SignalRow {
     /// Which one.
     pub signal: Signal,
-    /// What it is called; one that is broadcast, too, has the name of Figure 14.
+    /// Its name; one that is broadcast, too, has the name of Figure 14.
     pub name: &'static str,
     /// Unit of the value; "-" without one.
     pub unit: &'static str,

@@ -58,7 +58,7 @@ pub enum Step {
     LockCA,
 }
 
-/// What one leg of the bridge does in a step.
+/// State of one leg of the bridge in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Leg {
     /// Both switches off.

@@ -152,8 +152,8 @@ impl Commutator {
     }
 }
 
-/// How long a rotor at `angle` (u32 turn) that turns by `speed` (2^-32 turn a tick) stays within `sector`, less the advance, 1/65 536 tick: 0 if it has
-/// left it, `None` if it stands within.
+/// Time for which a rotor at `angle` (u32 turn) that turns by `speed` (2^-32 turn a tick) stays within `sector`, less the advance, 1/65 536 tick:
+/// 0 if it has left it, `None` if it stands within.
 pub fn time_in(
     c: &CommutatorCoefficients,
     sector: u8,

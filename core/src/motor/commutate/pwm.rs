@@ -1,4 +1,4 @@
-//! What the control tick answers: the pattern now, commutations inside this period, duty and sampling of the next.
+//! Answer of the control tick: the pattern now, commutations inside this period, duty and sampling of the next.
 
 use super::commutation::Step;
 use crate::motor::sense::samples::SampleMode;
@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 pub struct PwmCommand {
     /// Duty of the switched legs in period k + 1. The on-time is centred on the period's boundary.
     pub duty: Duty,
-    /// How current freewheels in period k + 1.
+    /// Freewheeling in period k + 1.
     pub rectification: Rectification,
     /// When to sample in period k + 1, in 1/65 536 of it.
     pub sample_at: u16,
-    /// What that sample will show.
+    /// The part of the period in which that sample is taken.
     pub sample_mode: SampleMode,
     /// The pattern to apply at once, when `step` returns. [`Step::Coast`] turns all six switches off.
     pub step: Step,
@@ -79,7 +79,7 @@ impl Commutations {
     }
 }
 
-/// How the current of a switched leg freewheels while its high side is off.
+/// Freewheeling of a switched leg's current while its high side is off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Rectification {

@@ -1,4 +1,4 @@
-//! What the control station multiplies and compares with.
+//! Coefficients of the control station.
 
 use crate::motor::control::limits::LimitCoefficients;
 use crate::motor::control::pi::PiGains;
@@ -20,7 +20,7 @@ pub struct ControlCoefficients {
     pub slew: u16,
     /// Shortest on-time (parameter 272).
     pub duty_min: u16,
-    /// What dead time takes off a synchronously rectified duty.
+    /// Duty that dead time takes away under synchronous rectification.
     pub dead_time: u16,
     /// Above this bus voltage nothing may flow back: the over-voltage threshold less a margin.
     pub bus_guard: i32,
@@ -40,7 +40,7 @@ impl ControlCoefficients {
     }
 }
 
-/// What a closed-loop mode has of its own. Speeds are raw I16F16 electrical rev/s.
+/// Coefficients of one closed-loop mode. Speeds are raw I16F16 electrical rev/s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModeCoefficients {
     /// Speed loop, volts per electrical rev/s, per millisecond.

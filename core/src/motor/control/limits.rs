@@ -5,7 +5,7 @@ use crate::motor::ramp::Ramp;
 use crate::units::{Celsius, Volts};
 use serde::{Deserialize, Serialize};
 
-/// What bounds the duty in this tick.
+/// The limit that bounds the duty in this tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Limiter {
@@ -41,7 +41,7 @@ pub struct LimitCoefficients {
     pub soft_start: i32,
     /// Limit afterwards (parameter 106), at most the 7 A input rating of Table 1, A.
     pub maximum: i32,
-    /// How fast one becomes the other (parameter 96), A per millisecond with 16 extra bits.
+    /// Slope from one to the other (parameter 96), A per millisecond with 16 extra bits.
     pub rate: i64,
     /// Estimated mean phase current (parameter 269), A.
     pub phase_current: i32,
@@ -67,7 +67,7 @@ pub const POWER_STEP: Volts = Volts::from_milli(48_500);
 const CONTINUOUS: i32 = 481_589;
 /// Its square, A^2 with 16 fraction bits.
 const CONTINUOUS_SQUARE: i64 = 54 << 16;
-/// What its upper 24 bits do not exceed heats nothing.
+/// A current whose upper 24 bits do not exceed this heats nothing.
 const COLD: u32 = CONTINUOUS as u32 >> 8;
 const _: () = assert!((COLD as i64) * (COLD as i64) <= CONTINUOUS_SQUARE);
 /// Excess of I^2 over that, summed each millisecond, at which the continuous current alone is left: 12 A for 2 s.
@@ -77,12 +77,12 @@ const HEAT_MAX: i64 = (180 * 1000) << 16;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CurrentLimit {
     ramp: Ramp,
-    /// What the power rating leaves, raw I16F16 A with 16 extra bits.
+    /// Current that the power rating leaves, raw I16F16 A with 16 extra bits.
     power: i64,
     /// Sum of I^2 above the continuous square, A^2 ms with 16 fraction bits, 0 to [`HEAT_MAX`].
     heat: i64,
     bound: i32,
-    /// What temperature leaves of the phase current bound, raw I16F16 A.
+    /// Phase current that the temperature leaves, raw I16F16 A.
     phase: i32,
     limiter: Limiter,
 }
@@ -146,7 +146,7 @@ impl CurrentLimit {
         (self.power >> 16) as i32
     }
 
-    /// What heat leaves of the phase current: all of it when cold, the continuous rating when full.
+    /// Phase current that the heat store leaves: all of it when cold, the continuous rating when full.
     fn rate_heat(&mut self, c: &LimitCoefficients, phase_current: i32) -> i32 {
         let current = phase_current >> 8;
         // Cold, and it stays so.

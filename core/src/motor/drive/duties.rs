@@ -15,7 +15,7 @@ const SPEED_LOOP: u32 = 1;
 /// Number of duties.
 const DUTIES: u32 = 3;
 
-/// How far this millisecond's duties have come.
+/// Progress of this millisecond's duties.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Duties {
     /// The tick of the next duty.

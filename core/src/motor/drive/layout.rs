@@ -6,7 +6,7 @@ use postcard::ser_flavors::Flavor;
 /// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event): changes with any field of theirs.
 pub const LAYOUT_VERSION: u16 = 9;
 
-/// What the drive does with its inputs: rises with every change that moves a digest.
+/// Version of the drive's answers to its inputs: rises with every change that moves a digest.
 pub const BEHAVIOUR_VERSION: u16 = 9;
 
 impl Drive {

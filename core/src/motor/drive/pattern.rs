@@ -1,4 +1,4 @@
-//! What a state applies: the pattern, and the command that it becomes.
+//! The pattern that a state applies, and the command that it becomes.
 
 use super::Drive;
 use crate::motor::commutate::commutation::Step;
@@ -12,7 +12,7 @@ use crate::motor::sense::samples::{SampleMode, Samples};
 use crate::units::Duty;
 use serde::{Deserialize, Serialize};
 
-/// What the bridge is to do until the stations are asked again.
+/// The bridge's orders until the stations are asked again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Pattern {
     pub(super) demand: Demand,
@@ -62,7 +62,7 @@ impl Drive {
         }
     }
 
-    /// What the sequence from standstill to closed loop wants now.
+    /// The demand of the sequence from standstill to closed loop.
     #[inline]
     fn sensorless(&mut self) -> Option<Position> {
         let direction = self.machine.direction();

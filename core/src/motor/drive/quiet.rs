@@ -10,12 +10,12 @@ use crate::motor::sense::samples::{Lines, Samples};
 use crate::units::Amps;
 use serde::{Deserialize, Serialize};
 
-/// What the stations have seen when they were asked last, and by which a quiet tick is told.
+/// Samples that concern no station, as of the last time that the stations were asked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Quiet {
     /// Bus voltages that change nothing, raw I16F16.
     voltage: Band,
-    /// The same of bus currents; in states that hold a winding, those that show it connected.
+    /// Bus currents that change nothing, raw I16F16; in states that hold a winding, those that show it connected.
     current: Band,
     /// Digital inputs that are looked at, and those of them that were asserted.
     watched: Lines,

@@ -1,4 +1,4 @@
-//! What the tick reports, and when.
+//! The reports of the tick, and when they are due.
 
 use super::Drive;
 use crate::motor::commutate::commutation::{Direction, Step};
@@ -31,7 +31,7 @@ impl Drive {
         Some(self.status())
     }
 
-    /// What bounds the duty in the last tick.
+    /// The limit that bounded the duty in the last tick.
     pub fn limiter(&self) -> Limiter {
         match self.control.output().limiter {
             Limiter::Return => Limiter::Return,

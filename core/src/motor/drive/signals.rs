@@ -1,4 +1,4 @@
-//! What the scope sees of the drive.
+//! Signals of the drive for the scope.
 
 use super::Drive;
 use crate::motor::guard::fault::FaultWord;

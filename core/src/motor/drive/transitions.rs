@@ -55,7 +55,7 @@ impl Drive {
         change.is_some()
     }
 
-    /// What a transition sets up.
+    /// Sets up the state that a transition leads to.
     fn enter(&mut self, change: Change, samples: &Samples) {
         if change.timed_out {
             self.protection.raise_timeout();

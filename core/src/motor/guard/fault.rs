@@ -96,9 +96,9 @@ pub enum Cause {
 pub struct CauseRow {
     /// The cause, its code is `cause as u16`.
     pub cause: Cause,
-    /// What it means.
+    /// Its meaning.
     pub meaning: &'static str,
-    /// How long the condition must hold, in microseconds; 0 is the tick that sees it.
+    /// Qualification time in microseconds; 0 is the tick that sees it.
     pub qualification: u32,
 }
 
@@ -155,7 +155,7 @@ impl Cause {
         row(Self::StoreVersion, 0, "parameter store of another firmware version"),
     ];
 
-    /// How long its condition must hold, in microseconds, as the table publishes it.
+    /// Qualification time in microseconds, as the table publishes it.
     #[must_use]
     pub const fn qualification(self) -> u32 {
         let mut row = 0;

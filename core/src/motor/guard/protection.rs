@@ -24,7 +24,7 @@ pub struct SlowMeasurements {
     pub pressure: Volts,
 }
 
-/// What the node knows of itself that the fault logic needs.
+/// Health of the node, for the fault logic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Health {
     /// Any of fault bits 26, 30 and 31.
@@ -63,7 +63,7 @@ pub struct ProtectionCoefficients {
     pub over_pressure: Limit,
     /// Speed above 130 % of the mode's maximum, electrical rev/s: hall.
     pub overspeed_hall: Limit,
-    /// The same for sensorless and open loop.
+    /// Speed above 130 % of the maximum of sensorless and open loop.
     pub overspeed_sensorless: Limit,
     /// Which digital inputs shut down.
     pub shutdown_lines: Lines,
@@ -144,7 +144,7 @@ impl Qualifier {
         }
     }
 
-    /// The same for a lower limit.
+    /// Lowest and highest value at which a lower limit stays as it is.
     const fn range_below(self, limit: &Limit) -> (i32, i32) {
         match self {
             Self::AtRest => (limit.trip, i32::MAX),
@@ -159,7 +159,7 @@ const fn is_within(value: i32, range: (i32, i32)) -> bool {
     range.0 <= value && value <= range.1
 }
 
-/// What the fault logic looks at in one tick.
+/// Inputs of the fault logic in one tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Evidence {
     /// This tick's electrical measurements.
@@ -172,7 +172,7 @@ pub struct Evidence {
     pub health: Health,
     /// The master's request.
     pub request: Request,
-    /// What the hall sensors did.
+    /// Events of the hall sensors.
     pub hall: HallEvents,
     /// No hall edge for the hall time-out.
     pub hall_stopped: bool,
@@ -188,7 +188,7 @@ pub struct Evidence {
     pub torque_sign: i8,
     /// A phase is open.
     pub open_phase: bool,
-    /// What the sensorless rails have filled their bucket with.
+    /// The fault of the sensorless rails, once their bucket is full.
     pub sensorless: Option<Cause>,
 }
 

@@ -20,7 +20,7 @@ pub struct RailCoefficients {
     pub leak: u32,
 }
 
-/// How a driven episode ended.
+/// End of a driven episode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Rail {

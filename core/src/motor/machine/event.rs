@@ -1,4 +1,4 @@
-//! What reaches the control tick besides its samples, and what it reports back.
+//! Events that reach the control tick besides its samples, and the status that it reports back.
 
 pub use crate::motor::control::limits::Limiter;
 pub use crate::motor::guard::protection::{Health, SlowMeasurements};
@@ -79,7 +79,7 @@ pub struct Status {
     pub phase_voltage: [Volts; 3],
     /// Applied duty.
     pub duty: Duty,
-    /// What bounds the duty.
+    /// The limit that bounds the duty.
     pub limiter: Limiter,
     /// Times that the hall sensors lost their code (000 or 111) since power-up, saturating.
     pub hall_invalid: u16,
@@ -87,9 +87,9 @@ pub struct Status {
     pub hall_jumps: u16,
     /// Result of the last hall calibration.
     pub hall_calibration: HallCalibration,
-    /// What became of the last step's zero crossing.
+    /// Outcome of the last step's zero crossing.
     pub crossing: Why,
-    /// How far the last accepted crossing lay behind its prediction, 65 536 an electrical turn.
+    /// Distance of the last accepted crossing behind its prediction, 65 536 an electrical turn.
     pub crossing_margin: i16,
     /// Zero crossings accepted since power-up, wrapping.
     pub crossings: u32,

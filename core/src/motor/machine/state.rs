@@ -62,7 +62,7 @@ impl State {
 }
 
 bitflags::bitflags! {
-    /// What the transitions depend on.
+    /// Conditions on which the transitions depend.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
     pub struct Conditions: u16 {
         /// Boot time has elapsed and the self-tests passed.
@@ -173,7 +173,7 @@ pub const TRANSITIONS: [Transition; 34] = [
     t("T74", SensorlessAutoRestart, SensorlessClosedLoop, C::ELAPSED, C::STOPPED),
 ];
 
-/// What a start is sampled with, and holds until the next one: it decides which row fires, never that one does.
+/// Conditions that a start samples and that hold until the next one: they decide which row fires, never that one does.
 const MODES: Conditions = C::HALL.union(C::SENSORLESS).union(C::OPEN_LOOP).union(C::CALIBRATION);
 
 /// By state: without one of these no row of it holds. A reversal waits for standstill, so in rows of both the rarer counts.

@@ -51,7 +51,7 @@ pub struct BackEmfCoefficients {
     pub delay_falling: i32,
     /// Volts of back-EMF per electrical rev/s (parameter 267), 0 unknown.
     pub back_emf: Gain,
-    /// The same per 2^-32 turn a tick.
+    /// Back-EMF per 2^-32 turn a tick.
     pub emf_of_turns: Gain,
 }
 
@@ -64,7 +64,7 @@ pub struct OperatingPoint {
     pub interval: u32,
 }
 
-/// What a tick showed of the step's crossing.
+/// Finding of one tick about the step's crossing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sight {
     /// Nothing that is certain and new.
@@ -76,14 +76,14 @@ pub enum Sight {
     Late,
     /// A healthy crossing.
     Crossing {
-        /// How long before the present boundary, 1/65 536 tick; negative is after it.
+        /// Time before the present boundary, 1/65 536 tick; negative is after it.
         age: i32,
         /// The signal's value there, signed as it rises, raw I16F16 V: off-time thresholds are not at 0.
         threshold: i32,
     },
 }
 
-/// How the step before ended, when the pattern has changed.
+/// End of the step before, when the pattern has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// Its crossing was seen, or it had none to show.
@@ -104,7 +104,7 @@ const FIRST_SIGN: i32 = 4;
 /// Samples that the mean reaches back at most.
 const WINDOW: usize = 8;
 
-/// How far a step's crossing has come.
+/// Progress of a step's crossing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Passage {
     /// Neither side of it has been seen for certain.
@@ -118,7 +118,7 @@ enum Passage {
     Found,
 }
 
-/// What a running step watches.
+/// The signal that a running step watches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Watch {
     /// The rotor's sector.
@@ -138,7 +138,7 @@ struct Quiet {
     watch: Watch,
     band: Band,
     mode: SampleMode,
-    /// How far the crossing has come with such a sample.
+    /// Progress of the crossing after such a sample.
     passage: Passage,
 }
 
@@ -172,7 +172,7 @@ pub struct BackEmf {
     noise: i32,
     /// Mean of the tick before.
     previous: i32,
-    /// How long ago the signal has passed its threshold, while it is not yet believed.
+    /// Time since the signal has passed its threshold, while it is not yet believed.
     crossed: i32,
     window: [i16; WINDOW],
     sum: i32,
@@ -180,14 +180,14 @@ pub struct BackEmf {
 }
 
 impl BackEmf {
-    /// How far the signal must go beyond its threshold. The first sign of motion moves the field on, and in the next step a rotor that hardly turns yet
-    /// has half the torque: it must be well on its way.
+    /// Distance that the signal must go beyond its threshold. The first sign of motion moves the field on. In the next step a rotor that hardly turns
+    /// has half the torque, so it must be well on its way.
     #[inline]
     const fn beyond(&self) -> i32 {
         if self.interval == 0 { FIRST_SIGN * self.noise } else { self.noise }
     }
 
-    /// How long ago the signal passed its threshold, on its way from the last mean to this one.
+    /// Time since the signal passed its threshold, on its way from the last mean to this one.
     #[inline]
     fn crossed_at(&self, mean: i32, threshold: i32, sample_at: u16) -> i32 {
         let now = -i32::from(sample_at);
@@ -224,7 +224,7 @@ impl BackEmf {
         (self.quiet.hidden, self.quiet.band) = (now, Band::EMPTY);
     }
 
-    /// What this tick shows. `bus_voltage` is raw I16F16 V as it is now; the sample was taken at `sample_at` of its period.
+    /// Finds out what this tick shows. `bus_voltage` is raw I16F16 V as it is now; the sample was taken at `sample_at` of its period.
     #[inline(always)]
     pub fn look(
         &mut self,
@@ -487,7 +487,7 @@ fn blanking(c: &BackEmfCoefficients, interval: u32) -> u32 {
     if interval == 0 { c.discard } else { c.discard.max(interval / 8).min(interval / 4) }
 }
 
-/// What a running step with torque in `torque` shows.
+/// The signal of a running step with torque in `torque`.
 fn watch(step: Step, torque: Direction) -> Option<Watch> {
     Some(Watch { sector: step.rotor_sector(torque)?, phase: step.floating()? })
 }

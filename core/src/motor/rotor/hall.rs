@@ -11,14 +11,14 @@ use crate::motor::sense::samples::{EdgeSource, Samples};
 use crate::units::ElectricalAngle;
 use serde::{Deserialize, Serialize};
 
-/// How the three hall lines belong to the phases.
+/// Assignment of the three hall lines to the phases.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HallWiring {
     /// Which permutation of the lines, 0..=5; 0 is A, B, C.
     pub order: u8,
     /// Lines to invert: bit 0 = A, bit 1 = B, bit 2 = C, before the permutation.
     pub polarity: u8,
-    /// How far the edges lie beyond their place, -32 768..=32 767 for half a turn either way.
+    /// Angle by which the edges lie beyond their place, -32 768..=32 767 for half a turn either way.
     pub offset: i16,
 }
 
@@ -38,7 +38,7 @@ const ORDERS: [[u8; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0,
 pub struct HallCoefficients {
     /// Sector by raw code, 0xFF = invalid; built from the wiring.
     pub sectors: [u8; 8],
-    /// How far the edges lie beyond 30 + 60 k degrees.
+    /// Angle by which the edges lie beyond 30 + 60 k degrees.
     pub offset: ElectricalAngle,
     /// No edge for this long, in 1/65 536 tick, means standstill (parameter 113).
     pub timeout: u32,
@@ -68,7 +68,7 @@ pub struct HallDiagnostics {
     pub jumps: u16,
 }
 
-/// What happened to the sensors in one tick.
+/// Events of the sensors in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HallEvents {
     /// The level is 000 or 111 now.
@@ -190,7 +190,7 @@ impl Hall {
         self.due = now;
     }
 
-    /// What time alone brings: standstill, and the end of the span in which the angle is interpolated.
+    /// Changes that time alone brings: standstill, and the end of the span in which the angle is interpolated.
     #[inline(never)]
     fn expire(&mut self, c: &HallCoefficients, now: Instant) {
         if !self.still && self.since_edge(now) >= c.timeout {

@@ -29,7 +29,7 @@ pub enum HallCalibration {
 /// Coefficients of the calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HallCalibrationCoefficients {
-    /// How fast the field turns, 2^-32 turn a tick: half a revolution a second.
+    /// Speed of the field, 2^-32 turn a tick: half a revolution a second.
     pub speed: u32,
     /// The rotor lock level (parameter 89).
     pub level: i32,
@@ -71,7 +71,7 @@ struct LineEdges {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HallCalibrator {
     pass: Pass,
-    /// How far this pass has turned, 2^-32 turns.
+    /// Angle that this pass has turned, 2^-32 turn.
     travelled: u64,
     /// Sigma-delta remainder between two neighbouring patterns.
     dither: u32,

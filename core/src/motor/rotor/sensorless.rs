@@ -67,7 +67,7 @@ pub enum Phase {
     Run,
 }
 
-/// What the bridge is to do.
+/// Orders for the bridge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plan {
     /// All off.
@@ -82,7 +82,7 @@ pub enum Plan {
     Speed(u8),
 }
 
-/// What the terminals show.
+/// The part of the terminals' signal that is being watched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Ear {
     /// Perhaps another pattern than in the tick before.
@@ -196,7 +196,7 @@ impl Sensorless {
         end
     }
 
-    /// What the terminals show counts: in closed loop, and once the kick's current flows.
+    /// The terminals are believed: in closed loop, and once the kick's current flows.
     #[inline]
     fn counts(&self, c: &SensorlessCoefficients, now: Instant) -> bool {
         self.phase == Phase::Run || (self.phase == Phase::Kick && now.since(self.since) > c.rest)
@@ -293,7 +293,7 @@ impl Sensorless {
         self.ear = Ear::Change;
     }
 
-    /// What is `applied` from here on may be another pattern.
+    /// Notes the command that is `applied` from here on: it may be another pattern.
     #[inline]
     pub fn note(&mut self, applied: &PwmCommand) {
         if !self.back_emf.goes_on(applied) {

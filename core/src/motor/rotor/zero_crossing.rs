@@ -17,7 +17,7 @@ pub const LATE_MAX: u8 = 24;
 /// Consistent crossings, of both polarities, that make a hand-over (one electrical revolution).
 pub const PREPARED: u8 = 6;
 
-/// What became of the last step's crossing: the why-channel.
+/// Outcome of the last step's crossing: the why-channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Why {
@@ -74,7 +74,7 @@ pub struct ZeroCrossing {
     /// The last place was heard from the coasting motor.
     coasting: bool,
     why: Why,
-    /// How far the last crossing lay behind its prediction, 65 536 a turn.
+    /// Distance of the last crossing behind its prediction, 65 536 a turn.
     margin: i16,
     accepted: u32,
 }
@@ -217,7 +217,7 @@ impl ZeroCrossing {
         if to >= from { to - from } else { to + 12 - from }
     }
 
-    /// How far beyond the true crossing the threshold lay, in the direction of motion, u32 turn. With E the line-to-line back-EMF the
+    /// Angle by which the threshold lay beyond the true crossing, in the direction of motion, u32 turn. With E the line-to-line back-EMF the
     /// signal's slope at its crossing is 1.85 E a radian, 11.6 E a turn, for both shapes within 3 %.
     fn threshold_angle(&self, threshold: i32, back_emf: Gain) -> i32 {
         if threshold == 0 || self.speed_mean == 0 {
@@ -443,7 +443,7 @@ impl ZeroCrossing {
         self.blind > BLIND_MAX || self.late > LATE_MAX
     }
 
-    /// How far the voltage fades for missed crossings, in 1/16.
+    /// Fading of the voltage for missed crossings, in 1/16.
     pub fn fade(&self) -> u8 {
         (self.blind.saturating_mul(2)).max(self.late / 2).min(14)
     }
@@ -454,7 +454,7 @@ impl ZeroCrossing {
         self.valid == 6 && self.deviation >> 3 > self.interval / 4
     }
 
-    /// What became of the last crossing, how far it lay behind its prediction (65 536 a turn), and how many were accepted.
+    /// Outcome of the last crossing, its distance behind the prediction (65 536 a turn), and the number of accepted ones.
     pub const fn why(&self) -> (Why, i16, u32) {
         (self.why, self.margin, self.accepted)
     }

@@ -63,7 +63,7 @@ bitflags! {
     }
 }
 
-/// What a board promises the control core.
+/// A board's description for the control core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Board {
     /// Control ticks, and PWM periods, per second (Hz).

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct ChannelScale {
     /// Raw I16F16 per code, with 16 extra bits.
     gain: u32,
-    /// What is added to every value, raw I16F16; `bias` contains it.
+    /// Offset that is added to every value, raw I16F16; `bias` contains it.
     offset: i32,
     /// Value of code 0, raw I16F16 with 32 extra bits.
     bias: i64,
@@ -92,14 +92,14 @@ pub struct MeasurementScales {
     pub phase_voltage: ChannelScale,
 }
 
-/// What this tick measured.
+/// Measurements of this tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Measured {
     /// Bus voltage.
     pub bus_voltage: Volts,
     /// Mean DC-link current.
     pub bus_current: Amps,
-    /// The same after a first-order filter of 64 ticks: longer than what a commutation returns to the bus.
+    /// Bus current after a first-order filter of 64 ticks, longer than a commutation returns current to the bus.
     pub bus_current_filtered: Amps,
 }
 

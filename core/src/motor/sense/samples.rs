@@ -1,4 +1,4 @@
-//! What the control tick reads: raw converter codes, hall code, time-stamped edges and digital lines.
+//! Inputs of the control tick: raw converter codes, hall code, time-stamped edges and digital lines.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ pub struct Samples {
     pub bus_current: u16,
     /// Where in the period the phase voltages were sampled.
     pub sample_mode: SampleMode,
-    /// What `bus_current` is.
+    /// The meaning of `bus_current`.
     pub current_mode: CurrentMode,
     /// From the bus voltage's conversion to phase C's, in 1/65 536 of a period (A and B lie evenly between).
     pub skew: u16,
@@ -45,7 +45,7 @@ pub enum SampleMode {
     OnTime,
 }
 
-/// What the bus current reading is.
+/// The meaning of the bus current's reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum CurrentMode {
@@ -61,7 +61,7 @@ pub enum CurrentMode {
 pub struct Edge {
     /// When, in 1/65 536 of the period that has just ended.
     pub instant: u16,
-    /// What changed.
+    /// The line or comparator that changed.
     pub source: EdgeSource,
     /// The three lines after the edge: bit 0 = A, bit 1 = B, bit 2 = C.
     pub code: u8,

@@ -5,7 +5,7 @@ use crate::motor::guard::fault::Cause;
 use crate::motor::sense::samples::Lines;
 use crate::units::{quotient, saturate64};
 
-/// What trips the fault logic, raw I16F16 of the quantity's unit.
+/// Thresholds of the fault logic, raw I16F16 of the quantity's unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Thresholds {
     /// Bus voltage, largest, V.
@@ -22,7 +22,7 @@ pub struct Thresholds {
     pub over_pressure: i32,
     /// Largest set-point with hall sensors, electrical rev/s; 30 % above is overspeed.
     pub speed_max_hall: i32,
-    /// The same for sensorless and open loop.
+    /// Largest set-point of sensorless and open loop, electrical rev/s; 30 % above is overspeed.
     pub speed_max_sensorless: i32,
     /// Which digital inputs shut down.
     pub shutdown_lines: Lines,
@@ -37,7 +37,7 @@ const VOLTAGE_HYSTERESIS: i32 = (1 << 16) / 2;
 /// Hysteresis of the temperature faults: 2 degrees C.
 const TEMPERATURE_HYSTERESIS: i32 = 2 << 16;
 
-/// How long each must hold, us: looked up by the compiler, so that no board carries the table with its texts.
+/// Qualification times, us: looked up by the compiler, so that no board carries the table with its texts.
 mod times {
     use super::Cause;
 

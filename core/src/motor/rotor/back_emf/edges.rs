@@ -75,7 +75,7 @@ impl BackEmf {
         }
     }
 
-    /// What the outputs say at the end of the period. At rest they say nothing of a late crossing.
+    /// Reads the outputs at the end of the period. At rest they tell nothing of a late crossing.
     fn level(&mut self, since_beginning: u32, watch: Watch) -> Sight {
         if since_beginning < self.blank {
             return Sight::Nothing;
