@@ -1,7 +1,8 @@
-//! One row of the specification without its effect, for `cargo xtask effects`: the tests that the coverage table names for a row must fail
-//! then. In no product: without the feature `blind` every question here is answered false by the compiler.
+//! Disables one row of the specification, for `cargo xtask effects`: the tests that the coverage table names for a row must then
+//! fail. No product contains it: without the feature `blind` the compiler answers every query here with false.
 
-/// Whether the row `row` of `table` has no effect in this process: the environment variable `NARX_BLIND` names it, as in `parameter 13`.
+/// Returns whether row `row` of `table` has no effect in this process. The environment variable `NARX_BLIND` names it, as in
+/// `parameter 13`.
 ///
 /// | table | row | without its effect |
 /// |---|---|---|
@@ -22,7 +23,7 @@ pub(crate) fn to(table: &str, row: u32) -> bool {
     chosen.as_ref().is_some_and(|(its_table, its_row)| *its_row == row && its_table == table)
 }
 
-/// Never, in a product.
+/// Always false in a product.
 #[cfg(not(feature = "blind"))]
 pub(crate) const fn to(_table: &str, _row: u32) -> bool {
     false

@@ -1,4 +1,5 @@
-//! Drive and node joined by queues: what a shell links, its control interrupt one half, its background the other.
+//! A device: drive and node joined by queues. A shell runs one half in its control interrupt, and the other
+//! in its background loop.
 //!
 //! ```text
 //!   Samples -> ControlTick -> PwmCommand          the interrupt: never waits, never blocks
@@ -19,14 +20,15 @@ use crate::scope::{Answer, Keeper, Memory, Order, SCOPE, Scope};
 use core::sync::atomic::{Ordering, fence};
 use heapless::spsc::{Consumer, Producer, Queue};
 
-/// Room of a queue, one of which stays free. An event takes as much as the coefficients, and the tick takes no more than one. A report that
-/// finds no room is not made yet: what waits is then no older than what a longer queue would hold.
+/// Places of each queue, one of which stays free. An event is as large as the coefficients, and a tick takes
+/// no more than one. A report without room is made later, so waiting reports are no older than in a longer
+/// queue.
 const EVENTS: usize = 2;
 const STATUSES: usize = 2;
 const ORDERS: usize = 2;
 const ANSWERS: usize = 3;
 
-/// The queues between the halves of one device, whose scope has its memory from elsewhere.
+/// The queues between the halves of one device. The scope's memory comes from outside.
 #[derive(Debug, Default)]
 pub struct Queues<'m> {
     events: Queue<Event, EVENTS>,
@@ -41,8 +43,8 @@ impl<'m> Queues<'m> {
         Self { events: Queue::new(), statuses: Queue::new(), orders: Queue::new(), answers: Queue::new() }
     }
 
-    /// A device at power-up with a stored parameter set. One that does not build leaves the drive with none: the node
-    /// says so, and it refuses to start.
+    /// Makes a device at power-up with a stored parameter set. If the set does not build, the drive has none:
+    /// the node reports that, and the drive refuses to start.
     #[inline(never)]
     pub fn power_up(
         &mut self,
@@ -50,7 +52,7 @@ impl<'m> Queues<'m> {
         board: Board,
         parameters: Parameters,
     ) -> (ControlTick<'_, 'm>, Background<'_, 'm>) {
-        // What waits from before a reboot belongs to nobody.
+        // Entries from before a reboot are dropped.
         *self = Self::new();
         let drive = Drive::new(built(&parameters, &board));
         let node = Node::with_parameters(identity, board, parameters);
@@ -72,7 +74,8 @@ impl<'m> Queues<'m> {
     }
 }
 
-/// Out of line, like what else is done once at power-up: laid out field by field among the caller's, it takes twice the flash.
+/// Builds the coefficients. Out of line, like everything that is done once at power-up: inlined field by
+/// field into the caller, it takes twice the flash.
 #[inline(never)]
 fn built(parameters: &Parameters, board: &Board) -> Coefficients {
     Coefficients::build(parameters, board).unwrap_or_default()
@@ -97,7 +100,7 @@ impl ControlTick<'_, '_> {
         if has_room(&self.statuses)
             && let Some(status) = self.drive.poll_status()
         {
-            // Room was just seen, and nobody else fills it.
+            // There is room: it was checked above, and nothing else fills it.
             let _ = enqueue(&mut self.statuses, status);
         }
         if SCOPE {
@@ -108,12 +111,13 @@ impl ControlTick<'_, '_> {
 
     #[inline]
     fn run_scope(&mut self, samples: &Samples) {
-        // What the scope did in the tick before is told in this one: a tick in which something happens is long enough.
+        // The scope's answer from the last tick is sent in this one: a tick in which the scope acts is long
+        // enough.
         if self.scope.has_answer()
             && has_room(&self.answers)
             && let Some(answer) = self.scope.poll()
         {
-            // Room was just seen, and nobody else fills it.
+            // There is room: it was checked above, and nothing else fills it.
             let _ = enqueue(&mut self.answers, answer);
         }
         if let Some(order) = dequeue(&mut self.orders) {
@@ -122,14 +126,14 @@ impl ControlTick<'_, '_> {
         self.scope.step(&self.drive, samples);
     }
 
-    /// Takes the event that waits, where it lies: it is large.
+    /// Takes the waiting event in place, without a move: it is large.
     #[cfg(not(thread_sanitizer))]
     #[inline]
     fn heed_event(&mut self) {
         if !self.events.ready() {
             return;
         }
-        // That there is one was read without any ordering: on another processor its words may be seen later.
+        // `ready` reads without memory ordering: another processor may see the event's words later.
         fence(Ordering::Acquire);
         if let Some(event) = self.events.peek() {
             self.scope.handle_event(event);
@@ -138,7 +142,8 @@ impl ControlTick<'_, '_> {
         }
     }
 
-    /// The same for ThreadSanitizer, which does not know fences: moved out, it is ordered by the queue.
+    /// Takes the waiting event under ThreadSanitizer, which does not know fences: moved out, the event is
+    /// ordered by the queue.
     #[cfg(thread_sanitizer)]
     fn heed_event(&mut self) {
         if let Some(event) = dequeue(&mut self.events) {
@@ -147,7 +152,7 @@ impl ControlTick<'_, '_> {
         }
     }
 
-    /// The drive, to look at.
+    /// The drive, for inspection.
     pub const fn drive(&self) -> &Drive {
         &self.drive
     }
@@ -169,9 +174,9 @@ impl<'m> Background<'_, 'm> {
         self.keeper = Keeper::new(memory);
     }
 
-    /// Takes what the tick has reported, advances time to tick `now`, and hands over events. Call it once a period or
-    /// more seldom, after the frames that have arrived were given to [`node`](Self::node) and before those that it
-    /// sends are taken from there.
+    /// Takes the tick's reports, advances time to tick `now`, and hands over events. Call it once a period or
+    /// less often, after the received frames were given to [`node`](Self::node), and before its frames are
+    /// taken from there.
     #[inline(never)]
     pub fn run(&mut self, now: u64) {
         while let Some(status) = dequeue(&mut self.statuses) {
@@ -187,7 +192,7 @@ impl<'m> Background<'_, 'm> {
         }
     }
 
-    /// From the scope to the node.
+    /// Passes the scope's reports to the node.
     fn take_answers(&mut self) {
         while let Some(answer) = dequeue(&mut self.answers) {
             self.keeper.take(answer);
@@ -204,17 +209,17 @@ impl<'m> Background<'_, 'm> {
         &mut self.node
     }
 
-    /// Moves what the tick has to get, as far as there is room.
+    /// Moves the node's events to the tick, as far as there is room.
     fn hand_over(&mut self) {
         while has_room(&self.events)
             && let Some(event) = self.node.poll_event()
         {
-            // Room was just seen, and nobody else fills it.
+            // There is room: it was checked above, and nothing else fills it.
             let _ = enqueue(&mut self.events, event);
         }
     }
 
-    /// From the node to the scope.
+    /// Passes the node's request to the scope.
     fn hand_over_order(&mut self) {
         if !self.keeper.has_order()
             && let Some(request) = self.node.poll_scope()

@@ -30,10 +30,10 @@
 //! Two state machines with one owner each: [`motor::Drive`] belongs to the control tick, [`node::Node`] to the background. Both
 //! take everything as arguments, time included, and return what they answer.
 //!
-//! Features, all on by default, are what a small board may leave out: `names` and `description` (texts), `log`, `scope` and its `recorder`,
-//! `hall-calibration` and `accelerometer`.
-//! Whoever asks for what is left out is refused. Two are off by default: `update` (programming over CAN) and `code-flash` (parameters in the
-//! flash that the code runs from). A third, `blind`, is for checking the tests.
+//! Features that are on by default and that a small board may leave out: `names` and `description` (texts), `log`, `scope` and its
+//! `recorder`, `hall-calibration` and `accelerometer`. A request for a part that is left out is refused. Two features are off by default:
+//! `update` (programming over CAN) and `code-flash` (parameters in the flash that the code runs from). A third, `blind`, is for checking
+//! the tests.
 #![no_std]
 #![forbid(unsafe_code)]
 

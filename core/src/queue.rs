@@ -1,7 +1,8 @@
 //! The ends of a `heapless` queue, without a way to panic.
 //!
-//! An end sees its queue as a slice and divides by its length, which the compiler cannot know to be other than zero: every use would carry
-//! a division by zero and the text that reports it. Here an end without a place is empty and full, and nothing is left of the rest.
+//! An end sees its queue as a slice and divides by its length. The compiler cannot know that the length is not zero, so every use would
+//! carry a check for a division by zero and the text that reports it. Here a queue without places counts as both empty and full, and the
+//! check disappears.
 
 use heapless::spsc::{Consumer, Producer};
 
@@ -11,7 +12,7 @@ pub fn dequeue<T>(queue: &mut Consumer<'_, T>) -> Option<T> {
     if has_places(queue.capacity()) { queue.dequeue() } else { None }
 }
 
-/// Adds an item; one that finds no room comes back.
+/// Adds an item, or returns it if there is no room.
 ///
 /// # Errors
 /// The queue is full.
@@ -20,7 +21,7 @@ pub fn enqueue<T>(queue: &mut Producer<'_, T>, item: T) -> Result<(), T> {
     if has_places(queue.capacity()) { queue.enqueue(item) } else { Err(item) }
 }
 
-/// Whether [`enqueue`] has room.
+/// Returns whether [`enqueue`] has room.
 #[inline]
 pub fn has_room<T>(queue: &Producer<'_, T>) -> bool {
     has_places(queue.capacity()) && queue.ready()

@@ -12,7 +12,7 @@ macro_rules! quantity {
         pub struct $name(I16F16);
 
         impl $name {
-            /// Nothing of it.
+            /// Zero.
             pub const ZERO: Self = Self(I16F16::ZERO);
             /// The largest value: 32 767.99998.
             pub const MAX: Self = Self(I16F16::MAX);
@@ -138,7 +138,7 @@ impl ElectricalAngle {
 pub(crate) const fn ratio(numerator: i64, denominator: i32) -> i32 {
     let denominator = if denominator == 0 { 1 } else { denominator as i64 };
     let half = denominator.abs() / 2;
-    // More than this saturates whatever it is divided by, and has no room to be shifted.
+    // A larger numerator saturates with every denominator, and has no room to be shifted.
     let most = 1_i64 << 46;
     let numerator = if numerator > most {
         most
@@ -150,7 +150,8 @@ pub(crate) const fn ratio(numerator: i64, denominator: i32) -> i32 {
     saturate64(quotient(if numerator < 0 { numerator - half } else { numerator + half }, denominator))
 }
 
-/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. Nobody divides `i64::MIN` by -1, which has no 64 bits.
+/// `numerator / denominator`, rounded towards 0; 0 for a denominator of 0. `i64::MIN` / -1, which does not fit 64 bits, does not
+/// occur.
 #[inline]
 pub(crate) const fn quotient(numerator: i64, denominator: i64) -> i64 {
     match numerator.checked_div(denominator) {

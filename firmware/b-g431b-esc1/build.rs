@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::{env, fs};
 
-/// What an image may use of the memory. The linker looks for `memory.x` in folders, so each has one of its own.
+/// Images, and for each the file of the memory that it may use. The linker looks for `memory.x` in folders, so each image has a folder of its own.
 const IMAGES: [(&str, &str); 4] =
     [("drive", "alone.x"), ("application", "slot.x"), ("bare", "slot.x"), ("boot", "boot.x")];
 

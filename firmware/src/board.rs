@@ -1,4 +1,4 @@
-//! What a board gives to the shell: one side for the control interrupt, one for the background.
+//! Interface between a board and the shell: one side for the control interrupt, one for the background.
 //!
 //! Two traits and two owners, because the interrupt strikes at any instant of the background.
 
@@ -12,7 +12,7 @@ use narx_core::node::{Outputs, SelfTests, SlowInputs};
 
 /// The control interrupt's side.
 pub trait TickSide {
-    /// What was sampled in this period; nothing if the interrupt came without a period.
+    /// Returns the samples of this period; `None` if the interrupt came without a period.
     fn samples(&mut self) -> Option<Samples>;
 
     /// Puts the answer to these samples on the bridge and its timers.
@@ -30,17 +30,17 @@ pub trait BackgroundSide {
     /// The next frame that has arrived.
     fn receive(&mut self) -> Option<Frame>;
 
-    /// Whether a frame can be [sent](Self::send).
+    /// Returns whether a frame can be [sent](Self::send).
     fn is_ready_to_send(&self) -> bool;
 
-    /// Whether a bulk frame can be [sent](Self::send): no more than one frame is in the controller, the one that is on the
+    /// Returns whether a bulk frame can be [sent](Self::send): no more than one frame is in the controller, the one that is on the
     /// bus. More would delay what the drive has to say next.
     fn is_ready_for_bulk(&self) -> bool;
 
     /// Gives a frame to the CAN controller, which has just been seen to be ready.
     fn send(&mut self, frame: &Frame);
 
-    /// What the CAN controller says of itself. One that has gone bus-off comes back by itself as soon as ISO 11898-1 allows it.
+    /// Returns the state of the CAN controller. A controller that has gone bus-off comes back by itself as soon as ISO 11898-1 allows it.
     fn bus_state(&self) -> BusState;
 
     /// Takes back the frames that the CAN controller has not sent: the bus is gone, and they would be stale.
@@ -52,8 +52,9 @@ pub trait BackgroundSide {
     /// Sets the digital lines and the supply of the hall sensors.
     fn apply(&mut self, outputs: Outputs);
 
-    /// Whether the bridge may be needed at once, or is off: in Standby, Fault and before either. A board stops what only a turning motor needs, as far as
-    /// that is ready again before the next control tick has acted: comparators, amplifiers, a faster clock. Measuring goes on.
+    /// Tells the board whether the motor is at rest: `false` if the bridge may be needed at once; `true` if it is off, in Standby, Fault and before
+    /// either. At rest a board stops what only a turning motor needs, as far as that is ready again before the next control tick has acted: comparators,
+    /// amplifiers, a faster clock. Measuring goes on.
     fn rest(&mut self, _is_at_rest: bool) {}
 
     /// Does a piece of the tests that go on while the drive runs, about every 10 ms. All that have failed since power-up, those of boot included.

@@ -1,4 +1,4 @@
-//! What an interrupt owns.
+//! Values that an interrupt owns.
 
 use core::cell::RefCell;
 use critical_section::Mutex;

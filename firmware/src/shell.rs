@@ -1,4 +1,4 @@
-//! What every board does alike: the control interrupt and the background loop around the device's two halves.
+//! Code that all boards share: the control interrupt and the background loop, around the device's two halves.
 
 use crate::board::{BackgroundSide, TickSide};
 use core::pin::pin;
@@ -13,7 +13,7 @@ pub const INPUTS_MS: u64 = 10;
 /// Frames taken from the bus in one pass at most: more in an interval of 100 us do not fit any CAN bus.
 const FRAMES_A_PASS: usize = 16;
 
-/// Who has got on with his work since the watchdog was last fed.
+/// Tasks that have made progress since the watchdog was last fed.
 #[derive(Debug, Default)]
 pub struct Progress(AtomicU8);
 
@@ -22,7 +22,7 @@ const CAN: u8 = 1 << 1;
 const BACKGROUND: u8 = 1 << 2;
 
 impl Progress {
-    /// Nobody yet.
+    /// No task has made progress yet.
     pub const fn new() -> Self {
         Self(AtomicU8::new(0))
     }
@@ -31,7 +31,7 @@ impl Progress {
         self.0.fetch_or(task, Ordering::Relaxed);
     }
 
-    /// Whether everybody has; then all begin anew.
+    /// Returns whether every task has made progress; if so, forgets it, so that each has to make progress anew.
     fn take_complete(&self) -> bool {
         let complete = self.0.load(Ordering::Relaxed) == CONTROL | CAN | BACKGROUND;
         if complete {

@@ -5,7 +5,7 @@ use narx_firmware::self_test::march::{Cells, march, march_keeping};
 use narx_firmware::self_test::walk::Walk;
 use proptest::prelude::*;
 
-/// What is wrong with a memory.
+/// Defect of a memory.
 #[derive(Clone, Copy, Debug)]
 enum Defect {
     None,

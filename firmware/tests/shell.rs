@@ -19,7 +19,7 @@ use std::pin::pin;
 use std::rc::Rc;
 use std::task::{Context, Waker};
 
-/// What has happened on the board.
+/// State of the board, and record of what has happened on it.
 #[derive(Default)]
 struct Paper {
     now: u64,

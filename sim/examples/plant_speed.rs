@@ -1,4 +1,4 @@
-//! How fast the plant runs: `cargo run --release -p narx-sim --example plant_speed -- SECONDS`.
+//! Measures how fast the plant runs: `cargo run --release -p narx-sim --example plant_speed -- SECONDS`.
 
 use narx_core::motor::commutate::commutation::sector_of;
 use narx_core::motor::{Direction, PwmCommand, Rectification, Step};

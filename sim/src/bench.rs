@@ -48,7 +48,7 @@ use scope_memory::ScopeMemory;
 
 /// Bit rate of the drive's bus (Table 2).
 pub const BITRATE: u32 = 500_000;
-/// What the simulated board says of itself.
+/// Identity that the simulated board reports.
 pub const IDENTITY: Identity = Identity {
     build_number: 1,
     source_modified: false,
@@ -69,7 +69,7 @@ const MAILBOXES: usize = 3;
 /// Frames of a download in the drive's controller: one on the bus, and one to follow it without a gap.
 const BULK: usize = 2;
 
-/// What a bench is made of.
+/// Configuration of a bench.
 #[derive(Clone, Debug)]
 pub struct BenchConfig {
     /// The physical side.
@@ -91,7 +91,7 @@ pub struct Bench {
     scope: Scope<ScopeMemory>,
     keeper: Keeper<ScopeMemory>,
     chip: Chip,
-    /// What the flash answers when it has finished, and when that is, ns.
+    /// While the flash is busy: time at which it has finished, ns, and its report then.
     report: Option<(u64, Report)>,
     #[cfg(feature = "update")]
     slots: Slots,
@@ -127,7 +127,7 @@ impl Bench {
         Self::with_chip(config, Chip::new(&config.parameters))
     }
 
-    /// The same with a flash from somewhere else: what stands there counts, and the configuration's parameters do not.
+    /// Powers up a drive on the plant with a flash from somewhere else: its content counts, and the configuration's parameters do not.
     #[cfg(feature = "flash")]
     pub fn with_flash(config: &BenchConfig, flash: Flash<Sparse>) -> Self {
         Self::with_chip(config, Chip::with_flash(flash))
@@ -219,14 +219,14 @@ impl Bench {
         Recorder::new(RecordingBuffer::default(), &header, &state).ok()
     }
 
-    /// The same bench without a recorder: for the many runs of which only the outcome counts. [`Bench::recording`] is
+    /// Returns this bench without a recorder: for the many runs of which only the outcome counts. [`Bench::recording`] is
     /// then empty and [`Bench::digest`] 0.
     #[must_use]
     pub fn without_recording(self) -> Self {
         Self { record: false, recorder: None, ..self }
     }
 
-    /// The same bench, whose drive has no bootloader: it is powered up anew, and cannot be programmed over CAN.
+    /// Returns this bench with a drive that has no bootloader: it is powered up anew, and cannot be programmed over CAN.
     #[cfg(feature = "update")]
     #[must_use]
     pub fn without_programming(mut self) -> Self {
@@ -235,7 +235,7 @@ impl Bench {
         self
     }
 
-    /// The same bench, powered up anew, which writes down what its node is told and asked: [`Bench::transcript`].
+    /// Returns this bench, powered up anew, with a transcript of its node's inputs and queries: [`Bench::transcript`].
     #[cfg(feature = "transcripts")]
     #[must_use]
     pub fn with_transcript(mut self) -> Self {
@@ -244,7 +244,7 @@ impl Bench {
         self
     }
 
-    /// What the node was told and asked since it last booted, to be [run again](narx_core::recording::transcript); nothing without
+    /// Transcript of the node's inputs and queries since it last booted, to be [run again](narx_core::recording::transcript); empty without
     /// [`Bench::with_transcript`].
     #[cfg(feature = "transcripts")]
     pub fn transcript(&self) -> Vec<u8> {
@@ -298,7 +298,7 @@ impl Bench {
         }
     }
 
-    /// What the firmware's background loop does once a tick.
+    /// Does the work of the firmware's background loop, once a tick.
     fn background(&mut self) {
         let now = self.plant.tick();
         let now_ns = self.now_ns();
@@ -413,12 +413,12 @@ impl Bench {
         self.node.status()
     }
 
-    /// What the drive answered in the last tick.
+    /// Returns the command that the drive gave in the last tick.
     pub const fn command(&self) -> &PwmCommand {
         &self.command
     }
 
-    /// What has happened on the bus.
+    /// Returns the counts of frames and errors on the bus, and its busy time.
     pub fn bus_statistics(&self) -> BusStatistics {
         self.bus.statistics()
     }

@@ -1,4 +1,4 @@
-//! What a drive on the bench keeps when it restarts.
+//! Memory of a drive on the bench, which outlasts a restart.
 
 #[cfg(feature = "flash")]
 pub(crate) use with_flash::Chip;
@@ -30,7 +30,7 @@ mod with_flash {
             Self { storage: Storage::new(flash) }
         }
 
-        /// What becomes of a request, and how long that takes, ns; `None` if the power goes on the way.
+        /// Executes a request; returns its report and how long it takes, ns; `None` if the power fails on the way.
         pub(crate) fn execute(&mut self, request: Request) -> Option<(Report, u64)> {
             let report = finish(self.storage.execute(request));
             let busy = self.storage.flash().take_busy();
@@ -69,7 +69,7 @@ mod without_flash {
             Self { stored: parameters.clone() }
         }
 
-        /// What becomes of a request, at once.
+        /// Executes a request, which takes no time.
         pub(crate) fn execute(&mut self, request: Request) -> Option<(Report, u64)> {
             let report = match request {
                 Request::Open => Report::Opened(Opened {

@@ -35,7 +35,7 @@ impl Mode {
     /// Every mode.
     pub const ALL: [Self; 3] = [Self::Hall, Self::Sensorless, Self::OpenLoop];
 
-    /// What users call it: `hall`, `sensorless`, `open-loop`.
+    /// Returns the name that users know it by: `hall`, `sensorless`, `open-loop`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Hall => "hall",
@@ -45,7 +45,7 @@ impl Mode {
     }
 }
 
-/// What a motor's user knows of it.
+/// Data of a motor that its user knows.
 #[derive(Clone, Copy, Debug)]
 pub struct Nameplate {
     /// The motor's data.
@@ -240,7 +240,7 @@ const CONTINUOUS: f64 = 6.0;
 const RATED_LOSS: f64 = 6.0;
 /// Electrical revolutions a minute of 500 rpm with 4 pole pairs (Table 2).
 const ELECTRICAL_RPM_MIN: f64 = 500.0 * 4.0;
-/// The same a second.
+/// [`ELECTRICAL_RPM_MIN`] as electrical revolutions a second.
 const ELECTRICAL_MIN: f64 = ELECTRICAL_RPM_MIN / 60.0;
 /// Largest speed that MEASUREMENT_1 and 5 carry, rpm.
 const REPORTED_MAX: f64 = 32_767.0;

@@ -5,7 +5,8 @@ use core::fmt;
 use narx_core::dictionary::{Decimal, Dictionary, Parameter, Parameters};
 use narx_core::master::DescribedParameter;
 
-/// What relates a parameter's value in its unit to its raw value: of a row of the dictionary, or as a drive describes it.
+/// Scale of a parameter, between its value in its unit and its raw value: of a row of the dictionary, or as a drive describes
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale<'a> {
     /// Number on the wire.

@@ -9,7 +9,7 @@ use core::f64::consts::TAU;
 use narx_core::motor::guard::fault::{Cause, FaultWord};
 use narx_core::motor::{State, Status};
 
-/// What is run.
+/// Configuration of a run.
 #[derive(Clone, Debug)]
 pub struct Experiment {
     /// The bench.
@@ -18,11 +18,11 @@ pub struct Experiment {
     pub rpm: Option<i32>,
     /// From the Drive request to the end, s.
     pub seconds: f64,
-    /// What breaks, and when after the Drive request, s.
+    /// Injected fault, and its time after the Drive request, s.
     pub fault: Option<(Injection, f64)>,
 }
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// In the state that the mode leads to.
@@ -47,10 +47,10 @@ impl Outcome {
     }
 }
 
-/// What a run came to. Times count from the Drive request; a mean is that of the last quarter, NaN of what was never reached.
+/// Results of a run. Times count from the Drive request, means are those of the last quarter; NaN stands for what was never reached.
 #[derive(Clone, Debug)]
 pub struct Figures {
-    /// How it ended.
+    /// Outcome of the run.
     pub outcome: Outcome,
     /// State at the end.
     pub state: State,
@@ -190,7 +190,7 @@ impl Experiment {
     }
 }
 
-/// What is kept of the ticks.
+/// Values kept from the ticks of a run.
 struct Watch {
     target: f64,
     /// Where the mode leads to.

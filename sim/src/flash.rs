@@ -35,7 +35,8 @@ pub const MBYTE_256: [u8; 3] = [0x20, 0xBA, 0x22];
 /// A flash of 512 KiB: for boards that hold it in RAM, and for tests that look at every byte.
 pub const KBYTE_512: [u8; 3] = [0x20, 0xBA, 0x13];
 
-/// What a future over simulated flash answers: it never waits, so once is enough. `None` for one that waits for something else.
+/// Returns the output of a future over simulated flash, which never waits, so that polling it once is enough. `None` for one that
+/// waits for something else.
 pub fn finish<T>(future: impl Future<Output = T>) -> Option<T> {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(answer) => Some(answer),
@@ -43,7 +44,7 @@ pub fn finish<T>(future: impl Future<Output = T>) -> Option<T> {
     }
 }
 
-/// How long operations take, ns.
+/// Durations of operations, ns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
     /// A command and its address.
@@ -64,7 +65,7 @@ impl Timing {
         Self { command: 1_600, byte: 320, program: 120_000, subsector: 50_000_000, sector: 150_000_000 };
 }
 
-/// What holds the bytes.
+/// Memory that holds the bytes.
 pub trait Memory {
     /// Reads from `address` on; what was never written is all ones.
     fn read(&self, address: u32, bytes: &mut [u8]);
@@ -92,7 +93,7 @@ impl Memory for &mut [u8] {
     }
 }
 
-/// What is left of the byte, or the part of an erase, during which the power failed.
+/// State of the byte, or of the part of an erase, during which the power failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tear {
     /// It is as it was before.
@@ -197,7 +198,7 @@ impl<M: Memory> Flash<M> {
         self.steps
     }
 
-    /// What it has done.
+    /// Returns the counts of its operations.
     pub const fn counts(&self) -> Counts {
         self.counts
     }

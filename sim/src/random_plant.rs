@@ -10,7 +10,7 @@ use crate::random::Random;
 use core::f64::consts::TAU;
 use narx_core::dictionary::number;
 
-/// How far a plant strays. Factors are of the data sheet's value.
+/// Ranges in which a plant's values are drawn. Factors are of the data sheet's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Inertia, drawn evenly in its logarithm.
@@ -32,7 +32,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// What a sensorless start promises to cope with.
+    /// Ranges that a sensorless start promises to cope with.
     pub const PROMISED: Self = Self {
         inertia: (0.2, 5.0),
         friction: (0.0, 3.0),
@@ -66,7 +66,7 @@ pub struct RandomPlant {
     pub rpm: i32,
     /// The plant itself.
     pub plant: PlantConfig,
-    /// What commissioning made of the data sheet and the supply.
+    /// Result of commissioning from the data sheet and the supply.
     pub commissioning: Commissioning,
 }
 

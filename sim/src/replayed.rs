@@ -28,7 +28,7 @@ pub const SIGNALS: [Signal; 17] = [
     Signal::double("faults", ""),
 ];
 
-/// What became of a replay.
+/// Result of a replay.
 #[derive(Clone, Debug)]
 pub struct Replayed {
     /// A row for each tick.
@@ -39,7 +39,7 @@ pub struct Replayed {
     pub digest: u64,
     /// Digest of the outputs when they were recorded; `None` of a part.
     pub recorded_digest: Option<u64>,
-    /// What the last tick answered, every field in raw bits.
+    /// Outputs of the last tick, every field in raw bits.
     pub outputs: Option<String>,
     /// The recording's label.
     pub label: String,

@@ -13,7 +13,7 @@ use narx_core::master::{Config, Master};
 use narx_core::master::{Image, NotTaken};
 use narx_core::motor::State;
 
-/// What is on the bench, and how the drive is set up.
+/// Configuration of a session: the bench, and the set-up of the drive.
 #[derive(Clone, Debug)]
 pub struct SessionConfig {
     /// The motor.
@@ -22,7 +22,7 @@ pub struct SessionConfig {
     pub rated_current: Option<f64>,
     /// Largest set-point, mechanical rpm, as in [`Nameplate::commission_up_to`]; without it commissioning finds it.
     pub speed_max: Option<f64>,
-    /// What it drives.
+    /// Load that the motor drives.
     pub load: LoadConfig,
     /// Supply voltage, V.
     pub supply: f64,
@@ -175,7 +175,7 @@ impl Session {
         })
     }
 
-    /// The same session whose bench records nothing, as [`Bench::without_recording`].
+    /// Returns this session with a bench that records nothing, as [`Bench::without_recording`].
     #[must_use]
     pub fn without_recording(self) -> Self {
         Self { bench: self.bench.without_recording(), ..self }

@@ -26,7 +26,7 @@ pub(crate) struct Slots {
     is_filled: bool,
     /// The drive's own version.
     version: Version,
-    /// What the flash answers when it has finished, and when that is, ns.
+    /// While the flash is busy: time at which it has finished, ns, and its report then.
     report: Option<(u64, Report)>,
 }
 
@@ -40,7 +40,7 @@ impl Slots {
         Self { server: Server::new(slot), is_filled: false, version, report: None }
     }
 
-    /// What the bootloader does at a reboot.
+    /// Does the work of the bootloader at a reboot.
     pub(crate) fn boot(&mut self) {
         self.report = None;
         if !self.is_filled {
@@ -53,7 +53,7 @@ impl Slots {
         self.server.slot().flash().take_busy();
     }
 
-    /// What the node is told at power-up.
+    /// Tells the node its slots at power-up.
     pub(crate) fn attach(&mut self, node: &mut BenchNode) {
         // A flash that has its power can be read.
         let Ok(slots) = self.server.slots() else { return };

@@ -1,9 +1,9 @@
-//! What a run leaves behind: named signals with units, one row per control tick.
+//! Record of a run: named signals with units, one row per control tick.
 
 use alloc::vec::Vec;
 use core::fmt;
 
-/// How exactly a signal is kept.
+/// Precision with which a signal is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     /// 32-bit float: anything measured.
@@ -19,7 +19,7 @@ pub struct Signal {
     pub name: &'static str,
     /// SI unit or `rpm`; empty for plain numbers.
     pub unit: &'static str,
-    /// How exactly it is kept.
+    /// Precision with which it is kept.
     pub precision: Precision,
 }
 

@@ -11,13 +11,13 @@ use crate::motor::commutate::pwm::Commutations;
 /// Settings of a [`Commutation`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CommutationSettings {
-    /// Commutation ahead of its place, electrical, 0 to 3000 in 0.01 degree (parameter 273).
+    /// Timing advance, electrical, 0 to 3000 in 0.01 degree (parameter 273).
     pub advance_cdeg: u16,
     /// First instant of a period at which a new step can act, 1/65 536 of it: when the caller has its answer.
     pub earliest: u16,
 }
 
-/// Position and torque to the step of a period, and to the changes within it.
+/// Computes the step of a period, and the changes within it, from position and torque direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Commutation {
     coefficients: CommutatorCoefficients,
@@ -25,7 +25,7 @@ pub struct Commutation {
 }
 
 impl Commutation {
-    /// A commutation that has not seen a rotor yet.
+    /// Builds a commutation that knows no rotor position yet.
     ///
     /// # Errors
     /// The setting that is out of range.
@@ -34,8 +34,8 @@ impl Commutation {
         Ok(Self { coefficients, station: Commutator::default() })
     }
 
-    /// The step at the earliest instant of this period, and up to two changes later in it, for a rotor at `position` with torque in `torque`. A rotor that
-    /// seems to have fallen back by less than 15 degrees is not commutated back.
+    /// Returns the step at the earliest instant of this period, and up to two changes later in it, for a rotor at `position` with torque in
+    /// direction `torque`. A rotor that seems to have fallen back by less than 15 degrees is not commutated back.
     pub fn step(&mut self, position: Position, torque: Direction) -> (Step, Commutations) {
         self.station.step(&self.coefficients, position.angle, position.speed, torque)
     }

@@ -8,7 +8,7 @@ use fixed::types::I48F16;
 pub struct SettingError {
     /// Name of the setting, as its field is called.
     pub setting: &'static str,
-    /// What it was.
+    /// The rejected value.
     pub value: i64,
     /// Smallest value that builds, with the other settings as they are.
     pub min: i64,
@@ -47,7 +47,7 @@ pub(super) fn within(
     if (min..=max).contains(&value) { Ok(()) } else { Err(error) }
 }
 
-/// The same of a raw I16F16 quantity.
+/// `Err` unless a raw I16F16 quantity lies within `min..=max`.
 pub(super) fn quantity_within(
     setting: &'static str,
     raw: i32,

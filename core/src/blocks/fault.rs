@@ -11,7 +11,8 @@ use crate::motor::machine::state::State;
 use crate::motor::sense::samples::Lines;
 use crate::units::{Amps, Celsius, ElectricalSpeed, Volts};
 
-/// Settings of a [`Fault`]. How long each condition must hold is in [`Cause::TABLE`](crate::motor::Cause::TABLE).
+/// Settings of a [`Fault`]. The time for which each condition must hold is in
+/// [`Cause::TABLE`](crate::motor::Cause::TABLE).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaultSettings {
     /// Ticks a second, 1 000 to 100 000 Hz.
@@ -32,7 +33,8 @@ pub struct FaultSettings {
     pub speed_max: ElectricalSpeed,
     /// Digital inputs that shut down.
     pub shutdown_lines: Lines,
-    /// Which bits are critical (parameter 115, 1 = critical); what protects the power stage is critical while driving all the same.
+    /// Critical fault mask (parameter 115, 1 = critical); faults that protect the power stage are critical while driving in any
+    /// case.
     pub critical_mask: u32,
     /// Torque without a hall edge for this long is a stall, 1 to 65 535 ms (parameter 265).
     pub hall_stall_ms: u32,
@@ -69,7 +71,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// No fault yet.
+    /// Builds a fault logic without a fault.
     ///
     /// # Errors
     /// The setting that is out of range.
@@ -101,13 +103,13 @@ impl Fault {
         Ok(Self { coefficients, now: Instant::default(), station: Protection::default() })
     }
 
-    /// One tick. True while a critical fault is present: the bridge is to go off.
+    /// Runs one tick. Returns true while a critical fault is present: the bridge must be switched off.
     pub fn step(&mut self, evidence: &Evidence) -> bool {
         self.now = self.now.next();
         self.station.step(&self.coefficients, self.now, evidence)
     }
 
-    /// What the fault logic does as a [`StateMachine`](super::StateMachine) beside it changes its state: a time-out and a failed boot are latched, leaving
+    /// Follows a state change of the [`StateMachine`](super::StateMachine) beside it: a time-out and a failed boot are latched, leaving
     /// Fault acknowledges, and sensors are judged anew in every driven episode.
     pub fn handle_change(&mut self, change: &Change, evidence: &Evidence) {
         let (from, to) = (change.row.from, change.row.to);
@@ -124,7 +126,7 @@ impl Fault {
         }
     }
 
-    /// Clears what is latched, if none of its causes is present any more: true. Else nothing is done.
+    /// Clears the latched faults and returns true if none of their causes is present any more; else does nothing.
     pub fn acknowledge(&mut self) -> bool {
         let gone = self.causes_gone();
         if gone {
@@ -133,17 +135,17 @@ impl Fault {
         gone
     }
 
-    /// None of the latched causes is present any more.
+    /// Returns whether none of the latched causes is present any more.
     pub fn causes_gone(&self) -> bool {
         self.station.causes_gone()
     }
 
-    /// FAULT_WORD: what is present or latched.
+    /// FAULT_WORD: faults that are present or latched.
     pub fn word(&self) -> FaultWord {
         self.station.word()
     }
 
-    /// CRITICAL_FAULT: what is latched.
+    /// CRITICAL_FAULT: latched faults.
     pub const fn critical(&self) -> FaultWord {
         self.station.critical()
     }

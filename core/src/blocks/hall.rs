@@ -16,17 +16,17 @@ use crate::units::{ElectricalAngle, ElectricalSpeed};
 pub struct HallSettings {
     /// Ticks a second, 1 000 to 100 000 Hz.
     pub tick_rate: u32,
-    /// Which permutation of the lines, 0 to 5 (parameter 262); 0 is A, B, C.
+    /// Permutation of the lines, 0 to 5 (parameter 262); 0 is A, B, C.
     pub order: u8,
     /// Lines to invert before the permutation, 0 to 7: bit 0 = A, bit 1 = B, bit 2 = C.
     pub polarity: u8,
-    /// How far the edges lie beyond their place, -18 000 to 18 000 in 0.01 electrical degree (parameter 80).
+    /// Offset of the edges beyond their place, -18 000 to 18 000 in 0.01 electrical degree (parameter 80).
     pub offset_cdeg: i32,
     /// No edge for this long means standstill, 1 to 65 535 ms (parameter 113), and no more than 65 535 ticks.
     pub timeout_ms: u32,
     /// Slowest electrical speed that is interpolated between edges, rev/s; below, the middle of the sector stands for all of it.
     pub interpolation_min: ElectricalSpeed,
-    /// Edges come time-stamped; else the level alone is looked at, once a tick.
+    /// Edges are time-stamped; else only the level is read, once a tick.
     pub captured: bool,
 }
 
@@ -45,24 +45,24 @@ impl Default for HallSettings {
     }
 }
 
-/// What the sensors say after a tick.
+/// Reading of the sensors after a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HallReading {
     /// Sector, 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees. `None` until the first valid code.
     pub sector: Option<u8>,
     /// Angle and speed at the present boundary, for a [`Commutation`](super::Commutation).
     pub position: Position,
-    /// Electrical speed, signed, never more than the edge that has not come allows.
+    /// Electrical speed, signed, limited by the time for which the next edge has not come.
     pub speed: ElectricalSpeed,
-    /// What happened in this tick.
+    /// Events of this tick.
     pub events: HallEvents,
     /// No edge for the time-out: standstill.
     pub stopped: bool,
-    /// The rotor seems to have jumped or turned round at speed, or the code stays invalid: torque by this position could be torque in any direction.
+    /// The rotor seems to have jumped or reversed at speed, or the code stays invalid: torque by this position could act in any direction.
     pub doubtful: bool,
 }
 
-/// The hall station: sector, angle and speed. A single glitch is debounced and counted; what makes a fault of glitches is [`Fault`](super::Fault).
+/// The hall station: sector, angle and speed. A single glitch is debounced and counted; [`Fault`](super::Fault) decides when glitches are a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hall {
     coefficients: HallCoefficients,
@@ -72,7 +72,7 @@ pub struct Hall {
 }
 
 impl Hall {
-    /// Sensors that nothing has been seen of.
+    /// Builds a station that has not seen the sensors yet.
     ///
     /// # Errors
     /// The setting that is out of range.
@@ -98,8 +98,8 @@ impl Hall {
         Ok(Self { coefficients, speed_of_turns: speed_of_turns(rate), now: Instant::default(), station })
     }
 
-    /// One tick: the lines now (bit 0 = A, bit 1 = B, bit 2 = C), and the edges of the period that has ended, oldest first; of more than
-    /// [`EDGES_MAX`] the first.
+    /// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the edges of the period that has ended, oldest first; only
+    /// the first [`EDGES_MAX`] count.
     pub fn step(&mut self, code: u8, edges: &[Edge]) -> HallReading {
         let edges = edges.iter().copied().take(EDGES_MAX).collect();
         let samples = Samples { hall: code, edges, ..Samples::default() };

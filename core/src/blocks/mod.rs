@@ -44,7 +44,7 @@ fn factory(number: u16) -> u32 {
     Dictionary::row(number).map_or(0, |row| row.default() as u32)
 }
 
-/// The same of a quantity in its unit, raw I16F16.
+/// Factory value of a parameter as a quantity in its unit, raw I16F16.
 fn factory_quantity(number: u16) -> i32 {
     Dictionary::row(number).map_or(0, |row| {
         Volts::from_ratio(row.default(), 10_i32.pow(row.exponent.min(0).unsigned_abs().into())).to_bits()
@@ -56,22 +56,22 @@ fn tick_rate(rate: u32) -> Result<u32, SettingError> {
     within("tick_rate", rate.into(), 1_000, 100_000, "Hz").map(|_| rate)
 }
 
-/// Ticks of so many milliseconds, at least 1.
+/// Ticks in this many milliseconds, at least 1.
 fn ticks(milliseconds: u32, rate: u32) -> u32 {
     (u64::from(milliseconds) * u64::from(rate) / 1000).clamp(1, u32::MAX.into()) as u32
 }
 
-/// Raw I16F16 rev/s of 2^-32 turn a tick.
+/// Gain from 2^-32 turn a tick to raw I16F16 rev/s.
 fn speed_of_turns(rate: u32) -> Gain {
     Gain::from_ratio(rate.into(), 65_536).unwrap_or(Gain::ZERO)
 }
 
-/// 2^-32 turn a tick of raw I16F16 rev/s.
+/// Gain from raw I16F16 rev/s to 2^-32 turn a tick.
 fn turns_of_speed(rate: u32) -> Gain {
     Gain::from_ratio(65_536, rate.into()).unwrap_or(Gain::ZERO)
 }
 
-/// u32 turn of an angle in 0.01 degree.
+/// Converts an angle in 0.01 degree to a u32 turn.
 const fn turn_of_centidegrees(angle: i32) -> u32 {
     (((angle as i64) << 32) / 36_000) as u32
 }

@@ -19,8 +19,8 @@ pub struct PiSettings {
     pub maximum: i32,
 }
 
-/// A PI controller: `u = Kp e + integral of Ki e dt`, within its limits. The integrator has 16 fraction bits more than the output, and never holds more
-/// than brings that to a limit.
+/// A PI controller: `u = Kp e + integral of Ki e dt`, within its limits. The integrator has 16 fraction bits more than the output, and
+/// never holds more than brings the output to a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pi {
     gains: PiGains,
@@ -61,18 +61,18 @@ impl Pi {
         self.station.step(&self.gains, error, self.minimum, self.maximum)
     }
 
-    /// Something else decided `applied` (raw I16F16) in this step, whose error was `error`: the integrator goes an eighth of the way to what would have
-    /// given that, so that the controller takes over again without a bump.
+    /// Follows the output `applied` (raw I16F16) that something else decided in this step, whose error was `error`: the integrator goes an
+    /// eighth of the way to the value that would have given `applied`, so that the controller takes over again without a bump.
     pub fn track(&mut self, applied: i32, error: i32) {
         self.station.track(&self.gains, applied, error);
     }
 
-    /// The integrator alone gives `output` (raw I16F16) from now on.
+    /// Sets the integrator so that it alone gives `output` (raw I16F16).
     pub fn hold(&mut self, output: i32) {
         self.station.wait(output);
     }
 
-    /// The gains as they are stepped: Kp, and Ki x step time.
+    /// Gains of one step: Kp, and Ki x step time.
     pub const fn gains(&self) -> &PiGains {
         &self.gains
     }

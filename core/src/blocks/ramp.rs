@@ -15,7 +15,7 @@ pub struct RampSettings {
 /// A value that approaches its target by at most a rate: `y += clamp(target - y, -rate dt, rate dt)`, with 16 more fraction bits than it shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ramp {
-    /// Raw I16F16 with 16 extra bits, a step.
+    /// Largest change of one step, raw I16F16 with 16 extra bits.
     rate: i64,
     station: Station,
 }
@@ -43,7 +43,7 @@ impl Ramp {
         self.station.set(value);
     }
 
-    /// Where it is, raw I16F16.
+    /// Present value, raw I16F16.
     pub const fn value(&self) -> i32 {
         self.station.value()
     }

@@ -30,7 +30,7 @@ pub struct StateSettings {
     pub auto_restart_ms: u32,
     /// Wait before a fault can be acknowledged (T61).
     pub fault_wait_ms: u32,
-    /// No command for so long while driving is a fault.
+    /// Longest time without a command while driving; more is a fault.
     pub command_timeout_ms: u32,
 }
 
@@ -86,17 +86,17 @@ impl StateMachine {
         Ok(Self { coefficients, now: Instant::default(), station: Machine::default() })
     }
 
-    /// A command has arrived; it feeds the time-out. Standby acknowledges a fault, Drive and Reverse start the motor if Standby was asked for before.
+    /// Takes a command; it restarts the time-out. Standby acknowledges a fault, Drive and Reverse start the motor if Standby was requested before.
     pub fn handle_command(&mut self, command: Command) {
         self.station.handle_command(self.now, command);
     }
 
-    /// A set-point has arrived without a request; it feeds the time-out, too.
+    /// Takes a set-point without a request; it restarts the time-out, too.
     pub fn handle_set_point(&mut self, speed: ElectricalSpeed) {
         self.station.handle_set_point(self.now, speed);
     }
 
-    /// One tick: time passes, at most one transition fires.
+    /// Runs one tick: time passes, at most one transition fires.
     pub fn step(&mut self, inputs: &Inputs) -> Option<Change> {
         self.now = self.now.next();
         self.station.step(&self.coefficients, self.now, inputs)
@@ -107,7 +107,7 @@ impl StateMachine {
         self.station.state()
     }
 
-    /// Ticks in it, saturating.
+    /// Ticks in the present state, saturating.
     pub const fn age(&self) -> u32 {
         self.station.age(self.now)
     }
@@ -117,12 +117,13 @@ impl StateMachine {
         self.station.direction()
     }
 
-    /// Why the last start was refused; stays until Standby is requested.
+    /// Reason why the last start was refused; stays until Standby is requested.
     pub const fn refusal(&self) -> Refusal {
         self.station.refusal()
     }
 
-    /// Drive is requested by a fresh edge in Standby: unless something refuses it, this tick turns the bridge on.
+    /// Returns whether Drive is requested by a fresh edge in Standby: unless the start is refused, this tick
+    /// turns the bridge on.
     pub fn starting(&self) -> bool {
         self.station.starting()
     }

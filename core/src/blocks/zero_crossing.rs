@@ -26,17 +26,17 @@ pub struct ZeroCrossingSettings {
     pub terminal: Channel,
     /// Scale of the bus voltage.
     pub bus_voltage: Channel,
-    /// Smallest signal that is told from noise, 1 to 255 codes of a terminal.
+    /// Smallest signal that stands out of the noise, 1 to 255 codes of a terminal.
     pub noise_codes: u8,
     /// Least blanking after a commutation, 0 to 100 000 us (parameter 86).
     pub blanking_us: u32,
-    /// Where in its period a new step acts, 1/65 536 of it; and the advance of the next commutation.
+    /// Instant of the period at which a new step acts, 1/65 536 of it, and the advance of the next commutation.
     pub commutation: CommutationSettings,
     /// Comparators with captured edges take the place of samples.
     pub comparator: bool,
     /// Delay of a rising crossing, -10 000 to 10 000 us (parameter 100).
     pub delay_rising_us: i32,
-    /// Delay of a falling crossing, the same.
+    /// Delay of a falling crossing, -10 000 to 10 000 us.
     pub delay_falling_us: i32,
     /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm (parameter 267); 0 unknown, then off-time crossings are not corrected for their threshold.
     pub back_emf_uv_per_rpm: u32,
@@ -66,30 +66,33 @@ impl Default for ZeroCrossingSettings {
     }
 }
 
-/// What the terminals say after a tick.
+/// Reading of the terminals after a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ZeroCrossingReading {
-    /// A crossing that was seen in this tick: how long before the present boundary, 1/65 536 tick; negative is after it.
+    /// Age of a crossing that was seen in this tick: time from it to the present boundary, 1/65 536 tick; negative is
+    /// after the boundary.
     pub crossing: Option<i32>,
-    /// What became of the last step's crossing.
+    /// Outcome of the last step's crossing.
     pub why: Why,
-    /// How far the last accepted crossing lay behind its prediction, 65 536 a turn.
+    /// Lag of the last accepted crossing behind its prediction, 65 536 a turn.
     pub margin: i16,
     /// Crossings accepted since it was built, wrapping.
     pub accepted: u32,
     /// Angle and speed at the present boundary, for a [`Commutation`](super::Commutation).
     pub position: Position,
-    /// Electrical speed, signed, over up to a revolution, never more than the crossing that has not come allows; 0 while none is known.
+    /// Electrical speed, signed, over up to a revolution, limited by the time for which the next crossing has not come; 0 while
+    /// unknown.
     pub speed: ElectricalSpeed,
-    /// The next commutation, this long after the present boundary, 1/65 536 tick: 0 is now, `None` that it is not known.
+    /// Time from the present boundary to the next commutation, 1/65 536 tick: 0 is now, `None` is unknown.
     pub commutation: Option<u32>,
     /// Six consistent crossings of both polarities: the position may close a loop.
     pub running: bool,
-    /// This episode is over in this tick, and why: stalled (blind, late or silent for too long), or out of step. The bridge is to go off.
+    /// Reason why this episode ends in this tick: stalled (blind, late or silent for too long), or out of step. The bridge must be
+    /// switched off.
     pub lost: Rail,
 }
 
-/// What is being done with the rotor.
+/// Phase of the rotor's motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Mode {
     /// It coasts, if it turns at all.
@@ -118,7 +121,7 @@ pub struct ZeroCrossing {
 }
 
 impl ZeroCrossing {
-    /// A motor that nothing has been seen of.
+    /// Builds a station that has not seen the motor yet.
     ///
     /// # Errors
     /// The setting that is out of range.
@@ -166,19 +169,20 @@ impl ZeroCrossing {
         })
     }
 
-    /// The bridge is about to bring up a rotor that rests at `angle` (u32 turn) in `direction`.
+    /// Begins to bring up a rotor that rests at `angle` (u32 turn), in `direction`.
     pub fn start(&mut self, angle: u32, direction: Direction) {
         self.estimator.start(self.now, angle, direction);
         self.mode = Mode::Starting;
     }
 
-    /// On by a step without any evidence: the rotor that is being brought up has not moved.
+    /// Goes on by a step without any evidence: the rotor that is being brought up has not moved.
     pub fn force_step(&mut self) {
         self.estimator.force_step();
     }
 
-    /// One tick: what was sampled (phase and bus voltages with their mode, edges of comparators), and the pattern that was in force in the period that has
-    /// ended, with torque in `torque`. Of `applied` the step, the commutations and the sampling instant count.
+    /// Runs one tick with the samples (phase and bus voltages with their mode, edges of comparators) and the command that was `applied` in
+    /// the period that has ended, with torque in direction `torque`. Of `applied` the step, the commutations and the sampling instant
+    /// count.
     pub fn step(
         &mut self,
         samples: &Samples,
@@ -198,7 +202,7 @@ impl ZeroCrossing {
         self.reading(crossing, lost, applied, torque)
     }
 
-    /// The bridge is off.
+    /// Evaluates a tick with the bridge off.
     fn listen(&mut self, samples: &Samples, applied: &PwmCommand) {
         self.back_emf = BackEmf::default();
         self.estimator.begin_coasting(self.now);
@@ -214,7 +218,7 @@ impl ZeroCrossing {
         }
     }
 
-    /// The bridge is on.
+    /// Evaluates a tick with the bridge on; returns the age of a crossing that the estimator accepts.
     fn observe(&mut self, samples: &Samples, applied: &PwmCommand, torque: Direction) -> Option<i32> {
         self.listening.reset(self.now);
         let bus_voltage = self.bus_voltage.convert(samples.bus_voltage);
@@ -238,7 +242,7 @@ impl ZeroCrossing {
         }
     }
 
-    /// Hands the estimator what the step of `sector` shows; returns the age of a crossing that it believes.
+    /// Gives the estimator the observation in the step of `sector`; returns the age of a crossing that it accepts.
     fn take(&mut self, sector: u8, sight: Sight) -> Option<i32> {
         let (now, starting) = (self.now, self.mode == Mode::Starting);
         match sight {
@@ -259,7 +263,7 @@ impl ZeroCrossing {
         None
     }
 
-    /// Whether the loop may be closed, or has to be opened.
+    /// Decides whether the loop may be closed or must be opened; returns the reason for opening it.
     fn settle(&mut self) -> Rail {
         let silent = self.estimator.since(self.now) >= self.timeout;
         match self.mode {

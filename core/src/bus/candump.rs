@@ -19,13 +19,13 @@ pub struct Line<'a> {
     pub time: f64,
     /// Interface on which it was heard.
     pub channel: &'a str,
-    /// Not sent by the one who has logged it; true where the line does not say.
+    /// Received, not sent, by the logging node; true where the line has no direction.
     pub received: bool,
-    /// What it was.
+    /// The frame or error that was logged.
     pub content: Content<'a>,
 }
 
-/// What a line tells of.
+/// Content of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Content<'a> {
     /// A classic frame.
@@ -43,7 +43,7 @@ pub enum Content<'a> {
     Error {
         /// Its class: bits 28..0 as in `linux/can/error.h`.
         class: u32,
-        /// What the adapter says about it.
+        /// Details of the error, as the adapter reports them.
         data: Hex<'a>,
     },
 }
@@ -52,7 +52,7 @@ pub enum Content<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hex<'a>(&'a [u8]);
 
-/// Why a line is none.
+/// Reason why a line is not a log line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParseError {
     /// Not a time in parentheses, a channel, a frame and perhaps a direction, with blanks between them.
@@ -77,10 +77,10 @@ const ERROR: u32 = 1 << 29;
 const STANDARD_DIGITS: usize = 3;
 
 impl<'a> Line<'a> {
-    /// What a line says, or `None` if it is blank. It may have its line end.
+    /// Parses a line; `None` if it is blank. A line end is accepted.
     ///
     /// # Errors
-    /// The first thing in which it is not such a line.
+    /// The first part of the line that breaks the format.
     pub fn parse(line: &'a [u8]) -> Result<Option<Self>, ParseError> {
         let line = line.trim_ascii();
         if line.is_empty() {
@@ -113,7 +113,7 @@ impl<'a> Content<'a> {
             return Ok(Self::Error { class: raw & (ERROR - 1), data: Hex::parse(data, 8)? });
         }
         let id = if digits.len() > STANDARD_DIGITS {
-            // Whatever stands above 29 bits is a flag of the one who has logged.
+            // Bits above the 29 are flags of the logging tool.
             Id::extended_masked(raw)
         } else {
             Id::standard(raw as u16).ok_or(ParseError::Identifier)?
@@ -137,7 +137,7 @@ impl<'a> Content<'a> {
 }
 
 impl<'a> Hex<'a> {
-    /// Bytes that it has at most.
+    /// Largest number of bytes.
     pub const MAX: usize = 64;
 
     fn parse(digits: &'a [u8], bytes_max: usize) -> Result<Self, ParseError> {
@@ -147,12 +147,12 @@ impl<'a> Hex<'a> {
         if digits.len() > 2 * bytes_max { Err(ParseError::Length) } else { Ok(Self(digits)) }
     }
 
-    /// How many bytes.
+    /// Number of bytes.
     pub const fn len(&self) -> usize {
         self.0.len() / 2
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no bytes.
     pub const fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -197,7 +197,7 @@ fn word(text: &[u8]) -> (&[u8], &[u8]) {
     (word, rest.trim_ascii_start())
 }
 
-/// The nearest number to a time.
+/// Parses a time, s, rounded to the nearest `f64`.
 fn seconds(text: &[u8]) -> Option<f64> {
     plain_seconds(text).or_else(|| {
         let time: f64 = str::from_utf8(text).ok()?.parse().ok()?;
@@ -205,7 +205,8 @@ fn seconds(text: &[u8]) -> Option<f64> {
     })
 }
 
-/// Digits with a point among them or not, up to 2^53 without it: then one division of exact numbers rounds once, and right.
+/// Parses digits with or without a point, up to 2^53 when the point is removed: one division of two exact numbers then
+/// rounds once, and correctly.
 fn plain_seconds(text: &[u8]) -> Option<f64> {
     const POWERS: [f64; 10] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9];
     if text.len() > 18 {
@@ -237,7 +238,7 @@ fn identifier(digits: &[u8]) -> Option<u32> {
     (matches!(digits.len(), 1..=8) && all < 16).then_some(raw)
 }
 
-/// Pairs of digits into bytes, and how many there are.
+/// Decodes pairs of digits into `bytes`; returns their number.
 fn decode(digits: &[u8], bytes: &mut [u8; 8]) -> Result<u8, ParseError> {
     let pairs = digits.chunks_exact(2);
     if !pairs.remainder().is_empty() {
@@ -262,7 +263,7 @@ fn digit(byte: u8) -> Option<u8> {
     Some(value(byte)).filter(|value| *value < 16)
 }
 
-/// The value of a hexadecimal digit, or [`NONE`]; several of them can be looked at together.
+/// The value of a hexadecimal digit, or [`NONE`], so that several digits can be checked at once.
 fn value(byte: u8) -> u8 {
     DIGITS.get(usize::from(byte)).copied().unwrap_or(NONE)
 }
@@ -282,7 +283,7 @@ static DIGITS: [u8; 256] = {
 };
 
 impl ParseError {
-    /// What is wrong, in words.
+    /// Description of the error.
     pub const fn reason(self) -> &'static str {
         match self {
             Self::Shape => "not \"(time) channel identifier#data\", with R or T behind it or not",

@@ -14,7 +14,7 @@ pub enum ErrorState {
     BusOff,
 }
 
-/// What a controller tells of itself.
+/// State of a CAN controller: fault confinement and error counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BusState {
     /// Fault confinement state.
@@ -26,7 +26,7 @@ pub struct BusState {
 }
 
 impl BusState {
-    /// Whether the controller is off the bus.
+    /// Returns whether the controller is off the bus.
     pub const fn is_off(&self) -> bool {
         matches!(self.error, ErrorState::BusOff)
     }

@@ -48,7 +48,7 @@ impl Id {
         Self::Standard { raw: raw & 0x7FF }
     }
 
-    /// Whether it has 29 bits.
+    /// Returns whether the identifier has 29 bits.
     pub const fn is_extended(self) -> bool {
         matches!(self, Self::Extended { .. })
     }
@@ -112,7 +112,7 @@ impl Frame {
         if self.id & EXTENDED != 0 { Id::Extended { raw } } else { Id::Standard { raw: raw as u16 } }
     }
 
-    /// Whether it is a remote frame.
+    /// Returns whether this is a remote frame.
     pub const fn is_remote(&self) -> bool {
         self.remote
     }

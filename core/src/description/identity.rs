@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What the firmware and the board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
+/// Identity of firmware and board (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Build number of the firmware.

@@ -1,19 +1,19 @@
-//! What a record of the log consists of.
+//! Layout of a record of the log.
 
 use crate::dictionary::{Kind, number};
 
 /// A part of a log record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LogEntry {
-    /// What it is called.
+    /// Name of the part.
     pub name: &'static str,
     /// Type of its value, big endian.
     pub kind: Kind,
     /// Unit of its value; "-" without one.
     pub unit: &'static str,
-    /// The parameters that say what it holds.
+    /// First and last of the parameters that define its content.
     pub parameters: Option<(u16, u16)>,
-    /// It stands there once for each logged value, beside the other parts that do.
+    /// The part appears once for each logged value, next to the other such parts.
     pub per_value: bool,
 }
 

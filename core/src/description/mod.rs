@@ -7,8 +7,8 @@
 //!      +-- dictionary, MESSAGES, Cause::TABLE ...    Cursor: line, bytes of it that are gone
 //! ```
 //!
-//! A line is rendered anew for each piece that is read of it: that costs time, of which a drive that downloads has plenty, and saves
-//! memory, which it has not. `docs/narx.xsd` is the document's schema.
+//! A line is rendered anew for each piece that is read of it. That costs time, of which a drive has plenty during a download, and
+//! saves memory, which is scarce. `docs/narx.xsd` is the document's schema.
 
 mod identity;
 mod log;
@@ -24,7 +24,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 use window::Window;
 
-/// Version of the document's form; another one is for other readers.
+/// Version of the document's format: a reader is made for one version.
 pub const FORMAT: u16 = 1;
 
 /// The document of one drive. Nothing in it changes until the drive reboots.
@@ -32,7 +32,7 @@ pub const FORMAT: u16 = 1;
 pub struct Document {
     /// Firmware and board.
     pub identity: Identity,
-    /// Of the drive and its master: identifiers of messages depend on them.
+    /// Addresses of the drive and its master: identifiers of messages depend on them.
     pub addresses: Addresses,
     /// Control ticks per second.
     pub tick_rate: u32,
@@ -47,7 +47,7 @@ pub struct Cursor {
 }
 
 impl Document {
-    /// Reads on from `cursor` into `out` and tells how many bytes that were; less than there is room for at the end alone.
+    /// Reads on from `cursor` into `out`; returns the number of bytes, which is less than `out` holds only at the end.
     pub fn read(&self, cursor: &mut Cursor, out: &mut [u8]) -> usize {
         let mut filled = 0;
         while let Some(room) = out.get_mut(filled..).filter(|room| !room.is_empty())
@@ -67,7 +67,7 @@ impl Document {
         filled
     }
 
-    /// Adds a line to what the lines before it have measured; false behind the last one.
+    /// Adds a line to `measure`, after the lines before it; false behind the last one.
     pub fn measure_line(&self, line: u16, measure: &mut Measure) -> bool {
         // Counting does not fail.
         usize::from(line) < sections::LINES && self.write_line(line, measure).is_ok()

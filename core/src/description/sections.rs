@@ -1,6 +1,6 @@
 //! The lines of the document: a head, the rows of each table between its tags, and the end.
 //!
-//! Texts of the tables go into it as they stand: none has a character of markup (`tests/protocol/description.rs`).
+//! Texts of the tables are written without escaping: none has a character of markup (`tests/protocol/description.rs`).
 
 use super::{Document, FORMAT, LOG_RECORD, LogEntry};
 use crate::bus::narmotion::{Field, MESSAGES, Meaning, MessageKind, NAMES, Names};
@@ -15,7 +15,7 @@ use core::fmt::{self, Write};
 struct Section {
     /// Name of the element around its rows.
     name: &'static str,
-    /// How many rows it has.
+    /// Number of its rows.
     rows: usize,
     /// Writes a row; nothing for one that is not there.
     write: fn(&Document, usize, &mut dyn Write) -> fmt::Result,

@@ -1,13 +1,13 @@
-//! Where lines are written to: a piece of them, or only their length and check value.
+//! Destinations of lines: one keeps a piece of them, the other only their length and check value.
 
 use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 use serde::{Deserialize, Serialize};
 
-/// Without a table: it runs once a power-up, in the background.
+/// CRC without a table: it is computed once a power-up, in the background.
 static CRC32: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
-/// Keeps what lies behind the first bytes of a line, as far as there is room; full, it ends the writing.
+/// Skips the first bytes of a line and keeps the rest while there is room; when full, it ends the writing.
 pub(super) struct Window<'a> {
     skip: usize,
     out: &'a mut [u8],
@@ -60,7 +60,7 @@ impl Measure {
     }
 
     fn add(&mut self, bytes: &[u8]) {
-        // The register before the last inversion, in the order of bits that the algorithm starts with.
+        // The CRC register before the final inversion, in the bit order that the algorithm starts with.
         let mut digest = CRC32.digest_with_initial((!self.check).reverse_bits());
         digest.update(bytes);
         self.check = digest.finalize();

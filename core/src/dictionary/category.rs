@@ -3,7 +3,7 @@
 use super::parameter::Access;
 use serde::{Deserialize, Serialize};
 
-/// What a parameter belongs to. It decides when the parameter may be written.
+/// Category of a parameter. It decides when the parameter may be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Category {
     /// 0-CommonInfo
@@ -71,7 +71,7 @@ impl Category {
         }
     }
 
-    /// When the writable parameters of the category may be written: what identifies, calibrates or protects the
+    /// Write access to the writable parameters of the category: those that identify, calibrate or protect the
     /// drive only while it does not drive; gains, saturations, scope and log at any time.
     pub const fn access(self) -> Access {
         match self {

@@ -13,7 +13,7 @@ pub struct Decimal {
 }
 
 impl Decimal {
-    /// The number that a text in plain decimal notation means; `None` if it is no such text, or too long.
+    /// Parses a text in plain decimal notation; `None` if it is no such text, or too long.
     pub fn parse(text: &str) -> Option<Self> {
         let (sign, magnitude) = text.strip_prefix('-').map_or((1, text), |magnitude| (-1, magnitude));
         let (whole, fraction) = magnitude.split_once('.').unwrap_or((magnitude, ""));

@@ -59,8 +59,8 @@ impl Dictionary {
     }
 }
 
-/// A speed set-point limit (parameters 101 to 104) as it is in force, mechanical rpm, of its raw value and the motor's pole pairs. The factory value is
-/// that of four pole pairs (Table 2): while it stands, the limit follows parameter 78 as 4 / pole pairs.
+/// Speed set-point limit (parameters 101 to 104) in force, mechanical rpm, from its raw value and the motor's pole pairs. The factory value
+/// is for four pole pairs (Table 2): while it is unchanged, the limit is scaled by 4 / pole pairs (parameter 78).
 pub fn speed_limit(number: u16, raw: i32, pole_pairs: i32) -> i32 {
     const FIRST: u16 = number::SPEED_MAX_SL;
     const LAST: u16 = number::SPEED_MIN_HES;

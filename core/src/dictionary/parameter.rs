@@ -6,8 +6,8 @@ use super::row::Place;
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// Everything there is to know of one parameter but its value. Of its range and factory value it knows the places among the few numbers that there
-/// are, and texts only in a build that has use for them: the table is in the flash of every board.
+/// All properties of one parameter except its value. Range and factory value are places in a table of the few distinct numbers, and texts
+/// are only in a build that has use for them: the table is in the flash of every board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Parameter {
     pub(super) min: Place,
@@ -27,11 +27,11 @@ pub struct Parameter {
     pub kind: Kind,
     /// Engineering value = raw value * 10^exponent, exactly.
     pub exponent: i8,
-    /// Who may write it, when.
+    /// Write access, and in which states.
     pub access: Access,
     /// Writing 0 then 1 is a command; nothing is configured by it.
     pub command: bool,
-    /// When a written value acts.
+    /// Time at which a written value takes effect.
     pub effect: Effect,
 }
 
@@ -46,7 +46,7 @@ pub enum Kind {
     U32,
 }
 
-/// Who may write a parameter, when.
+/// Write access to a parameter, and in which states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Access {
     /// The drive alone writes it.
@@ -57,12 +57,12 @@ pub enum Access {
     Live,
 }
 
-/// When a written value acts.
+/// Time at which a written value takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Effect {
     /// Within a control tick or two of the write.
     Immediately,
-    /// When the drive next leaves Standby.
+    /// The next time that the drive leaves Standby.
     NextStart,
     /// After it was stored and the drive rebooted.
     Reboot,
@@ -141,7 +141,7 @@ impl Parameter {
         ""
     }
 
-    /// What stands behind a value of this parameter in a sentence: a space and its unit, or nothing.
+    /// Suffix of a value of this parameter in a sentence: a space and its unit, or nothing.
     pub const fn unit_suffix(&self) -> UnitSuffix {
         UnitSuffix(self.unit())
     }
@@ -154,7 +154,7 @@ impl Parameter {
         "-"
     }
 
-    /// What it means, in one or two sentences; empty without the feature `description`.
+    /// Meaning in one or two sentences; empty without the feature `description`.
     pub const fn description(&self) -> &'static str {
         #[cfg(feature = "description")]
         return self.description;
@@ -182,12 +182,12 @@ impl Parameter {
         self.default.number()
     }
 
-    /// Whether its value is kept over a restart: not that of a command, nor what the drive itself writes.
+    /// Returns whether its value is kept over a restart: not that of a command, nor one that the drive itself writes.
     pub(crate) const fn is_stored(&self) -> bool {
         !matches!(self.access, Access::ReadOnly) && !self.command
     }
 
-    /// Whether the 32 bits `raw` are a value within the range.
+    /// Returns whether the 32 bits `raw` are a value within the range.
     pub const fn accepts(&self, raw: i32) -> bool {
         let value = self.kind.widen(raw);
         value >= self.min() && value <= self.max()
@@ -210,7 +210,7 @@ impl fmt::Display for Parameter {
     }
 }
 
-/// [`Parameter::unit_suffix`].
+/// Result of [`Parameter::unit_suffix`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnitSuffix(&'static str);
 

@@ -1,11 +1,11 @@
-//! Rows as they are written down, and how the compiler makes [`Parameter`]s of them: a number of ranges and factory values (there are 71) takes
-//! its place once, a byte tells which.
+//! Rows as they are written in the source, and their conversion to [`Parameter`]s at compile time: each distinct number of the ranges and
+//! factory values (there are 71) is stored once, and a byte gives its place.
 
 use super::category::Category;
 use super::parameter::{Access, Effect, Kind, Parameter};
 use super::{PARAMETER_COUNT, PRINTED_COUNT, control, general, own};
 
-/// A row as it is written down: its range and factory value as the 32 bits that go over the wire.
+/// A row as it is written in the source: its range and factory value as the 32 bits that go over the wire.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
     parameter: Parameter,
@@ -26,7 +26,7 @@ impl Place {
         if place < NUMBERS.len() { NUMBERS[place] } else { 0 }
     }
 
-    /// Where `number` stands.
+    /// Place of `number`.
     const fn of(number: i32) -> Self {
         let mut place = 0;
         while DISTINCT.0[place] != number {
@@ -37,7 +37,7 @@ impl Place {
     }
 }
 
-/// The rows of all files behind each other: one table takes less code than three.
+/// The rows of all files in one table, which takes less code than three.
 const ROWS: [Row; PARAMETER_COUNT] = {
     let mut rows = [general::GENERAL[0]; PARAMETER_COUNT];
     let mut at = 0;
@@ -54,7 +54,7 @@ const ROWS: [Row; PARAMETER_COUNT] = {
     rows
 };
 
-/// Every number of the rows once.
+/// Every distinct number of the rows.
 static NUMBERS: [i32; DISTINCT.1] = {
     let mut numbers = [0; DISTINCT.1];
     let mut at = 0;
@@ -65,7 +65,7 @@ static NUMBERS: [i32; DISTINCT.1] = {
     numbers
 };
 
-/// Every number of the rows once, and how many there are.
+/// Every distinct number of the rows, and their count.
 const DISTINCT: ([i32; 3 * PARAMETER_COUNT], usize) = {
     let (mut numbers, mut count) = ([0; 3 * PARAMETER_COUNT], 0);
     let mut at = 0;

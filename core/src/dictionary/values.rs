@@ -15,7 +15,7 @@ pub struct Parameters([i32; PARAMETER_COUNT]);
 
 type Raw = Vec<i32, PARAMETER_COUNT>;
 
-/// Why a value was not accepted.
+/// Reason why a value was not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterError {
     /// There is no such parameter.
@@ -30,7 +30,7 @@ pub enum ParameterError {
         /// The raw value offered.
         raw: i32,
     },
-    /// The set was of another dictionary.
+    /// The set belongs to another dictionary.
     Layout,
 }
 
@@ -49,7 +49,8 @@ impl Parameters {
         self.0.get(Dictionary::index(number)?).copied()
     }
 
-    /// The raw value of a parameter that exists, for code that acts on it: for the constants of [`super::number`]. 0 for any other number.
+    /// The raw value of a parameter that exists, for code that acts on it; `number` is a constant of [`super::number`]. 0 for any other
+    /// number.
     pub fn raw(&self, number: u16) -> i32 {
         if blind::to("parameter", number.into()) {
             return Dictionary::row(number).map_or(0, Parameter::factory_raw);
@@ -62,13 +63,13 @@ impl Parameters {
         self.raw(number) as u32
     }
 
-    /// A speed set-point limit (parameters 101 to 104) as it is in force, mechanical rpm; other parameters as they are.
+    /// Speed set-point limit (parameters 101 to 104) in force, mechanical rpm; the raw value of any other parameter.
     pub fn speed_limit(&self, number: u16) -> i32 {
         super::speed_limit(number, self.raw(number), self.raw(super::number::MOTOR_POLE_PAIRS))
     }
 
-    /// Sets a raw value within its range. Who may write, and when, is the node's business; whether values fit each
-    /// other is decided when they are built.
+    /// Sets a raw value within its range. The node checks write access; whether values fit each other is checked
+    /// when coefficients are built from them.
     ///
     /// # Errors
     /// Unknown number, or a value outside the range; nothing has changed then.

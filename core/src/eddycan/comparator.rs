@@ -3,7 +3,7 @@
 use crate::bus::eddycan::Position;
 use serde::{Deserialize, Serialize};
 
-/// What a sensor measures, from its start to its end.
+/// Measuring range of a sensor, from its start to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "[Position; 2]", into = "[Position; 2]")]
 pub struct MeasuringRange {
@@ -31,7 +31,7 @@ impl MeasuringRange {
         (start < end).then_some(Self { start, end })
     }
 
-    /// Whether the position is above `fraction` of the range, 2^-30. At it is not above.
+    /// Returns whether the position is above `fraction` of the range, 2^-30. An equal position is not above.
     pub fn is_above(&self, position: Position, fraction: u32) -> bool {
         let from_start = |to: Position| i64::from(to.raw()) - i64::from(self.start.raw());
         // position - start > fraction (end - start), without a rounding: both sides stay below 2^63.

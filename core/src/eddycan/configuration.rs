@@ -5,7 +5,7 @@ use crate::bus::eddycan::{AbortCode, Bitrate, Channels, Layout, NodeId};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 
-/// What a TX-Driver keeps over a restart.
+/// Values that a TX-Driver keeps over a restart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "[u32; STORED]", into = "[u32; STORED]")]
 pub struct Configuration {
@@ -13,7 +13,7 @@ pub struct Configuration {
     values: [u32; STORED],
 }
 
-/// When PDO1 is sent.
+/// Update time of PDO1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpdateTime {
     /// Never.
@@ -24,19 +24,19 @@ pub enum UpdateTime {
     HalfLoad,
 }
 
-/// What an encoder is, and which way it counts.
+/// Type of an encoder, and its counting direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EncoderSetup {
-    /// Counts of a revolution of a rotary one; `None` for a linear one.
+    /// Counts per revolution of a rotary encoder; `None` for a linear one.
     pub counts_per_revolution: Option<u16>,
-    /// Counts the other way round.
+    /// The counting direction is reversed.
     pub reverse: bool,
 }
 
 /// Stored values that the dictionary does not allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InvalidConfiguration(
-    /// The first entry of them.
+    /// The first such entry.
     pub Entry,
 );
 
@@ -55,7 +55,7 @@ impl Configuration {
         self.values.get(entry as usize).copied().unwrap_or(0)
     }
 
-    /// The value of an entry, for what acts on it.
+    /// The value of an entry, for code that acts on it: the factory value while the entry is blind.
     pub(super) fn acting(&self, entry: Entry) -> u32 {
         if entry.is_blind() { entry.object().default } else { self.get(entry) }
     }
@@ -97,7 +97,7 @@ impl Configuration {
         self.acting(Entry::CanConfig) & 1 != 0
     }
 
-    /// What the PDOs of a driver with so many channels carry (bit 1 of 2004h).
+    /// Layout of the PDOs of a driver with these channels (bit 1 of 2004h).
     pub fn layout(&self, channels: Channels) -> Layout {
         Layout { channels, encoder: self.acting(Entry::CanConfig) & 2 != 0 }
     }

@@ -2,7 +2,7 @@
 
 use super::configuration::EncoderSetup;
 
-/// How far the encoder has gone.
+/// Position of the encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Encoder {
     /// The counter as it was last read; `None` before the first reading.
@@ -19,13 +19,13 @@ impl Encoder {
         self.gone = self.gone.saturating_add(moved.into());
     }
 
-    /// The present place becomes 0.
+    /// Makes the present position 0.
     pub(super) const fn reset(&mut self) {
         self.gone = 0;
     }
 
-    /// What a PDO carries: of a rotary encoder the place in the revolution, of a linear one the way, which stops at the ends of
-    /// 16 bits and comes back from there with the encoder.
+    /// Value for a PDO: of a rotary encoder the position in the revolution, of a linear one the distance, limited to 16 bits.
+    /// Counting goes on beyond the limits, so the value is right again when the encoder comes back.
     pub(super) fn value(&self, setup: EncoderSetup) -> u16 {
         let gone = if setup.reverse { self.gone.saturating_neg() } else { self.gone };
         match setup.counts_per_revolution {

@@ -1,11 +1,12 @@
-//! Error messages: each code at most once a second, whatever happens, and again if it was lost with the bus.
+//! Error messages: each code is sent at most once a second, and again if it was lost when the controller went
+//! off the bus.
 
 use crate::bus::eddycan::ErrorCode;
 
 /// Least time between two messages of the same code, microseconds.
 const QUIET_US: u64 = 1_000_000;
 
-/// Errors that are still to be told.
+/// Errors that are still to be sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Errors {
     codes: [Reports; ErrorCode::ALL.len()],
@@ -14,23 +15,23 @@ pub(super) struct Errors {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Reports {
     report: Report,
-    /// Not told again before this time.
+    /// Earliest time at which the code is sent again, microseconds.
     quiet_until: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Report {
-    /// There is nothing to tell.
+    /// There is nothing to send.
     #[default]
     None,
-    /// To be told when the second after the last one is over.
+    /// To be sent when the second after the last message is over.
     Due,
-    /// The controller went off the bus when the message was with it.
+    /// The controller went off the bus within a second of taking the message.
     Lost,
 }
 
 impl Errors {
-    /// An error has occurred; it is forgotten if the same one was told less than a second ago.
+    /// Notes an error; it is dropped if the same one was sent less than a second ago.
     pub(super) fn note(&mut self, code: ErrorCode, now: u64) {
         for (own, reports) in ErrorCode::ALL.into_iter().zip(&mut self.codes) {
             if own == code && now >= reports.quiet_until {
@@ -39,7 +40,7 @@ impl Errors {
         }
     }
 
-    /// The next one to tell.
+    /// Takes the next error to send.
     pub(super) fn pop(&mut self, now: u64) -> Option<ErrorCode> {
         let mut all = ErrorCode::ALL.into_iter().zip(&mut self.codes);
         let (code, reports) =
@@ -48,8 +49,8 @@ impl Errors {
         Some(code)
     }
 
-    /// The controller has gone off the bus, and what it held is dropped. A node goes there by frames of its own, so what it was handed within the last
-    /// second may be among them.
+    /// Notes that the controller has gone off the bus and its frames are dropped. A node's own frames put it off the bus, so messages that
+    /// the controller was given within the last second may be among them.
     pub(super) fn lose(&mut self, now: u64) {
         for reports in &mut self.codes {
             if reports.report == Report::None && now < reports.quiet_until {
@@ -58,8 +59,8 @@ impl Errors {
         }
     }
 
-    /// A frame has arrived, so others would hear what was lost. Without one it is not tried again: a node at a wrong bitrate would go on destroying
-    /// the frames of others.
+    /// Notes that a frame has arrived: the bus works, so lost messages are sent again. Without a received frame they are not: a node at a
+    /// wrong bitrate would go on destroying the frames of others.
     pub(super) fn hear(&mut self) {
         for reports in &mut self.codes {
             if reports.report == Report::Lost {
@@ -68,7 +69,7 @@ impl Errors {
         }
     }
 
-    /// When the next one becomes due after `now`.
+    /// Time after `now` at which the next waiting message becomes due.
     pub(super) fn due_after(&self, now: u64) -> Option<u64> {
         let waiting = self.codes.iter().filter(|reports| reports.report == Report::Due);
         waiting.map(|reports| reports.quiet_until).filter(|from| *from > now).min()

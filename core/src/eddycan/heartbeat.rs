@@ -3,16 +3,16 @@
 /// Period, microseconds.
 pub(super) const PERIOD_US: u64 = 2_000_000;
 
-/// It runs from the boot-up on, whether heartbeats are sent or not.
+/// Timer of the heartbeat. It runs from the boot-up on, whether heartbeats are sent or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Heartbeat {
-    /// When the next one is due; `None` before the first `poll`.
+    /// Time of the next heartbeat, microseconds; `None` before the first `poll`.
     due: Option<u64>,
 }
 
 impl Heartbeat {
-    /// Whether one is due. The first is due 2 s after the boot-up, but at once if the node has gone on to Operational by itself. A late
-    /// one is not made up for.
+    /// Returns whether a heartbeat is due. The first is due 2 s after the boot-up, but at once if the node has gone on to Operational
+    /// by itself. Missed heartbeats are not sent later.
     pub(super) fn is_due(&mut self, now: u64, autostart: bool) -> bool {
         let Some(due) = self.due else {
             self.due = Some(now.saturating_add(PERIOD_US));
@@ -25,7 +25,7 @@ impl Heartbeat {
         late.is_some()
     }
 
-    /// When the next one is due.
+    /// Time of the next heartbeat, microseconds.
     pub(super) const fn due(&self) -> Option<u64> {
         self.due
     }

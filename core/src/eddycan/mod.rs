@@ -42,12 +42,12 @@ use sensing::Sensing;
 use serde::{Deserialize, Serialize};
 use store::Store;
 
-/// What a driver is made of.
+/// Hardware and firmware of a driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Variant {
-    /// Sensors of it.
+    /// Sensors of the driver.
     pub channels: Channels,
-    /// What they measure; the second one of a driver of one channel does not count.
+    /// Measuring ranges of the sensors; with one channel the second is ignored.
     pub ranges: [MeasuringRange; 2],
     /// Samples a second that the shell takes, Hz.
     pub sample_rate: u32,
@@ -60,11 +60,11 @@ pub struct Variant {
 pub struct TxDriver {
     variant: Variant,
     configuration: Configuration,
-    /// In force since the restart, whatever is stored now.
+    /// Node-id in force since the restart; the stored one may differ.
     node: NodeId,
     bitrate: Bitrate,
     state: NmtState,
-    /// The last time that was told, microseconds.
+    /// The last time that was passed in, microseconds.
     now: u64,
     sensing: Sensing,
     timer: Timer,
@@ -75,18 +75,18 @@ pub struct TxDriver {
     restart: Restart,
 }
 
-/// Whether the device is to restart.
+/// Pending restart of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Restart {
     No,
-    /// When the configuration is stored, at the latest at this time.
+    /// As soon as the configuration is stored, at the latest at this time.
     By(u64),
     /// The shell has been told.
     Told,
 }
 
 impl Restart {
-    /// A memory that does not answer must not keep a node from restarting.
+    /// Restart within a second: a memory that does not answer must not prevent it.
     const fn within_a_second(now: u64) -> Self {
         Self::By(now.saturating_add(1_000_000))
     }
@@ -128,18 +128,18 @@ impl TxDriver {
         self.bitrate
     }
 
-    /// What the node does; never [`NmtState::BootUp`].
+    /// Present state; never [`NmtState::BootUp`].
     pub const fn state(&self) -> NmtState {
         self.state
     }
 
-    /// What its PDOs carry.
+    /// Layout of its PDOs.
     pub fn layout(&self) -> Layout {
         self.configuration.layout(self.variant.channels)
     }
 
-    /// Takes a frame that arrived at `now`, microseconds. A frame that is not for this node, or that is none of its protocol, changes
-    /// nothing, but that an error which was lost with the bus is told again.
+    /// Takes a frame that arrived at `now`, microseconds. A frame for another node or of another protocol changes nothing, except
+    /// that an error which was lost with the bus is sent again.
     pub fn handle_frame(&mut self, frame: &Frame, now: u64) {
         if self.restart != Restart::No {
             return;
@@ -165,8 +165,8 @@ impl TxDriver {
         self.sensing.take(sample, &self.variant, &self.configuration);
     }
 
-    /// Takes the state of the CAN controller, whenever the shell looks. Off the bus no frame is handed out, and positions and answers that wait
-    /// are dropped; the shell does the same with what waits in the controller. An error that was among that is told again.
+    /// Takes the state of the CAN controller, as often as the shell reads it. Off the bus no frame is handed out, and positions and answers
+    /// that wait are dropped; the shell must drop what waits in the controller. An error that was among that is sent again.
     pub fn handle_bus_state(&mut self, state: BusState) {
         let before = core::mem::replace(&mut self.bus, state);
         if before.error == ErrorState::Active && state.error == ErrorState::Passive {
@@ -180,7 +180,7 @@ impl TxDriver {
         }
     }
 
-    /// Takes whether the shell has stored what [`Self::poll_store`] handed out. A shell that could not read its memory at power-up says false, too.
+    /// Takes the result of storing the configuration of [`Self::poll_store`]. A shell that could not read its memory at power-up passes false, too.
     pub fn handle_store(&mut self, done: bool) {
         self.store.finish(done);
         if !done {
@@ -198,7 +198,7 @@ impl TxDriver {
         if self.heartbeat.is_due(now, autostart) && self.configuration.heartbeat() {
             self.outbox.put_heartbeat();
         }
-        // A period begins with what can be sent in it.
+        // A period begins only once there is a reading to send.
         let ready =
             self.state == NmtState::Operational && self.sensing.reading(&self.configuration).is_some();
         let period = self.period();
@@ -207,7 +207,7 @@ impl TxDriver {
         }
     }
 
-    /// When to poll again at the latest, if nothing is handled until then.
+    /// Latest time of the next poll, microseconds, if nothing is handled until then.
     pub fn next_poll(&self) -> u64 {
         let timer = match self.period() {
             Some(_) if self.state == NmtState::Operational => self.timer.due().unwrap_or(self.now),
@@ -237,7 +237,8 @@ impl TxDriver {
         self.sensing.outputs()
     }
 
-    /// Whether to restart the device now; says so once. What was written is stored by then, unless the memory has not answered for a second.
+    /// Returns whether to restart the device now; true only once. Written values are stored by then, unless the memory has not answered for
+    /// a second.
     pub fn take_reset(&mut self) -> bool {
         let Restart::By(latest) = self.restart else { return false };
         let due = self.store.is_idle() || self.now >= latest;

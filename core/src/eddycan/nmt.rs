@@ -16,14 +16,15 @@ impl TxDriver {
         }
     }
 
-    /// Only the node that is meant by name complains, or one wrong broadcast would fill the bus with errors.
+    /// Reports an unknown command only if it names this node; otherwise one wrong broadcast would fill the
+    /// bus with errors.
     pub(super) fn handle_unknown_nmt(&mut self, target: Target) {
         if target == Target::Node(self.node) {
             self.outbox.errors.note(ErrorCode::Protocol, self.now);
         }
     }
 
-    /// What the new state does not send is dropped. Being told to stay changes nothing.
+    /// Enters a state and drops messages that it does not send. A command to enter the present state changes nothing.
     fn enter(&mut self, state: NmtState) {
         if state == self.state {
             return;

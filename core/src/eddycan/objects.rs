@@ -1,5 +1,5 @@
-//! The object dictionary (Table 4) as one table: what an entry is called, what it may hold and what it does. The SDO server, the
-//! tables of PROTOCOL.md and the EDS are made from it.
+//! The object dictionary (Table 4) as one table: name, range and effect of each entry. The SDO server, the tables of PROTOCOL.md
+//! and the EDS are made from it.
 
 use crate::blind;
 use crate::bus::eddycan::AbortCode;
@@ -40,20 +40,20 @@ pub enum Entry {
     FirmwareVersion,
 }
 
-/// Everything there is to know of an entry but its value.
+/// All properties of an entry except its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Object {
-    /// Which one it is.
+    /// The entry.
     pub entry: Entry,
     /// Index.
     pub index: u16,
-    /// Subindex; `None` if the entry has none and any will do.
+    /// Subindex; `None` if the entry has none and any is accepted.
     pub subindex: Option<u8>,
     /// Name as printed.
     pub name: &'static str,
-    /// Type; of what is written without data, the type that tools show.
+    /// Type; for an entry that is written without data, the type that tools show.
     pub kind: Kind,
-    /// Who may read and write it.
+    /// Read and write access.
     pub access: Access,
     /// Unit; "-" without one.
     pub unit: &'static str,
@@ -67,7 +67,7 @@ pub struct Object {
     pub default: u32,
     /// A written value acts after a restart, or else at once.
     pub restart: bool,
-    /// What it does, in one or two sentences.
+    /// Effect, in one or two sentences.
     pub description: &'static str,
 }
 
@@ -82,10 +82,10 @@ pub enum Kind {
     U32,
 }
 
-/// Who may read and write an entry.
+/// Read and write access to an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Both.
+    /// Read and write.
     ReadWrite,
     /// Read only.
     ReadOnly,
@@ -197,7 +197,7 @@ impl Entry {
         OBJECTS.get(self as usize).unwrap_or(first)
     }
 
-    /// Whether it has no effect in this process.
+    /// Returns whether the entry has no effect in this process.
     pub(super) fn is_blind(self) -> bool {
         let object = self.object();
         blind::to("object", u32::from(object.index) << 8 | u32::from(object.subindex.unwrap_or(0)))
@@ -251,7 +251,7 @@ impl Access {
 }
 
 impl Object {
-    /// Whether a value is within the range and without reserved bits.
+    /// Returns whether a value is within the range and without reserved bits.
     pub const fn accepts(&self, value: u32) -> bool {
         value >= self.min && value <= self.max && value & self.reserved == 0
     }

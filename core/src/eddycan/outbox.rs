@@ -1,5 +1,5 @@
-//! What waits for the bus. Everything has a place of its own but answers, which have four: so nothing grows, and a newer message of
-//! a kind replaces an older one.
+//! Messages that wait for the bus. Each kind has one place, answers have four: so nothing grows, and a newer message of a kind
+//! replaces an older one.
 
 use super::errors::Errors;
 use crate::bus::eddycan::{FromNode, NmtState, PdoKind, Reading, SdoAnswer};
@@ -8,7 +8,7 @@ use heapless::Vec;
 /// Answers that may wait.
 const ANSWERS: usize = 4;
 
-/// What waits.
+/// Messages that wait.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Outbox {
     /// The boot-up message has been sent.
@@ -18,7 +18,7 @@ pub(super) struct Outbox {
     /// PDO1, PDO2, PDO3.
     pdos: [Option<Reading>; 3],
     answers: Vec<SdoAnswer, ANSWERS>,
-    /// Who is asked first for the next frame: 0 to 2 the PDOs, 3 the answers.
+    /// Kind that comes first for the next frame: 0 to 2 the PDOs, 3 the answers.
     turn: u8,
 }
 
@@ -41,13 +41,13 @@ impl Outbox {
         self.heartbeat = true;
     }
 
-    /// Whether another answer has a place.
+    /// Returns whether there is room for another answer.
     pub(super) fn has_room(&self) -> bool {
         !self.answers.is_full()
     }
 
     pub(super) fn put_answer(&mut self, answer: SdoAnswer) {
-        // Who has no room is not asked for an answer.
+        // The SDO server has checked that there is room.
         let _ = self.answers.push(answer);
     }
 
@@ -59,15 +59,15 @@ impl Outbox {
         self.answers.clear();
     }
 
-    /// Drops what would be old on a bus that comes back. The boot-up and errors that wait are not: they happened, and nobody has heard of them.
+    /// Drops messages that would be out of date when the bus comes back. A waiting boot-up or error message is kept: it has not been sent yet.
     pub(super) fn discard_present(&mut self) {
         self.discard_pdos();
         self.discard_answers();
         self.heartbeat = false;
     }
 
-    /// The next message: boot-up, errors and heartbeat are rare and come first. PDOs and answers take turns, because either could
-    /// come so fast that the others never have theirs.
+    /// Takes the next message: boot-up, errors and heartbeat are rare and come first. PDOs and answers take turns, because either
+    /// could come so fast that the other would never be sent.
     pub(super) fn pop(&mut self, state: NmtState, now: u64) -> Option<FromNode> {
         if !core::mem::replace(&mut self.booted, true) {
             return Some(FromNode::Heartbeat(NmtState::BootUp));

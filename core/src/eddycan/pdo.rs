@@ -1,4 +1,4 @@
-//! When PDO1 is sent.
+//! Timing of PDO1.
 
 use super::configuration::{Configuration, UpdateTime};
 use super::objects::Entry;
@@ -7,13 +7,13 @@ use crate::bus::eddycan::{Bitrate, Layout, NodeId};
 /// The timer of PDO1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Timer {
-    /// When the next one is due; `None` before the first one.
+    /// Time of the next PDO1, microseconds; `None` before the first.
     due: Option<u64>,
 }
 
 impl Timer {
-    /// Whether one is due; the first one `offset` after the first call. Of several that were missed one is made, and the next comes when it
-    /// would have come anyway.
+    /// Returns whether PDO1 is due; the first is due `offset` after the first call. If several were missed, only one is sent, and the next
+    /// comes at its regular time.
     pub(super) fn is_due(&mut self, now: u64, period: Option<u64>, offset: u64) -> bool {
         let Some(period) = period.filter(|period| *period > 0) else { return false };
         let due = *self.due.get_or_insert(now.saturating_add(offset));
@@ -24,7 +24,7 @@ impl Timer {
         late.is_some()
     }
 
-    /// When the next one is due; `None` before the first.
+    /// Time of the next PDO1, microseconds; `None` before the first.
     pub(super) const fn due(&self) -> Option<u64> {
         self.due
     }
@@ -43,8 +43,8 @@ pub(super) fn period(configuration: &Configuration, layout: Layout, bitrate: Bit
     }
 }
 
-/// How long after Operational was entered PDO1 begins, microseconds. Nodes that share half of the bus take turns by their node-ids: started by one command
-/// they would all send at once, and a bus of 127 would be busy for as long as a drive's frames then have to wait.
+/// Delay of the first PDO1 after Operational is entered, microseconds. Nodes that share half of the bus take turns by their node-ids:
+/// started by one command they would all send at once, and a drive's frames would have to wait until up to 127 nodes have sent.
 pub(super) fn offset(configuration: &Configuration, node: NodeId, period: Option<u64>) -> u64 {
     match (configuration.update_time(), period) {
         (UpdateTime::HalfLoad, Some(period)) => {

@@ -1,12 +1,12 @@
-//! The SDO server: one entry read or written, or why not.
+//! The SDO server: reads or writes one entry, or answers why not.
 
 use super::TxDriver;
 use super::objects::{Access, Entry, Kind};
 use crate::bus::eddycan::{AbortCode, NmtState, SdoAction, SdoAnswer, SdoOutcome, SdoRequest, SdoValue};
 
 impl TxDriver {
-    /// Answers a request, unless the node is Stopped or the request is an abort. One whose answer finds no room is not obeyed either: what
-    /// was done is always confirmed.
+    /// Answers a request, unless the node is Stopped or the request is an abort. A request whose answer finds no room is not executed:
+    /// every executed request is confirmed.
     pub(super) fn handle_sdo(&mut self, request: SdoRequest) {
         let silent = matches!(request.action, SdoAction::Abort { .. }) || self.state == NmtState::Stopped;
         if silent || !self.outbox.has_room() {
@@ -49,7 +49,7 @@ impl TxDriver {
             return Err(AbortCode::ReadOnly);
         }
         if entry == Entry::ResetEncoder {
-            // A rotary encoder cannot run over.
+            // Only a linear encoder is reset: a rotary one cannot overflow.
             if self.configuration.encoder().counts_per_revolution.is_none() && !entry.is_blind() {
                 self.sensing.reset_encoder();
             }

@@ -1,4 +1,4 @@
-//! From samples to what PDOs carry and the outputs show.
+//! Samples to the readings in PDOs and the switching outputs.
 
 use super::Variant;
 use super::configuration::Configuration;
@@ -7,10 +7,10 @@ use super::filter::Filter;
 use crate::bus::eddycan::{Channels, Position, Reading};
 use serde::{Deserialize, Serialize};
 
-/// What the board has sampled at one instant.
+/// Samples of the board at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sample {
-    /// Position of each channel; the second one of a driver of one channel does not count.
+    /// Position of each channel; with one channel the second is ignored.
     pub positions: [Position; 2],
     /// The encoder's counter, four counts to a period, running free.
     pub counter: u16,
@@ -74,7 +74,7 @@ impl Sensing {
         self.outputs
     }
 
-    /// What there is to send; `None` before the first sample.
+    /// Reading to send; `None` before the first sample.
     pub(super) fn reading(&self, configuration: &Configuration) -> Option<Reading> {
         let encoder = self.encoder.value(configuration.encoder());
         self.positions.map(|positions| Reading { positions, encoder })

@@ -1,4 +1,4 @@
-//! When the configuration is stored. The shell does it; here is what it shall do next.
+//! Decides when the configuration is stored; the shell stores it.
 
 /// Least time between two stores, microseconds: bounds the wear of the memory.
 const SPACING_US: u64 = 1_000_000;
@@ -7,27 +7,28 @@ const SPACING_US: u64 = 1_000_000;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Store {
     progress: Progress,
-    /// No store before this time.
+    /// Earliest time of the next store, microseconds.
     from: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Progress {
-    /// Both are the same.
+    /// The stored configuration is up to date.
     #[default]
     Stored,
-    /// They differ.
+    /// The stored configuration is out of date.
     Wanted,
-    /// The shell stores.
+    /// The shell is storing.
     UnderWay,
-    /// The shell stores what is no longer the newest.
+    /// The shell is storing a configuration that has changed since.
     Outdated,
-    /// They differ, and the last store has failed: the next write tries again, even of the same value.
+    /// The stored configuration is out of date, and the last store has failed: the next write tries again,
+    /// even of the same value.
     Failed,
 }
 
 impl Store {
-    /// The configuration was written; `changed` if it is another one now.
+    /// Notes a write to the configuration; `changed` if a value is another one now.
     pub(super) fn note_write(&mut self, changed: bool) {
         self.progress = match self.progress {
             Progress::Stored if changed => Progress::Wanted,
@@ -37,7 +38,7 @@ impl Store {
         };
     }
 
-    /// Whether to store now. A restart does not wait for the spacing.
+    /// Returns whether to store now. A restart does not wait for the spacing.
     pub(super) fn begin(&mut self, now: u64, restarting: bool) -> bool {
         let due = self.progress == Progress::Wanted && (restarting || now >= self.from);
         if due {
@@ -46,18 +47,18 @@ impl Store {
         due
     }
 
-    /// The shell has stored, or failed to.
+    /// Takes the result of a store.
     pub(super) fn finish(&mut self, done: bool) {
         self.progress = match (self.progress, done) {
             (Progress::UnderWay, true) => Progress::Stored,
             (Progress::UnderWay, false) => Progress::Failed,
             (Progress::Outdated, _) => Progress::Wanted,
-            // Nothing was asked for.
+            // No store was under way.
             (other, _) => other,
         };
     }
 
-    /// Nothing is under way or waits.
+    /// Returns whether no store is under way or waiting.
     pub(super) fn is_idle(&self) -> bool {
         matches!(self.progress, Progress::Stored | Progress::Failed)
     }

@@ -1,4 +1,4 @@
-//! A record of the log as its frames bring it, and whether it is what was written.
+//! Assembly of one log record from its frames, with a check of its number and CRC.
 
 use crate::storage::Record;
 use crate::storage::record::RECORD_MAX;
@@ -6,12 +6,12 @@ use crate::storage::record::RECORD_MAX;
 /// Words of the longest record.
 const WORDS_MAX: u32 = RECORD_MAX as u32 / 2;
 
-/// The record that is coming in.
+/// The record that is being received.
 #[derive(Clone, Debug)]
 pub(super) struct Assembly {
-    /// Its place in the download, records; `None` between two.
+    /// Place of the record in the download, counted in records; `None` between two records.
     place: Option<u32>,
-    /// A bit for each word that has come, as bytes: a `u128` wants a place at a multiple of 16, which C does not give.
+    /// One bit for each received word, as bytes: a `u128` needs an alignment of 16, which C does not give.
     seen: [u8; 16],
     bytes: [u8; RECORD_MAX],
 }
@@ -23,23 +23,24 @@ impl Default for Assembly {
 }
 
 impl Assembly {
-    /// Words of a record of so many bytes: whole frames of three, and no more than there can be.
+    /// Returns the words of a record of `bytes` bytes; `None` unless they are whole frames of three words, at
+    /// least one frame and at most `WORDS_MAX` words.
     pub(super) const fn words(bytes: u32) -> Option<u32> {
         let words = bytes / 2;
         if bytes.is_multiple_of(6) && words > 0 && words <= WORDS_MAX { Some(words) } else { None }
     }
 
-    /// Whether the record at this place is coming in.
+    /// Whether the record at this place is being received.
     pub(super) fn is_at(&self, place: u32) -> bool {
         self.place == Some(place)
     }
 
-    /// The record at this place begins to come in; what has come of another one is dropped.
+    /// Begins to receive the record at this place; the words of another record are dropped.
     pub(super) fn begin(&mut self, place: u32) {
         *self = Self { place: Some(place), ..Self::default() };
     }
 
-    /// Puts three words at their offset in the record; false if they were there.
+    /// Stores three words at their offset in the record; returns false if they were there already.
     pub(super) fn put(&mut self, offset: u32, data: [u16; 3]) -> bool {
         let bits = 0b111_u128.checked_shl(offset).unwrap_or(0);
         let seen = u128::from_le_bytes(self.seen);
@@ -53,12 +54,13 @@ impl Assembly {
         true
     }
 
-    /// Whether all of its words have come.
+    /// Whether all words of the record were received.
     pub(super) const fn is_complete(&self, words: u32) -> bool {
         u128::from_le_bytes(self.seen).count_ones() == words
     }
 
-    /// Whether it is the record with this number, its CRC is right, or the drive says with zeros that it has none.
+    /// Whether the record is valid: it has this number and a correct CRC, or is all zeros, which the drive
+    /// sends in place of a record that it does not have.
     pub(super) fn is_sound(&self, number: u32) -> bool {
         let hole = self.bytes.iter().all(|byte| *byte == 0);
         hole || Record::parse(&self.bytes).is_some_and(|record| record.index() == number)

@@ -1,11 +1,11 @@
-//! What the motor is asked to do, and repeating it: a drive whose master falls silent stops (parameter 114).
+//! Commands for the motor, repeated every period: a drive whose master falls silent stops (parameter 114).
 
 use crate::bus::narmotion::{MotorMode, RequestWord, ToDrive};
 
 /// The last request and set-point, and when they are due again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Commands {
-    /// `None` before the first command: then set-points go out alone.
+    /// `None` before the first command: until then set-points are sent without a request.
     mode: Option<MotorMode>,
     /// Magnitude, rpm.
     speed: u16,
@@ -41,7 +41,7 @@ impl Commands {
         if self.pending.is_some() { 0 } else { self.due }
     }
 
-    /// What is due at `now`: the set-point, then the request.
+    /// Returns the message that is due at `now`: first the set-point, then the request.
     pub(super) fn poll(&mut self, now: u64, period: u64) -> Option<ToDrive> {
         if let Some(mode) = self.pending.take() {
             return Some(ToDrive::RequestWord(RequestWord { mode }));

@@ -1,5 +1,6 @@
-//! What the drive says of itself: the description, read as it streams in and in bounded memory, so that a small board knows parameters, scales and
-//! ranges of a drive that is newer or older than itself. The rows go to the caller, who keeps those that it needs.
+//! Reader of the drive's description, as it streams in and in bounded memory. With it a small board knows
+//! parameters, scales and ranges of a drive that is newer or older than itself. The caller gets the rows and
+//! keeps those that it needs.
 
 use super::download::Chunk;
 use super::draft::{Draft, Element};
@@ -8,14 +9,14 @@ use super::rows::Described;
 use crate::description::FORMAT;
 use core::fmt;
 
-/// Where and why a description cannot be read.
+/// Place at which a description cannot be read, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DescriptionError {
     /// Line, the first one is 1.
     pub line: u32,
     /// Bytes of the document before the place.
     pub byte: u32,
-    /// Why.
+    /// The reason.
     pub reason: Reason,
 }
 
@@ -24,13 +25,13 @@ pub struct DescriptionError {
 pub enum Reason {
     /// Markup that no description has.
     Markup,
-    /// An element ends where another one is open, or there are too many inside each other.
+    /// An element ends while another one inside it is open, or elements are nested too deeply.
     Nesting,
     /// A name or value that is too long.
     TooLong,
-    /// This attribute is missing, stands there twice, or cannot have such a value.
+    /// This attribute is missing, occurs twice, or cannot have such a value.
     Attribute(&'static str),
-    /// The document's form is not the one that this reader knows, or it is another document.
+    /// The document has a format that this reader does not know, or is no description.
     Format,
     /// The chunk does not follow the one before.
     Gap,
@@ -47,7 +48,7 @@ pub struct DescriptionReader {
     byte: u32,
     /// The document is a description of the known form.
     known: bool,
-    /// What went wrong: there is no way on from there.
+    /// The first error: nothing is read after it.
     failed: Option<DescriptionError>,
 }
 
@@ -58,7 +59,7 @@ impl Default for DescriptionReader {
 }
 
 impl DescriptionReader {
-    /// Before the first byte.
+    /// Makes a reader that expects the first byte.
     pub fn new() -> Self {
         Self {
             markup: Markup::default(),
@@ -70,10 +71,10 @@ impl DescriptionReader {
         }
     }
 
-    /// Takes the next chunk of a download: at most one row is complete with it.
+    /// Takes the next chunk of a download, and returns the row that it completes: at most one.
     ///
     /// # Errors
-    /// What stands there is no description, or a chunk is missing before it. The same error comes again from then on.
+    /// The text is no description, or a chunk is missing before it. Later calls return the same error.
     pub fn handle_chunk(&mut self, chunk: &Chunk) -> Result<Option<Described>, DescriptionError> {
         if chunk.offset.saturating_mul(2) != self.byte {
             return Err(self.fail(Reason::Gap));
@@ -87,10 +88,11 @@ impl DescriptionReader {
         Ok(complete)
     }
 
-    /// Takes the next byte: the row that is complete with it. It is the last byte of the row's tag; a parameter's own text follows.
+    /// Takes the next byte, and returns the row that it completes. That is the last byte of the row's tag; a
+    /// parameter's own text follows.
     ///
     /// # Errors
-    /// What stands there is no description. The same error comes again from then on.
+    /// The text is no description. Later calls return the same error.
     pub fn handle_byte(&mut self, byte: u8) -> Result<Option<Described>, DescriptionError> {
         if let Some(error) = self.failed {
             return Err(error);
@@ -101,16 +103,16 @@ impl DescriptionReader {
         Ok(row)
     }
 
-    /// The end of the document has come.
+    /// Checks that the document is complete.
     ///
     /// # Errors
-    /// It is not the end, or there was an error before.
+    /// The document is incomplete, or there was an error before.
     pub fn finish(mut self) -> Result<(), DescriptionError> {
         let ended = self.failed.is_none() && self.markup.is_complete();
         if ended { Ok(()) } else { Err(self.fail(Reason::Incomplete)) }
     }
 
-    /// The first thing that went wrong is what counts.
+    /// Keeps the first error, and returns it.
     fn fail(&mut self, reason: Reason) -> DescriptionError {
         let Self { line, byte, .. } = *self;
         *self.failed.get_or_insert(DescriptionError { line, byte, reason })
@@ -122,7 +124,7 @@ impl DescriptionReader {
             return Ok(None);
         }
         if token == Token::Attribute && !self.known {
-            // The root says first of what form it is.
+            // The root's first attribute is its format.
             let (name, value) = self.markup.attribute();
             let form = name == "format" && value.parse() == Ok(FORMAT);
             self.known = form && self.markup.is_in(&["description"]);

@@ -1,5 +1,5 @@
-//! Bulk downloads: the description, the scope's record, the log. Words come with their place, so the caller writes each
-//! chunk where it belongs, and what was lost is asked for again.
+//! Bulk downloads: the description, the scope's record, the log. Each chunk states its place, so the caller
+//! writes it where it belongs, and lost words are requested again.
 //!
 //! ```text
 //!  description   length ----------------------------------> start --> stream --> gaps? start again
@@ -7,7 +7,7 @@
 //!  log           size of a record --> first, number, 0, 1 --> stream --> gaps? first, number, ... of the first gap
 //! ```
 //!
-//! Of the log a whole record counts, once its CRC is right.
+//! A log record counts as received once it is whole and its CRC is right.
 
 use super::error::{DownloadError, NotTaken};
 use super::requests::Todo;
@@ -17,10 +17,11 @@ use crate::storage::record::RECORD_MAX;
 use fixed::types::I4F12;
 use heapless::Deque;
 
-/// Chunks that may wait for the caller, as many as the longest log record has; what finds no room is asked for again.
+/// Chunks that may wait for the caller: as many as the longest log record has. A chunk without room is
+/// requested again.
 const CHUNKS: usize = RECORD_MAX / 6;
 
-/// What to download.
+/// The data to download.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Download {
     /// The description of the drive (XML).
@@ -30,12 +31,12 @@ pub enum Download {
         /// Its length: selected signals times samples, at most 65 536.
         words: u32,
     },
-    /// Records of the log. Each comes in as many words as parameter 69 says and has been checked; in the place of one that the drive
-    /// cannot read there are zeros.
+    /// Records of the log. Each has the size that parameter 69 states, and was checked; a record that the
+    /// drive cannot read is all zeros.
     Log {
         /// Index of the first one.
         first: u32,
-        /// How many.
+        /// Number of records.
         records: u32,
     },
 }
@@ -43,7 +44,7 @@ pub enum Download {
 /// Up to three words of a download.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Chunk {
-    /// Place of the first one in the download, words.
+    /// Place of the first word in the download, words.
     pub offset: u32,
     data: [u16; 3],
     length: u8,
@@ -66,7 +67,7 @@ impl Chunk {
     }
 }
 
-/// How far a download is, words.
+/// Progress of a download, words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Received so far.
@@ -122,19 +123,19 @@ impl Transfer {
         self.stream.as_ref().is_some_and(|stream| self.aborted || !(stream.is_listening() || waits(stream)))
     }
 
-    /// When the drive has been silent for too long.
+    /// Time at which the drive will have been silent for too long, microseconds.
     pub(super) fn deadline(&self) -> u64 {
         self.stream.as_ref().map_or(u64::MAX, Stream::deadline)
     }
 
-    /// A drive that is silent has nothing more to say.
+    /// Requests the missing words once the drive has been silent for too long.
     pub(super) fn poll(&mut self, now: u64) {
         if now >= self.deadline() {
             self.again();
         }
     }
 
-    /// The next message; what was asked before has its answer.
+    /// Returns the next message, once the one before has its answer.
     pub(super) fn next(&mut self, now: u64) -> Option<Todo> {
         let stream = self.stream.as_mut()?;
         if self.aborted && !stream.stop() {
@@ -147,7 +148,7 @@ impl Transfer {
         stream.next(now)
     }
 
-    /// The message under way was answered, or not.
+    /// Takes the answer to the message under way; `None` if none came.
     pub(super) fn finish(&mut self, answer: Option<&FromDrive>, now: u64) {
         let Some(stream) = &mut self.stream else { return };
         let starting = stream.is_starting();
@@ -156,7 +157,7 @@ impl Transfer {
             None => Err(DownloadError::NoAnswer),
         };
         match result {
-            // What has just begun has to be stopped first.
+            // A stream that has just begun has to be stopped first.
             Ok(()) if self.aborted && starting => {}
             _ if self.aborted => self.end_with(Err(DownloadError::Aborted)),
             Ok(()) => self.end_if_complete(),
@@ -175,7 +176,7 @@ impl Transfer {
         let wanted = stream.take(&piece, CHUNKS - self.chunks.len());
         let is_last = stream.is_last(&piece);
         if wanted {
-            // Room was just seen.
+            // There is room: `take` was told how much.
             let _ = self.chunks.push_back(Chunk { offset: begin, data, length: (end - begin) as u8 });
         }
         self.end_if_complete();
@@ -184,7 +185,7 @@ impl Transfer {
         }
     }
 
-    /// Asks for what is missing, unless that was in vain too often.
+    /// Requests the missing words, or ends the download after too many attempts in vain.
     fn again(&mut self) {
         if let Some(stream) = &mut self.stream
             && !stream.again()

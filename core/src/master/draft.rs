@@ -1,4 +1,4 @@
-//! A row of the description of which attributes are still to come.
+//! A row of the description while its attributes are being read.
 
 use super::described::Reason;
 use super::markup::{Markup, VALUE_MAX};
@@ -25,13 +25,13 @@ const ELEMENTS: [(Element, &[&str]); 5] = [
 ];
 
 impl Element {
-    /// The innermost open one.
+    /// Returns the innermost open element, if the reader takes it.
     pub(super) fn of(markup: &Markup) -> Option<Self> {
         ELEMENTS.into_iter().find(|(_, path)| markup.is_in(path)).map(|(element, _)| element)
     }
 }
 
-/// The attributes that have come, of whatever element.
+/// The attributes read so far, of an element of any kind.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Draft {
     /// The message whose fields are read: opcode, and whether the drive sends it.
@@ -52,7 +52,7 @@ struct Attributes {
     bits: Option<u8>,
     exponent: Option<i8>,
     min: Option<Decimal>,
-    /// Of a parameter; the base of a signal.
+    /// Largest value of a parameter, or base of a signal.
     max: Option<Decimal>,
     default: Option<Decimal>,
     access: Option<Access>,
@@ -61,7 +61,7 @@ struct Attributes {
 }
 
 impl Draft {
-    /// Takes an attribute. Those that it does not know are left to others.
+    /// Takes an attribute; unknown ones are ignored.
     pub(super) fn put(&mut self, element: Element, name: &str, value: &str) -> Result<(), Reason> {
         use Element::{Category, Field, Message, Parameter, Signal};
         let row = &mut self.row;
@@ -95,7 +95,7 @@ impl Draft {
         }
     }
 
-    /// The row that these attributes make; a message alone makes none.
+    /// Returns the row that these attributes make; a message alone makes none.
     pub(super) fn complete(&mut self, element: Element) -> Result<Option<Described>, Reason> {
         let row = core::mem::take(&mut self.row);
         Ok(Some(match element {
@@ -161,13 +161,13 @@ impl Attributes {
             first_bit,
             bits: self.bits.filter(fits).ok_or(Reason::Attribute("bits"))?,
             signed: self.signed.ok_or(Reason::Attribute("type"))?,
-            // Numbers without a unit, and values with names, have none.
+            // Numbers without a unit, and named values, have no scale.
             exponent: self.exponent.unwrap_or(0),
         })
     }
 }
 
-/// An attribute has one value, and once.
+/// Sets an attribute; an error if it has no valid value, or was set before.
 fn set<T>(name: &'static str, place: &mut Option<T>, value: Option<T>) -> Result<(), Reason> {
     if place.is_some() || value.is_none() {
         return Err(Reason::Attribute(name));
@@ -193,7 +193,7 @@ fn effect(text: &str) -> Option<Effect> {
     [Effect::NextStart, Effect::Reboot].into_iter().find(|effect| effect.label() == text)
 }
 
-/// `None` if it is no power of ten.
+/// Exponent of a power of ten from -18 to 18; `None` for any other number.
 fn power_of_ten(Decimal { mut digits, mut exponent }: Decimal) -> Option<i8> {
     while digits % 10 == 0 && digits != 0 {
         (digits, exponent) = (digits / 10, exponent.checked_add(1)?);

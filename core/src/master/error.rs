@@ -1,4 +1,4 @@
-//! Why the master has not got what was asked for.
+//! Errors of the master.
 
 use crate::bus::narmotion::ParameterStatus;
 use crate::dictionary::{Parameter, ParameterError};
@@ -7,7 +7,7 @@ use core::fmt;
 /// Why a request was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RequestError {
-    /// No answer, however often it was sent. A drive that refuses a reboot does not answer either.
+    /// No answer to any attempt. A drive that refuses a reboot does not answer either.
     NoAnswer,
     /// The drive refuses to read or write a parameter.
     Refused(Refusal),
@@ -20,9 +20,9 @@ pub enum RequestError {
 pub struct Refusal {
     /// Number of the parameter.
     pub number: u16,
-    /// Its row, if it has one here.
+    /// Its row, if this library's dictionary has one.
     pub parameter: Option<&'static Parameter>,
-    /// Why.
+    /// The drive's reason.
     pub status: ParameterStatus,
     /// The raw value that was to be written.
     pub offered: Option<i32>,
@@ -30,25 +30,25 @@ pub struct Refusal {
     pub stored: i32,
 }
 
-/// Why the master does not even ask.
+/// Why the master does not take a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotTaken {
-    /// It is silent.
+    /// The master is silent.
     Silent,
     /// Too many answers were not taken yet.
     Full,
 }
 
-/// Why a download came to nothing, or not to its end.
+/// Why a download failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DownloadError {
-    /// Nothing comes, or nothing more, however often it is asked for.
+    /// The drive sends nothing, or nothing more, after all attempts.
     NoAnswer,
     /// The drive refuses one of the log's parameters.
     Refused(Refusal),
-    /// There is no log memory, or it has records of another form: parameter 69 is the size of none.
+    /// There is no log memory, or its records have another form: parameter 69 is no valid record size.
     NoLog,
-    /// A record of the log comes whole and is not what was written, however often it is asked for.
+    /// A record of the log was received whole, but its number or CRC is wrong, after all attempts.
     Spoiled {
         /// Its number.
         record: u32,
@@ -72,7 +72,7 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { number, parameter, status, offered, .. } = *self;
         match (status, parameter, offered) {
-            // What a command computes may be out of range, too.
+            // A value that a command computes may be out of range, too.
             (ParameterStatus::OutOfRange, Some(parameter), Some(raw)) if !parameter.accepts(raw) => {
                 ParameterError::OutOfRange { parameter, raw }.fmt(f)
             }

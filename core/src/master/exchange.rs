@@ -1,12 +1,13 @@
-//! One message that wants an answer: sent again when none comes, given up after some attempts.
+//! One message that needs an answer: repeated when none comes, given up after some attempts.
 
 use crate::bus::narmotion::{FromDrive, ParameterStatus, ToDrive, XmlCommand};
 use crate::dictionary::number;
 
-/// A store is answered when it is done, which takes up to ten seconds on a flash that must be erased first.
+/// Attempts of a store: it is answered when it is done, after up to ten seconds on a flash that must be
+/// erased first.
 const STORE_ATTEMPTS: u8 = 100;
 
-/// Who has asked.
+/// Originator of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Owner {
     /// The caller.
@@ -17,14 +18,14 @@ pub(super) enum Owner {
     Reader,
 }
 
-/// What is to be done.
+/// Next step of an exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
     /// Nothing is under way.
     Idle,
     /// The answer may still come.
     Wait,
-    /// Send this, again.
+    /// Send this message again.
     Send(ToDrive),
     /// No answer came.
     Expired(Owner),
@@ -40,7 +41,7 @@ struct UnderWay {
     owner: Owner,
     /// When it was last sent, microseconds.
     sent: u64,
-    /// How often it may be sent again.
+    /// Attempts left.
     left: u8,
 }
 
@@ -60,7 +61,7 @@ impl Exchange {
         self.0 = Some(UnderWay { message, owner, sent: now, left });
     }
 
-    /// What time brings.
+    /// Returns the next step at time `now`.
     pub(super) fn poll(&mut self, now: u64, timeout: u64) -> Step {
         let Some(under_way) = &mut self.0 else { return Step::Idle };
         if now < under_way.sent.saturating_add(timeout) {
@@ -75,12 +76,12 @@ impl Exchange {
         Step::Expired(owner)
     }
 
-    /// When time brings something.
+    /// Time at which the message under way is repeated or given up, microseconds; `None` without one.
     pub(super) fn deadline(&self, timeout: u64) -> Option<u64> {
         self.0.map(|under_way| under_way.sent.saturating_add(timeout))
     }
 
-    /// Whose message the drive answers with this, if it does.
+    /// Ends the exchange if this is its answer, and returns the originator; `None` if it is not.
     pub(super) fn answer(&mut self, answer: &FromDrive) -> Option<Owner> {
         let UnderWay { message, owner, .. } = self.0?;
         if !answers(answer, &message) {
@@ -101,7 +102,8 @@ fn answers(answer: &FromDrive, message: &ToDrive) -> bool {
         (FromDrive::Parameter { number, status, .. }, ToDrive::RequestParameter { number: asked }) => {
             number == asked && matches!(status, Done | UnknownNumber)
         }
-        // A write that was done reads back as written: another value is the late answer to something else.
+        // The answer to a completed write has the written value: another value is a late answer to an earlier
+        // message.
         (
             FromDrive::Parameter { number, value, status },
             ToDrive::SetParameter { number: asked, value: written },

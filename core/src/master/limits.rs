@@ -3,8 +3,8 @@
 use crate::dictionary::{Dictionary, number, speed_limit};
 use core::fmt;
 
-/// Set-points that a drive takes as they are, in the control mode that its enables select (Table 6): magnitudes in mechanical rpm. It clamps
-/// every other one.
+/// Set-points that a drive accepts unchanged in the control mode that its enables select (Table 6):
+/// magnitudes in mechanical rpm. It clamps all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpeedLimits {
     /// The smallest one.
@@ -13,27 +13,29 @@ pub struct SpeedLimits {
     pub max: SpeedLimit,
 }
 
-/// A limit, and where it stands.
+/// A limit, and the parameter that states it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpeedLimit {
     /// Magnitude, rpm.
     pub rpm: u16,
-    /// The parameter that states it: 101 to 104, or 88 in open loop. `None` for what MOTOR_CMD can carry, while no mode is enabled.
+    /// The parameter that states it: 101 to 104, or 88 in open loop. `None` for a limit of MOTOR_CMD itself,
+    /// for example while no mode is enabled.
     pub parameter: Option<u16>,
 }
 
 /// A set-point that the drive would clamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SpeedError {
-    /// What was asked for, rpm, negative in reverse.
+    /// Requested speed, rpm, negative in reverse.
     pub rpm: i32,
-    /// What is allowed.
+    /// Allowed range.
     pub limits: SpeedLimits,
 }
 
 impl SpeedLimits {
-    /// Parameters that decide about them: the enables, the speed of open loop, the limits of both closed loops, and the pole pairs, which those follow
-    /// while they have their factory values.
+    /// Parameters that determine the limits: the enables, the speed of open loop, the limits of both closed
+    /// loops, and the pole pairs. The closed-loop limits depend on the pole pairs while they have their
+    /// factory values.
     pub const PARAMETERS: [u16; 9] = [
         number::MOTOR_POLE_PAIRS,
         number::OPEN_LOOP_ENABLE,
@@ -46,25 +48,25 @@ impl SpeedLimits {
         number::SPEED_MIN_HES,
     ];
 
-    /// What MOTOR_CMD can carry.
+    /// Range of MOTOR_CMD.
     pub const WIRE: Self = Self {
         min: SpeedLimit { rpm: 0, parameter: None },
         max: SpeedLimit { rpm: u16::MAX, parameter: None },
     };
 
-    /// Limits of a drive with these raw values of parameters; `None` where one is missing.
+    /// Returns the limits of a drive with these raw parameter values; `None` if a needed one is missing.
     pub fn of(value: impl Fn(u16) -> Option<i32>) -> Option<Self> {
         let limit = |number| {
             let rpm = speed_limit(number, value(number)?, value(number::MOTOR_POLE_PAIRS)?);
             let rpm = rpm.clamp(0, u16::MAX.into()) as u16;
             Some(SpeedLimit { rpm, parameter: Some(number) })
         };
-        // A set whose limits cross each other does not build, and the drive names it when it refuses the start.
+        // Limits that cross each other do not build: the drive reports that when it refuses the start.
         let between = |min, max| {
             let limits = Self { min: limit(min)?, max: limit(max)? };
             Some(if limits.min.rpm > limits.max.rpm { Self::WIRE } else { limits })
         };
-        // Halls have priority over sensorless, that over open loop.
+        // Hall has priority over sensorless, and sensorless over open loop.
         if value(number::HALL_ENABLE)? != 0 {
             between(number::SPEED_MIN_HES, number::SPEED_MAX_HES)
         } else if value(number::SENSORLESS_ENABLE)? != 0 {
@@ -90,12 +92,13 @@ impl SpeedLimits {
 }
 
 impl SpeedError {
-    /// Whether the drive turns at one speed whatever is asked for: open loop at parameter 88. It starts then, and its user should be told.
+    /// Whether the drive runs at one speed only: open loop at parameter 88. It starts at that speed, and the
+    /// user should be told.
     pub fn is_fixed(&self) -> bool {
         self.limits.min == self.limits.max
     }
 
-    /// The limit that is passed.
+    /// Returns the limit that the set-point violates.
     pub const fn limit(&self) -> SpeedLimit {
         let SpeedLimits { min, max } = self.limits;
         if self.rpm.unsigned_abs() > max.rpm as u32 { max } else { min }

@@ -1,5 +1,5 @@
-//! The XML that a description is written in, byte by byte and in bounded memory: elements, attributes, and texts, which are passed
-//! over. Entities, comments and all else that the document never has are errors.
+//! Parser for the description's XML, byte by byte and in bounded memory. It reads elements and attributes,
+//! and skips texts. Entities, comments and everything else that no description has are errors.
 
 use super::described::Reason;
 use heapless::{String, Vec};
@@ -8,7 +8,7 @@ use heapless::{String, Vec};
 const NAME_MAX: usize = 16;
 /// Bytes of the longest value of an attribute.
 pub(super) const VALUE_MAX: usize = 64;
-/// Elements inside each other.
+/// Deepest nesting of elements.
 const DEPTH_MAX: usize = 4;
 
 type Name = String<NAME_MAX>;
@@ -26,7 +26,7 @@ pub(super) struct Markup {
     begun: bool,
 }
 
-/// What a byte may belong to.
+/// State of the parser: the part of the markup to which the next byte belongs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum At {
     #[default]
@@ -50,7 +50,7 @@ enum At {
     EndName,
 }
 
-/// What a byte has completed.
+/// Token that a byte completes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Token {
     /// Nothing yet.
@@ -64,7 +64,7 @@ pub(super) enum Token {
 impl Markup {
     /// Takes the next byte.
     pub(super) fn handle_byte(&mut self, byte: u8) -> Result<Token, Reason> {
-        // The element has its end behind its head.
+        // An empty element ends right behind its head.
         if self.at == At::Empty {
             self.at = At::Text;
             self.open.pop();
@@ -154,7 +154,7 @@ impl Markup {
     }
 }
 
-/// What may stand in texts and values.
+/// Whether a byte may occur in texts and values.
 const fn is_text(byte: u8) -> bool {
     !byte.is_ascii_control() && !matches!(byte, b'<' | b'>' | b'&')
 }

@@ -12,7 +12,7 @@ const FRAMES: usize = 9;
 pub struct Measurements([Option<Heard<Measurement>>; FRAMES]);
 
 impl Measurements {
-    /// Every signal of Figure 14 with its value, where it was heard.
+    /// Returns every signal of Figure 14 with its value; `None` before the value was first heard.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Signal, Option<Heard<Decimal>>)> + '_ {
         SIGNALS.iter().map(|signal| (signal, self.get(signal)))
     }
@@ -28,7 +28,7 @@ impl Measurements {
         self.get(SIGNALS.iter().find(|signal| signal.name.eq_ignore_ascii_case(name))?)
     }
 
-    /// The last frame of one kind, raw: for the reserved ones, too, which have no signals.
+    /// Returns the last frame of one kind, raw; also of the reserved kinds, which have no signals.
     pub fn frame(&self, opcode: Opcode) -> Option<Heard<Measurement>> {
         *self.0.get(place(opcode)?)?
     }
@@ -41,15 +41,17 @@ impl Measurements {
         }
     }
 
-    /// Mechanical speed, rpm, negative in reverse, by what the control mode of STATUS_WORD uses: the hall sensors in hall closed loop (MEASUREMENT_5), the
-    /// back-EMF in sensorless closed loop (MEASUREMENT_1). In open loop MEASUREMENT_1 carries the speed of the field. With the bridge off, and
-    /// before the control mode is known, it is the one of the two that is not 0: a coasting rotor is seen by its hall sensors or by its back-EMF.
+    /// Returns the mechanical speed, rpm, negative in reverse, from the source that the control mode of
+    /// STATUS_WORD uses: the hall sensors in hall closed loop (MEASUREMENT_5), the back-EMF in sensorless
+    /// closed loop (MEASUREMENT_1). In open loop MEASUREMENT_1 is the speed of the field. With the bridge
+    /// off, and before the control mode is known, it is the one of the two that is not 0: a coasting rotor is
+    /// seen by its hall sensors or by its back-EMF.
     pub fn speed(&self, control: Option<ControlMode>) -> Option<Heard<i16>> {
         let (by_field, by_hall) = (self.speed_sensorless(), self.speed_hall());
         match control {
             Some(ControlMode::Hall) => by_hall,
             Some(ControlMode::Sensorless) => by_field,
-            // A calibration of the hall sensors is open loop whose speed they tell.
+            // A hall calibration runs in open loop, and the hall sensors measure its speed.
             Some(ControlMode::OpenLoop | ControlMode::Off) | None => {
                 by_field.filter(|heard| heard.value != 0).or(by_hall).or(by_field)
             }

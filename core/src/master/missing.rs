@@ -1,21 +1,21 @@
-//! Which words of a download are still missing, in bounded memory.
+//! Missing words of a download, in bounded memory.
 
 use heapless::Vec;
 
-/// Gaps that can be told apart.
+/// Number of separate gaps that can be stored.
 const GAPS: usize = 32;
 
-/// Ranges of missing words, in order: begin and, exclusive, end. Where there are more gaps than it can hold, it forgets that
-/// something was received, so that this comes once more.
+/// Ranges of missing words, in order: begin and, exclusive, end. If there are more gaps than it can hold,
+/// some received words still count as missing and are requested once more.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Missing(Vec<(u32, u32), GAPS>);
 
 impl Missing {
-    /// All of `total` words.
+    /// All of `total` words are missing.
     pub(super) fn all(total: u32) -> Self {
         let mut ranges = Vec::new();
         if total > 0 {
-            // The first of 32.
+            // There is room: it is the first of 32.
             let _ = ranges.push((0, total));
         }
         Self(ranges)
@@ -30,7 +30,7 @@ impl Missing {
         self.0.is_empty()
     }
 
-    /// How many words.
+    /// Number of missing words.
     pub(super) fn count(&self) -> u32 {
         self.0.iter().fold(0, |sum: u32, (begin, end)| sum.saturating_add(end - begin))
     }
@@ -40,11 +40,11 @@ impl Missing {
         self.0.iter().any(|range| range.0 < end && begin < range.1)
     }
 
-    /// The words from `begin` to `end` have come. Whether any of them was missing.
+    /// Takes the words from `begin` to `end`; returns whether any of them was missing.
     pub(super) fn take(&mut self, begin: u32, end: u32) -> bool {
         let overlaps = |range: &(u32, u32)| range.0 < end && begin < range.1;
         let mut wanted = false;
-        // What is cut gets out of the way: each turn settles one range.
+        // Each turn cuts one range so that it overlaps no more.
         while let Some(place) = self.0.iter().position(overlaps) {
             wanted = true;
             let Some(range) = self.0.get_mut(place) else { break };
@@ -60,7 +60,7 @@ impl Missing {
                         && let Some(range) = self.0.get_mut(place)
                     {
                         *range = left;
-                        // Room was just seen.
+                        // There is room: it was checked above.
                         let _ = self.0.insert(place + 1, right);
                     }
                     break;

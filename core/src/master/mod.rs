@@ -1,5 +1,5 @@
-//! The other end of the bus: it commands one drive, asks it, and keeps what it says. A pure state machine without a clock or a
-//! bus of its own, for another electronic board as for a notebook or a page.
+//! Bus master: commands one drive, sends requests to it, and keeps its answers and broadcasts. A pure state
+//! machine without a clock or a bus of its own, for another electronic board, a notebook or a web page.
 //!
 //! ```text
 //!                                      +--------+ <-- start, stop, set_speed, shut_down
@@ -11,12 +11,12 @@
 //! Time is given in microseconds from any beginning and never runs back. Call `handle_frame` for every frame that arrives and
 //! `poll_frame` until it has nothing left, at [`Master::next_poll`] at the latest. One call answers one frame at most.
 //!
-//! Of what there is to send the first of these goes first: set-point and request word, requests of the caller in their order,
-//! the download, and reading parameters in the background. One message is under way at a time, so that an answer
-//! belongs to what was asked. An answer that comes later than the time-out, or twice, may be taken for that of the next
-//! message on the same parameter.
+//! Messages are sent by priority: set-point and request word, then requests of the caller in their order,
+//! then the download, then reading of parameters in the background. One message is under way at a time, so
+//! that each answer belongs to its message. An answer that arrives after the time-out, or twice, may be taken
+//! for the answer to the next message on the same parameter.
 //!
-//! [`eddycan`] is the master of a TX-Driver, likewise.
+//! [`eddycan`] is the master of a TX-Driver.
 
 mod assembly;
 mod commands;
@@ -64,27 +64,29 @@ use requests::{Requests, Todo};
 /// Shortest period and time-out, microseconds: three frames of the longest kind.
 const SHORTEST: u64 = 1000;
 
-/// How a master talks. Times are in microseconds.
+/// Configuration of a master. Times are in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
-    /// Whom it talks to, and as whom.
+    /// Addresses of the drive and of the master.
     pub addresses: Addresses,
-    /// Between two set-points, at least 1000 like the time-out; 50 000 (Figure 9).
+    /// Period of the set-points, at least 1000; default 50 000 (Figure 9).
     pub setpoint_period: u64,
-    /// Transmits nothing and hears everything (Figure 9): commands have no effect, requests are not taken.
+    /// Listens only (Figure 9): transmits nothing, commands have no effect, requests are not taken.
     pub silent: bool,
-    /// Reads every parameter when the drive is first heard, after it was lost, and after what changes many of them.
+    /// Reads every parameter when the drive is first heard, after it was lost, and after an action that
+    /// changes many of them.
     pub read_parameters: bool,
-    /// How long an answer may take; 100 000.
+    /// Longest time until an answer, at least 1000; default 100 000.
     pub timeout: u64,
-    /// How often a message is sent before it counts as not answered, at least 1; 3.
+    /// Number of times that a message is sent before it counts as not answered, at least 1; default 3.
     pub attempts: u8,
-    /// A drive that has said nothing for so long is lost; 500 000. At least the time-out, and at least three of its broadcast periods, where parameter 111 is known.
+    /// Silence after which the drive counts as lost; default 500 000. At least the time-out, and at least
+    /// three of the drive's broadcast periods where parameter 111 is known.
     pub lost_after: u64,
 }
 
 impl Default for Config {
-    /// As Figure 9 shows it, at the factory addresses.
+    /// The values of Figure 9, at the factory addresses.
     fn default() -> Self {
         Self {
             addresses: Addresses::FACTORY,
@@ -115,8 +117,8 @@ pub struct Master {
 }
 
 impl Master {
-    /// A master that has asked for nothing yet: it sends set-points of 0, which keep measurements coming, and neither stops a motor nor
-    /// acknowledges a fault.
+    /// Makes a master without a command yet: it sends set-points of 0, which keep measurements coming, but
+    /// neither stops a motor nor acknowledges a fault.
     pub fn new(config: Config) -> Self {
         let timeout = config.timeout.max(SHORTEST);
         let setpoint_period = config.setpoint_period.max(SHORTEST);
@@ -136,12 +138,12 @@ impl Master {
         }
     }
 
-    /// How it talks: as it was made, within the bounds of [`Config`].
+    /// Configuration in force: the one given to [`Master::new`], within the bounds of [`Config`].
     pub const fn config(&self) -> &Config {
         &self.config
     }
 
-    /// What the drive has said of itself.
+    /// The last messages of the drive about itself.
     pub const fn report(&self) -> &Report {
         &self.report
     }
@@ -151,7 +153,7 @@ impl Master {
         &self.measurements
     }
 
-    /// The drive's parameters, as far as they were heard.
+    /// The drive's parameters, as last heard.
     pub const fn parameters(&self) -> &ParameterMirror {
         &self.parameters
     }
@@ -163,7 +165,8 @@ impl Master {
         self.report.state(exact)
     }
 
-    /// Mechanical speed by what the drive's control mode uses, rpm, negative in reverse: [`Measurements::speed`].
+    /// Mechanical speed from the source that the drive's control mode uses, rpm, negative in reverse:
+    /// [`Measurements::speed`].
     pub fn speed(&self) -> Option<Heard<i16>> {
         self.measurements.speed(self.report.status.map(|status| status.value.control))
     }
@@ -176,16 +179,17 @@ impl Master {
     }
 }
 
-/// Commands: what the motor is to do, repeated every period.
+/// Commands for the motor, repeated every period.
 impl Master {
-    /// Set-points that the drive takes as they are; `None` before the parameters that say so were heard: of [`SpeedLimits::PARAMETERS`] those
-    /// of the enabled mode.
+    /// Returns the set-points that the drive accepts unchanged; `None` before the parameters of the enabled
+    /// mode, among [`SpeedLimits::PARAMETERS`], were heard.
     pub fn speed_limits(&self) -> Option<SpeedLimits> {
         SpeedLimits::of(|number| self.parameters.get(number).map(|heard| heard.value))
     }
 
-    /// Checks a set-point, rpm, negative in reverse: against what MOTOR_CMD can carry, and against the drive's limits as far as they were heard. Ask
-    /// before [`Master::start`] and [`Master::set_speed`]; what passes unchecked the drive clamps, and [`Report::accepted_speed`] tells.
+    /// Checks a set-point, rpm, negative in reverse, against the drive's limits, or against the range of
+    /// MOTOR_CMD before they were heard. Call it before [`Master::start`] and [`Master::set_speed`]. The
+    /// drive clamps a set-point outside its limits; [`Report::accepted_speed`] shows the result.
     ///
     /// # Errors
     /// The drive would clamp it.
@@ -193,30 +197,32 @@ impl Master {
         self.speed_limits().unwrap_or(SpeedLimits::WIRE).check(rpm)
     }
 
-    /// Asks for a speed, mechanical rpm, negative in reverse (Drive or Reverse of the request word). A drive takes a start once it
-    /// has seen Standby since it last stopped: [`Master::stop`] first.
+    /// Requests a start at a speed, mechanical rpm, negative in reverse (Drive or Reverse of the request
+    /// word). A drive accepts a start only if it received Standby since it last stopped: call
+    /// [`Master::stop`] first.
     pub fn start(&mut self, rpm: i32) {
         let mode = if rpm < 0 { MotorMode::Reverse } else { MotorMode::Drive };
         self.commands.set_speed(rpm.unsigned_abs().min(u32::from(u16::MAX)) as u16);
         self.commands.request(mode);
     }
 
-    /// Asks for another speed in the direction that was asked for, rpm. The drive answers what it accepts: [`Report::accepted_speed`].
+    /// Requests another speed in the same direction, rpm. The drive answers with the speed that it accepts:
+    /// [`Report::accepted_speed`].
     pub fn set_speed(&mut self, rpm: u16) {
         self.commands.set_speed(rpm);
     }
 
-    /// Asks for Standby, which also acknowledges a fault.
+    /// Requests Standby, which also acknowledges a fault.
     pub fn stop(&mut self) {
         self.commands.request(MotorMode::Standby);
     }
 
-    /// Asks for a shutdown (motor mode 3): fault bit 28.
+    /// Requests a shutdown (motor mode 3): fault bit 28.
     pub fn shut_down(&mut self) {
         self.commands.request(MotorMode::Fault);
     }
 
-    /// What the motor was asked to do; `None` before the first command.
+    /// Motor mode last requested; `None` before the first command.
     pub const fn requested(&self) -> Option<MotorMode> {
         self.commands.mode()
     }
@@ -229,7 +235,7 @@ impl Master {
 
 /// Requests, each answered once, and one download at a time.
 impl Master {
-    /// Asks the drive for something. Answers come in the order of the requests.
+    /// Queues a request to the drive. Answers come in the order of the requests.
     ///
     /// # Errors
     /// A silent master, or eight requests whose answers were not taken yet.
@@ -261,23 +267,23 @@ impl Master {
         self.transfer.pop()
     }
 
-    /// How far the download is; `None` before its length is known, and without one.
+    /// Progress of the download; `None` before its length is known, and without a download.
     pub fn download_progress(&self) -> Option<Progress> {
         self.transfer.progress()
     }
 
-    /// The end of the download, when all its chunks were taken: its length in words, or what went wrong.
+    /// Result of the download, once all its chunks were taken: its length in words, or the error.
     pub fn poll_download(&mut self) -> Option<Result<u32, DownloadError>> {
         self.transfer.poll_end()
     }
 
-    /// Ends the download; its end is [`DownloadError::Aborted`].
+    /// Aborts the download; its result is [`DownloadError::Aborted`].
     pub fn abort_download(&mut self) {
         self.transfer.abort();
     }
 
-    /// Begins to program the drive with this image. Its bytes are asked for by [`Master::poll_update_frame`]; the drive must be in Standby, or
-    /// in Fault at standstill, and takes no start until it is done.
+    /// Begins to program the drive with this image, whose bytes are passed to [`Master::poll_update_frame`].
+    /// The drive must be in Standby, or in Fault at standstill, and refuses a start until the update is done.
     ///
     /// # Errors
     /// A silent master, or an update whose end was not taken yet.
@@ -289,19 +295,21 @@ impl Master {
         self.update.begin(image, self.config.attempts, self.config.timeout)
     }
 
-    /// How far the update is; `None` without one.
+    /// Progress of the update; `None` without one.
     #[cfg(feature = "update")]
     pub fn update_progress(&self) -> Option<UpdateProgress> {
         self.update.progress()
     }
 
-    /// The end of the update: the drive runs the image and keeps it, or what went wrong. What ran before then still runs.
+    /// Result of the update: the drive runs the image and keeps it, or the error. After an error the previous
+    /// image still runs.
     #[cfg(feature = "update")]
     pub fn poll_update(&mut self) -> Option<Result<(), UpdateError>> {
         self.update.poll_end()
     }
 
-    /// Ends the update; its end is [`UpdateError::Aborted`]. An image that is swapped in already is not confirmed then, and its drive goes back.
+    /// Aborts the update; its result is [`UpdateError::Aborted`]. An image that is swapped in already is not
+    /// confirmed, so the drive goes back to the previous one.
     #[cfg(feature = "update")]
     pub const fn abort_update(&mut self) {
         self.update.abort();
@@ -320,7 +328,7 @@ impl Master {
 
 /// The bus.
 impl Master {
-    /// Takes a frame that arrived at `now`. Only messages of this drive to this master are heard.
+    /// Takes a frame that arrived at `now`. Only messages of this drive to this master are used.
     pub fn handle_frame(&mut self, frame: &Frame, now: u64) {
         let Config { addresses, .. } = self.config;
         let message = match FromDrive::decode(frame) {
@@ -362,14 +370,16 @@ impl Master {
         Some(message?.encode(self.config.addresses))
     }
 
-    /// The next block of the update that is due at `now`, of the bytes of its image. Ask when [`Master::poll_frame`] has nothing left.
+    /// Returns the next block of the update that is due at `now`, from the bytes of its image. Call it when
+    /// [`Master::poll_frame`] has nothing left.
     #[cfg(feature = "update")]
     pub fn poll_update_frame(&mut self, now: u64, image: &[u8]) -> Option<Frame> {
         let message = self.update.next_block(now, image)?;
         Some(message.encode(self.config.addresses))
     }
 
-    /// When to poll again at the latest, if no frame arrives and nothing is asked for until then. `now` when something is due.
+    /// Latest time of the next poll, if no frame arrives and nothing is requested until then; `now` when
+    /// something is due.
     pub fn next_poll(&self, now: u64) -> u64 {
         if self.config.silent {
             return u64::MAX;
@@ -386,7 +396,7 @@ impl Master {
         next.min(self.transfer.deadline()).min(self.commands.due()).max(now)
     }
 
-    /// The next message besides commands: what is under way first.
+    /// Returns the next message besides commands; a repetition of the message under way comes first.
     fn poll_message(&mut self, now: u64) -> Option<ToDrive> {
         self.transfer.poll(now);
         match self.exchange.poll(now, self.config.timeout) {
@@ -412,7 +422,7 @@ impl Master {
         if let Some(todo) = self.transfer.next(now) {
             return Some((Owner::Download, todo));
         }
-        // In the background only a drive that is there is read.
+        // Only a connected drive is read in the background.
         if !self.is_connected(now) {
             return None;
         }
@@ -420,7 +430,7 @@ impl Master {
         Some((Owner::Reader, Todo::Ask(ToDrive::RequestParameter { number })))
     }
 
-    /// What was asked for has its answer, or none came.
+    /// Passes the answer to the message's originator; `None` if none came.
     fn finish(&mut self, owner: Owner, answer: Option<&FromDrive>, now: u64) {
         match owner {
             Owner::Request => {
@@ -433,7 +443,7 @@ impl Master {
         }
     }
 
-    /// What was read may be another now.
+    /// Forgets the parameters, which may have changed, and reads them anew if so configured.
     fn forget_parameters(&mut self) {
         self.parameters.forget();
         if self.config.read_parameters && !self.config.silent {

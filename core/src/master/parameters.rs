@@ -1,13 +1,13 @@
-//! What the drive's parameters were when they were last heard, and reading them in the background.
+//! Mirror of the drive's parameters as last heard, and its reader in the background.
 
 use super::Heard;
 use crate::dictionary::{Dictionary, PARAMETER_COUNT, Parameter, number};
 
-/// Marks a value that is not known; no instant is so late.
+/// Time stamp of an unknown value: later than any real one.
 const NEVER: u64 = u64::MAX;
 
-/// The drive's parameters as they were last heard: in answers to this master, whoever asked, and in nothing else. What
-/// the drive changes by itself shows when it is read again.
+/// The drive's parameters as last heard, from all answers to this master and from nothing else. A value that
+/// the drive changes by itself shows only when it is read again.
 #[derive(Clone, Debug)]
 pub struct ParameterMirror {
     raw: [i32; PARAMETER_COUNT],
@@ -38,7 +38,7 @@ impl ParameterMirror {
         Dictionary::rows().enumerate().map(|(index, row)| (row, self.at_index(index)))
     }
 
-    /// How many are known.
+    /// Number of known parameters.
     pub fn known(&self) -> usize {
         self.at.iter().filter(|at| **at != NEVER).count()
     }
@@ -62,17 +62,17 @@ impl ParameterMirror {
     }
 }
 
-/// At least this long from one row to the next, microseconds: a question and its answer take 640 of them (PROTOCOL.md, section 1.4), and
-/// what reads without haste leaves the bus to others.
+/// Shortest time from one row to the next, microseconds. A request and its answer take 640 of them
+/// (PROTOCOL.md, section 1.4); the rest of the bus is left to other traffic.
 const PACE: u64 = 2000;
 
-/// What is read in the background: the exact state, and row by row everything.
+/// Reader in the background: of the exact state, and of all parameters row by row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reader {
     /// The next row; behind the last one when all are read.
     row: usize,
     state: bool,
-    /// The row that was asked for.
+    /// The row that was requested.
     asked: Option<usize>,
     /// When the next row may be asked for, microseconds.
     due: u64,
@@ -99,7 +99,7 @@ impl Reader {
         PARAMETER_COUNT.saturating_sub(self.row)
     }
 
-    /// When there is something to ask for; never is the end of time.
+    /// Time of the next request, microseconds; `u64::MAX` if there is none.
     pub(super) const fn due(&self) -> u64 {
         match (self.state, self.left()) {
             (true, _) => 0,
@@ -122,7 +122,7 @@ impl Reader {
         Dictionary::rows().nth(self.row).map(|row| row.number)
     }
 
-    /// What was asked for was answered, or not: one that has no answer is left out.
+    /// Ends the request under way; a row without an answer is skipped.
     pub(super) fn finish(&mut self) {
         // Reading may have begun anew meanwhile.
         if self.asked.take() == Some(self.row) {

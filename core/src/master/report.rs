@@ -1,20 +1,20 @@
-//! What the drive has said of itself, and when.
+//! Last messages of the drive, with their times.
 
 use crate::bus::narmotion::{ControlMode, FromDrive, MotorMode, StatusWord};
 use crate::motor::guard::fault::{Cause, CauseRow, FaultWord};
 use crate::motor::machine::state::State;
 
-/// Something that was heard, and when.
+/// A received value, and its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Heard<T> {
-    /// What.
+    /// The value.
     pub value: T,
-    /// When, microseconds.
+    /// Time of reception, microseconds.
     pub at: u64,
 }
 
 impl<T> Heard<T> {
-    /// How long ago, microseconds.
+    /// Time since the reception, microseconds.
     pub const fn age(&self, now: u64) -> u64 {
         now.saturating_sub(self.at)
     }
@@ -27,7 +27,8 @@ pub struct Report {
     pub status: Option<Heard<StatusWord>>,
     /// FAULT_WORD: live and latched faults.
     pub faults: Option<Heard<FaultWord>>,
-    /// CRITICAL_FAULT: sent when one is new, and never taken back; whether it still holds says `faults`.
+    /// CRITICAL_FAULT: sent for each new critical fault and never withdrawn; `faults` shows whether it still
+    /// holds.
     pub critical: Option<Heard<CriticalFault>>,
     /// The echo of MOTOR_CMD: the set-point that the drive uses, rpm.
     pub accepted_speed: Option<Heard<u16>>,
@@ -39,7 +40,7 @@ pub struct Report {
     pub description: Option<Heard<DescriptionInfo>>,
     /// When the drive last acknowledged a reboot, microseconds.
     pub reboot: Option<u64>,
-    /// When anything was last heard of it, microseconds.
+    /// When any message was last heard, microseconds.
     pub last: Option<u64>,
 }
 
@@ -53,7 +54,7 @@ pub struct CriticalFault {
 }
 
 impl CriticalFault {
-    /// What the code means, if it is one of this firmware.
+    /// Returns the cause that the code stands for, if this firmware knows it.
     pub fn cause(&self) -> Option<CauseRow> {
         Cause::TABLE.into_iter().find(|row| row.cause as u16 == self.code)
     }
@@ -123,7 +124,8 @@ impl Report {
         }
     }
 
-    /// The exact state, from the status word alone where it tells, else with parameter 261 where that agrees.
+    /// Returns the exact state: from the status word alone if that is unambiguous, else from parameter 261
+    /// (`exact`) if that agrees with the status word.
     pub(super) fn state(&self, exact: Option<i32>) -> Option<State> {
         let StatusWord { mode, control, .. } = self.status?.value;
         let candidates = match (mode, control) {

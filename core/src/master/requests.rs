@@ -1,11 +1,11 @@
-//! What the caller asks of the drive, message by message, and what comes of it.
+//! The caller's requests to the drive, message by message, and their results.
 
 use super::error::{NotTaken, Refusal, RequestError};
 use super::waiting::Waiting;
 use crate::bus::narmotion::{DigitalOutputs, FromDrive, ParameterStatus, ToDrive, XmlCommand};
 use crate::dictionary::{Dictionary, number};
 
-/// Something that is asked of the drive once.
+/// A request to the drive, answered once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
     /// Read a parameter.
@@ -26,13 +26,14 @@ pub enum Request {
     BuildInfo,
     /// DEVICE_INFO.
     DeviceInfo,
-    /// Length and CRC of the description, so that one that is known need not be downloaded: [`super::Report::description`].
+    /// Read length and CRC of the description, so that a known one need not be downloaded:
+    /// [`super::Report::description`].
     DescriptionInfo,
-    /// Restart the drive. Asked once: it is not repeated.
+    /// Restart the drive. The message is sent once and not repeated.
     Reboot,
-    /// Factory values for everything but what is the board's own.
+    /// Restore factory values, except for the board's own parameters.
     RestoreFactory {
-        /// Serial number of the board that is meant (parameter 1).
+        /// Serial number of the addressed board (parameter 1).
         serial: u16,
     },
     /// Set the digital lines.
@@ -43,11 +44,11 @@ pub enum Request {
     TriggerScope,
 }
 
-/// Commands that are parameters: they act on a rising edge.
+/// Command parameters: they act on a rising edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]
 pub enum Service {
-    /// The present position becomes that of parameter 16.
+    /// Set the present position to parameter 16.
     SetPosition = number::SET_POSITION,
     /// Erase the log.
     EraseLog = number::LOG_ERASE_REQUEST,
@@ -55,7 +56,7 @@ pub enum Service {
     Store = number::STORE,
     /// Store the device number and the calibration.
     StoreOnce = number::STORE_ONCE,
-    /// Factory values for the calibration.
+    /// Restore the factory values of the calibration.
     ResetCalibration = number::RESET_CALIBRATION,
     /// Calibrate bus current and voltage with the bridge off.
     AutoCalibrate = number::AUTO_CALIBRATE,
@@ -76,18 +77,19 @@ impl Service {
     ];
 }
 
-/// A request and what came of it.
+/// A request and its result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// What was asked for.
+    /// The request.
     pub request: Request,
-    /// The raw value that the parameter has now; 0 where there is no parameter. Messages to which the protocol has no answer (RESTORE_FACTORY,
-    /// DSIO_DATA_CMD, Disable_Hall_PS, the scope's trigger) are done when the drive has counted no refused frame since.
+    /// The raw value that the parameter has now; 0 for a request without a parameter. Messages without an
+    /// answer in the protocol (RESTORE_FACTORY, DSIO_DATA_CMD, Disable_Hall_PS, the scope's trigger) count as
+    /// done if the drive has counted no refused frame since.
     pub result: Result<i32, RequestError>,
 }
 
 impl Request {
-    /// Requests that need nothing besides, by the names that programs call them by.
+    /// Requests without arguments, with the names that programs use for them.
     pub const NAMED: [(&'static str, Self); 14] = [
         ("build info", Self::BuildInfo),
         ("device info", Self::DeviceInfo),
@@ -115,7 +117,7 @@ impl Request {
         Some(Self::Write { number: Dictionary::find(name)?.number, raw })
     }
 
-    /// The message that has no answer.
+    /// Returns the message of a request without an answer; `None` for any other request.
     const fn unanswered(self) -> Option<ToDrive> {
         Some(match self {
             Self::RestoreFactory { serial } => ToDrive::RestoreFactory { serial },
@@ -126,13 +128,13 @@ impl Request {
         })
     }
 
-    /// Whether many parameters have another value when this is done.
+    /// Whether the request changes many parameters.
     const fn changes_parameters(self) -> bool {
         matches!(self, Self::Run(Service::ResetCalibration | Service::AutoCalibrate))
     }
 }
 
-/// What is sent next.
+/// The next message to send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Todo {
     /// A message that has an answer.
@@ -141,7 +143,7 @@ pub(super) enum Todo {
     Tell(ToDrive),
 }
 
-/// Requests from the call to the taken answer.
+/// Queue of requests: from the call until the answer is taken.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Requests(Waiting<Request, Current, Answer>);
 
@@ -149,9 +151,9 @@ pub(super) struct Requests(Waiting<Request, Current, Answer>);
 #[derive(Clone, Copy, Debug)]
 struct Current {
     request: Request,
-    /// Messages of it that are done.
+    /// Number of its messages that are done.
     step: u8,
-    /// Refused frames before a message without an answer.
+    /// The drive's count of refused frames before a message without an answer.
     refused: i32,
 }
 
@@ -169,7 +171,7 @@ impl Requests {
         self.0.current.is_some() || !self.0.is_empty()
     }
 
-    /// The next message; what was asked before has its answer.
+    /// Returns the next message, once the one before has its answer.
     pub(super) fn next(&mut self) -> Option<Todo> {
         if self.0.current.is_none() {
             let request = self.0.next()?;
@@ -178,7 +180,8 @@ impl Requests {
         self.0.current.as_mut().map(Current::next)
     }
 
-    /// The message under way was answered, or not. True if many parameters have changed.
+    /// Takes the answer to the message under way, `None` if none came; returns true if many parameters have
+    /// changed.
     pub(super) fn finish(&mut self, answer: Option<&FromDrive>) -> bool {
         let Some(current) = &mut self.0.current else { return false };
         let result = match answer {
@@ -213,11 +216,11 @@ impl Current {
         })
     }
 
-    /// What came of the whole request; `None` when it has more messages.
+    /// Returns the result of the whole request; `None` if it has more messages.
     fn finish(&mut self, answer: &FromDrive) -> Option<Result<i32, RequestError>> {
         let FromDrive::Parameter { number, value, status } = *answer else { return Some(Ok(0)) };
         if self.request.unanswered().is_some() {
-            // A drive that does not count answers 0 twice.
+            // A drive without this counter answers 0 both times.
             if self.step == 0 {
                 (self.step, self.refused) = (1, value);
                 return None;

@@ -1,4 +1,5 @@
-//! Rows of a drive's description: what the tables of this library have of their own drive, as another drive tells it of itself.
+//! Rows of a drive's description: like the rows of this library's own tables, but as the drive describes
+//! itself.
 
 use super::markup::VALUE_MAX;
 use crate::bus::narmotion::{Field, Meaning, Words};
@@ -48,7 +49,7 @@ pub struct DescribedParameter {
     pub max: i64,
     /// Raw factory value.
     pub default: i64,
-    /// Who may write it, when.
+    /// Write access, and in which states.
     pub access: Access,
     /// Writing 0 then 1 is a command.
     pub command: bool,
@@ -104,7 +105,7 @@ pub struct DescribedSignal {
 }
 
 impl DescribedField {
-    /// The field's value, in its unit, in the words of its message.
+    /// Returns the field's value, in its unit, from the words of its message.
     pub fn value(&self, words: Words) -> Decimal {
         let Self { first_bit, bits, signed, exponent, .. } = *self;
         let meaning = Meaning::Number;

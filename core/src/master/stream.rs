@@ -1,4 +1,5 @@
-//! One download from its first question to its last word: what is asked when, and where words belong.
+//! One download from its first request to its last word: the order of the messages, and the place of the
+//! words.
 
 use super::assembly::Assembly;
 use super::download::Download;
@@ -9,9 +10,9 @@ use crate::bus::narmotion::{FromDrive, ParameterStatus, ToDrive, XmlCommand};
 use crate::dictionary::{Dictionary, number};
 use core::num::NonZeroU32;
 
-/// A stream that says nothing for so long has ended, microseconds.
+/// Silence after which a stream has ended, microseconds.
 const SILENCE: u64 = 500_000;
-/// What 16-bit addresses reach.
+/// Words that 16-bit addresses reach.
 const SCOPE_WORDS: u32 = 1 << 16;
 
 /// A download under way.
@@ -24,19 +25,19 @@ pub(super) struct Stream {
     /// Words of a log record, when they are known.
     record: Option<NonZeroU32>,
     assembly: Assembly,
-    /// A record has come whole and was not what was written.
+    /// A record was received whole, but its number or CRC was wrong.
     spoiled: bool,
     pub(super) missing: Missing,
     pass: Pass,
-    /// Passes without a new word that are left.
+    /// Passes without a new word that are still allowed.
     left: u8,
     attempts: u8,
 }
 
-/// What is asked, or done, next.
+/// Next step of the download.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
-    /// How long is it, or a record of it?
+    /// Ask for the length of the whole, or of a log record.
     Length,
     /// Write the first record's index.
     First,
@@ -50,29 +51,29 @@ enum Phase {
     Start,
     /// The drive sends.
     Stream,
-    /// Stop it.
+    /// Stop the stream.
     Stop,
 }
 
-/// One turn of the drive: from a first word to, exclusive, an end.
+/// One pass of the drive over the data: from a first word to, exclusive, an end.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pass {
     begin: u32,
     end: u32,
-    /// What comes next, if nothing is lost.
+    /// Place of the next word, if nothing is lost.
     next: u32,
-    /// It has brought a word that was missing; of the log, a record.
+    /// The pass has brought a missing word; for the log, a missing record.
     useful: bool,
-    /// When something was last heard of it, microseconds.
+    /// When its last words were received, or when it was started, microseconds.
     heard: u64,
 }
 
 /// Words that belong to a download.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
-    /// Place of the first one.
+    /// Place of the first word.
     pub(super) begin: u32,
-    /// Exclusive.
+    /// Place behind the last word.
     pub(super) end: u32,
     pub(super) data: [u16; 3],
 }
@@ -98,7 +99,7 @@ impl Stream {
         stream
     }
 
-    /// Nothing is missing, and nothing is under way that would still be answered.
+    /// Whether nothing is missing, and no answer is still awaited.
     pub(super) fn is_complete(&self) -> bool {
         matches!(self.phase, Phase::Stream | Phase::Start) && self.missing.is_empty()
     }
@@ -108,7 +109,8 @@ impl Stream {
         self.phase == Phase::Stream
     }
 
-    /// When it has been silent for too long.
+    /// Time at which the stream will have been silent for too long, microseconds; `u64::MAX` outside a
+    /// stream.
     pub(super) const fn deadline(&self) -> u64 {
         match self.phase {
             Phase::Stream => self.pass.heard.saturating_add(SILENCE),
@@ -116,7 +118,7 @@ impl Stream {
         }
     }
 
-    /// The next message; what was asked before has its answer.
+    /// Returns the next message, once the one before has its answer.
     pub(super) fn next(&mut self, now: u64) -> Option<Todo> {
         if let Some((number, value)) = self.write() {
             return Some(Todo::Ask(ToDrive::SetParameter { number, value }));
@@ -125,7 +127,7 @@ impl Stream {
             (Phase::Length, Download::Log { .. }) => {
                 Some(Todo::Ask(ToDrive::RequestParameter { number: number::LOG_RECORD_BYTES }))
             }
-            // The question for the length ends a stream, too.
+            // A request for the length ends a stream, too.
             (Phase::Length | Phase::Stop, _) => Some(Todo::Ask(ToDrive::DownloadXml(XmlCommand::Length))),
             (Phase::Start, _) => {
                 self.phase = Phase::Stream;
@@ -139,7 +141,7 @@ impl Stream {
         }
     }
 
-    /// What was asked is answered.
+    /// Takes the answer to the message under way.
     pub(super) fn answer(&mut self, answer: &FromDrive, now: u64) -> Result<(), DownloadError> {
         match (self.phase, *answer) {
             (_, FromDrive::Parameter { number, value, status }) if status != ParameterStatus::Done => {
@@ -161,9 +163,9 @@ impl Stream {
         Ok(())
     }
 
-    /// Words of a message that belong here.
+    /// Returns the words of a message that belong to this download.
     pub(super) fn hear(&mut self, message: &FromDrive, now: u64) -> Option<Piece> {
-        // The answer to the log's command may come behind the first words.
+        // The first words may arrive before the answer to the log's command.
         if !matches!(self.phase, Phase::Raise | Phase::Stream) {
             return None;
         }
@@ -173,7 +175,7 @@ impl Stream {
         (begin < end).then_some(Piece { begin, end, data })
     }
 
-    /// Takes a piece while there is room for `room` chunks: whether the caller gets it.
+    /// Takes a piece while there is room for `room` chunks; returns whether the caller gets it.
     pub(super) fn take(&mut self, piece: &Piece, room: usize) -> bool {
         if let Some(words) = self.record {
             return self.take_of_record(piece, words, room);
@@ -183,8 +185,9 @@ impl Stream {
         taken
     }
 
-    /// A record counts when all of it has come and its CRC is right. It is begun only where all of it has room, so that
-    /// even a slow caller gets one after the other.
+    /// Takes a piece of a log record; returns whether the caller gets it. A record counts once it is complete
+    /// and its CRC is right. It is begun only if all of it has room, so that even a slow caller gets one
+    /// record after the other.
     fn take_of_record(&mut self, piece: &Piece, words: NonZeroU32, room: usize) -> bool {
         let (place, offset) = (piece.begin / words, piece.begin % words);
         if !self.missing.wants(piece.begin, piece.end) {
@@ -207,16 +210,16 @@ impl Stream {
         new
     }
 
-    /// Whether the drive has nothing more to say behind this piece.
+    /// Whether the pass ends with this piece.
     pub(super) fn is_last(&mut self, piece: &Piece) -> bool {
         let pass = &mut self.pass;
-        // The late end of the turn before is no end of this one.
+        // A late last piece of the previous pass does not end this one.
         let late = pass.next == pass.begin && piece.begin > pass.begin;
         pass.next = pass.next.max(piece.end);
         self.phase == Phase::Stream && piece.end == pass.end && !late
     }
 
-    /// Why it is given up.
+    /// Returns the error with which the download is given up.
     pub(super) fn failure(&self) -> DownloadError {
         match (self.record, self.missing.first()) {
             (Some(words), Some((begin, _))) if self.spoiled => {
@@ -226,7 +229,7 @@ impl Stream {
         }
     }
 
-    /// Whether it waits until the caller has taken what has come: records need room.
+    /// Whether it waits until the caller has taken all chunks: records need room.
     pub(super) fn wants_room(&self) -> bool {
         self.phase == Phase::First
     }
@@ -239,14 +242,14 @@ impl Stream {
         }
     }
 
-    /// Asks for what is missing; false if that was in vain too often.
+    /// Prepares another pass for the missing words; returns false after too many passes in vain.
     pub(super) fn again(&mut self) -> bool {
         self.left = if self.pass.useful { self.attempts } else { self.left.saturating_sub(1) };
         self.prepare();
         self.left > 0
     }
 
-    /// Nobody wants it any more; true if the drive has to be told.
+    /// Stops the download; returns true if the drive needs a message for that.
     pub(super) fn stop(&mut self) -> bool {
         let stops = self.phase == Phase::Stream && !matches!(self.what, Download::Scope { .. });
         if stops {
@@ -255,7 +258,7 @@ impl Stream {
         stops
     }
 
-    /// Whether the answer under way begins a stream.
+    /// Whether the awaited answer begins a stream.
     pub(super) fn is_starting(&self) -> bool {
         self.phase == Phase::Raise
     }
@@ -274,7 +277,8 @@ impl Stream {
         Ok(())
     }
 
-    /// The log is asked for its first gap, in whole records; of the others the drive sends everything.
+    /// Prepares a pass: for the log over the first gap, in whole records; for the other downloads over
+    /// everything.
     fn prepare(&mut self) {
         self.phase = Phase::Start;
         self.assembly = Assembly::default();
@@ -309,11 +313,11 @@ impl Stream {
             }
             (Download::Log { .. }, FromDrive::LogData { counter, data }) => {
                 let words = self.record?;
-                // The counter wraps: the nearest place to what comes next.
+                // The counter wraps: it means the place nearest to the expected word.
                 let Pass { begin, next, .. } = self.pass;
                 let ahead = counter.wrapping_sub((next - begin) as u16) as i16;
                 let place = next.checked_add_signed(ahead.into())?;
-                // A record is whole frames of its own: words across a border of theirs belong to none.
+                // A record consists of whole frames: words that do not begin at a frame of it are rejected.
                 let is_frame = (place % words).is_multiple_of(3);
                 (place >= begin && is_frame).then_some((place, data))
             }

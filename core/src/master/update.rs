@@ -1,4 +1,4 @@
-//! Programs the drive: sends an image, has it swapped in, and confirms it once the drive has spoken again.
+//! Programs the drive: sends an image, has it swapped in, and confirms it once the drive has answered again.
 //!
 //! ```text
 //!  device -> version -> begin -> erasing -> sending -> end -> verifying -> reboot -> waiting -> checking -> confirm
@@ -6,8 +6,8 @@
 //!            room, age                      as the window says                       swapped in version?
 //! ```
 //!
-//! In every stage there is one message that is sent until the drive's status says that the next stage is reached, so that neither a lost
-//! question nor a lost answer matters. Blocks are sent beside set-points and requests, no faster than [`PACE`].
+//! Each stage repeats one message until the drive's status shows the next stage, so neither a lost request
+//! nor a lost answer matters. Blocks are sent beside set-points and requests, no faster than [`PACE`].
 
 use super::error::NotTaken;
 use crate::bus::narmotion::update::{
@@ -17,22 +17,26 @@ use crate::bus::narmotion::{FromDrive, ToDrive};
 use crate::storage::record::CRC32;
 use core::fmt;
 
-/// From one block to the next on average, microseconds: a block takes at most 320 of them on the bus, and a fifth is left to others.
+/// Average time from one block to the next, microseconds. A block takes at most 320 of them on the bus; a
+/// fifth of the bus is left to other traffic.
 pub const PACE: u64 = 400;
-/// Blocks that are sent without a pause after one that was late.
+/// Blocks that may follow a late block without a pause.
 const BURST: u64 = 8;
-/// A drive that tells nothing new for so long is gone, microseconds: whoever it is, and whoever carries its frames, may be busy with something else for a while.
+/// Time without progress after which the drive counts as gone, microseconds. It is long because the drive, or
+/// the device that carries its frames, may be busy with something else for a while.
 const SILENCE: u64 = 5_000_000;
-/// The same of one that has not answered yet, as none without a bootloader does.
+/// Time without a first answer after which the drive counts as gone, microseconds: a drive without a
+/// bootloader never answers.
 const NO_ANSWER: u64 = 2_000_000;
-/// A drive that has not restarted so long after it was asked to was not reached, microseconds. Earlier it may be an answer from before: each of the questions that it was too busy
-/// to hear gets one.
+/// Time after a reboot request from which a status shows that the drive has not restarted, microseconds. An
+/// earlier status may be a late answer: a drive that was busy then answers each request that has waited.
 const SETTLED: u64 = 1_000_000;
-/// How often the drive is looked for after its reboot, and for how long, microseconds: two images are copied meanwhile.
+/// Period and duration of the search for the drive after its reboot, microseconds: two images are copied
+/// meanwhile.
 const LOOK: u64 = 200_000;
 const BOOT: u64 = 60_000_000;
 
-/// An image to be sent: what its header says, and what its bytes are.
+/// An image to send: data of its header, and length and CRC of its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Image {
     /// Hardware id in its header.
@@ -46,7 +50,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// That of these bytes, whose header says so.
+    /// Describes the image `bytes`, whose header states `hardware` and `version`.
     pub fn new(hardware: u32, version: ImageVersion, bytes: &[u8]) -> Self {
         let length = u32::try_from(bytes.len()).unwrap_or(u32::MAX);
         Self { hardware, version, length, crc: CRC32.checksum(bytes) }
@@ -56,9 +60,9 @@ impl Image {
 /// Why a drive does not run the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpdateError {
-    /// The drive does not answer. One without a bootloader does not either.
+    /// The drive does not answer. A drive without a bootloader never does.
     NoAnswer,
-    /// It has answered, and does not any more.
+    /// The drive has answered before, but does not any more.
     Silent,
     /// The image is for other hardware.
     Hardware {
@@ -81,9 +85,10 @@ pub enum UpdateError {
         /// Version that runs.
         running: ImageVersion,
     },
-    /// The drive has refused it, or given it up.
+    /// The drive has refused the image, or given up the update.
     Refused(UpdateCode),
-    /// The drive knows nothing of the image any more: it has restarted before it was there, or lost what its bootloader said.
+    /// The drive no longer knows the image: it has restarted before the image was complete, or lost the
+    /// bootloader's result.
     Forgotten,
     /// After the reboot another version runs.
     OtherVersion(ImageVersion),
@@ -91,7 +96,7 @@ pub enum UpdateError {
     Aborted,
 }
 
-/// What an update is about.
+/// Stage of an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpdateStage {
     /// Asks whether the drive takes the image.
@@ -107,11 +112,11 @@ pub enum UpdateStage {
 }
 
 impl UpdateStage {
-    /// In the order of an update.
+    /// All stages, in the order of an update.
     pub const ALL: [Self; 5] =
         [Self::Asking, Self::Erasing, Self::Sending, Self::Verifying, Self::Restarting];
 
-    /// What it is called.
+    /// Name of the stage.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Asking => "asking",
@@ -123,10 +128,10 @@ impl UpdateStage {
     }
 }
 
-/// How far an update is.
+/// Progress of an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UpdateProgress {
-    /// What it is about.
+    /// Present stage.
     pub stage: UpdateStage,
     /// Bytes of the stage that are done: erased, received or verified.
     pub done: u32,
@@ -149,7 +154,7 @@ enum Stage {
     Confirm,
 }
 
-/// The update, from its beginning until its end has been told.
+/// The update, from its beginning until its result is taken.
 #[derive(Clone, Debug, Default)]
 pub(super) enum Update {
     #[default]
@@ -162,23 +167,23 @@ pub(super) enum Update {
 pub(super) struct UnderWay {
     image: Image,
     stage: Stage,
-    /// When the stage's message is due, again.
+    /// When the stage's message is due next.
     due: u64,
-    /// When the drive said something new, or was asked to restart.
+    /// When the drive last made progress, or was asked to restart.
     heard: u64,
-    /// Of an answer, microseconds.
+    /// Longest time until an answer, microseconds.
     timeout: u32,
-    /// That every message has at least.
+    /// Attempts that every message has at least.
     attempts: u8,
-    /// What the drive said last of the stage's bytes.
+    /// Bytes of the stage that are done, as the drive last reported them.
     offset: u32,
     /// The next byte to send.
     next: u32,
-    /// Up to here there is room.
+    /// End of the room for blocks, bytes.
     limit: u32,
-    /// The drive has been asked where it is.
+    /// The status was requested while blocks are sent.
     asked: bool,
-    /// The caller has had enough.
+    /// The caller has aborted the update.
     aborted: bool,
     /// When the next block may be sent.
     block_due: u64,
@@ -219,7 +224,7 @@ impl Update {
             image,
             stage: Stage::Device,
             due: 0,
-            // Counted from the first question on, whose time is not known yet.
+            // Counted from the first message on, whose time is not known yet.
             heard: u64::MAX,
             timeout: u32::try_from(timeout).unwrap_or(u32::MAX),
             attempts: attempts.max(1),
@@ -258,7 +263,7 @@ impl Update {
         Some(UpdateProgress { stage, done: *offset, total: image.length })
     }
 
-    /// When there is something to send; never is the end of time.
+    /// Time of the next message or block; `u64::MAX` if there is none.
     pub(super) fn due(&self) -> u64 {
         let Self::UnderWay(under_way) = self else { return u64::MAX };
         match under_way.has_block() {
@@ -286,7 +291,7 @@ impl Update {
         Some(under_way.message(now))
     }
 
-    /// The next block that is due, of the bytes of the image.
+    /// Returns the next block that is due, from the bytes of the image.
     pub(super) fn next_block(&mut self, now: u64, image: &[u8]) -> Option<ToDrive> {
         let Self::UnderWay(under_way) = self else { return None };
         if under_way.aborted || !under_way.has_block() || now < under_way.block_due {
@@ -298,12 +303,12 @@ impl Update {
         let block = (under_way.next / BLOCK as u32) as u16;
         under_way.next += BLOCK as u32;
         under_way.block_due = (under_way.block_due + PACE).max(now.saturating_sub(BURST * PACE));
-        // The answer to the last block that there is room for is waited for.
+        // After the last block with room the drive's answer is awaited.
         under_way.due = now.saturating_add(under_way.timeout.into());
         Some(ToDrive::Update(UpdateRequest::Data { block, data }))
     }
 
-    /// Takes what the drive says.
+    /// Takes a message of the drive.
     pub(super) fn take(&mut self, message: &FromDrive, now: u64) {
         let Self::UnderWay(under_way) = self else { return };
         let result = match message {
@@ -331,7 +336,7 @@ impl UnderWay {
         self.stage == Stage::Sending && self.next < self.limit.min(self.image.length)
     }
 
-    /// Whether the drive has had time enough.
+    /// Whether the drive counts as gone: it has made no progress, or has not returned, in time.
     fn is_gone(&mut self, now: u64) -> bool {
         self.heard = self.heard.min(now);
         let patience = match self.stage {
@@ -353,7 +358,8 @@ impl UnderWay {
             Stage::Erasing | Stage::Sending | Stage::Verifying => UpdateRequest::Status,
             Stage::End => UpdateRequest::End { crc: self.image.crc },
             Stage::Reboot => {
-                // Its answer may be lost, and a drive that restarts cannot repeat it: whether it has, its status tells.
+                // The answer may be lost, and a drive that restarts cannot repeat it: its status shows
+                // whether it has restarted.
                 self.wait_for_boot(now);
                 return ToDrive::Reboot;
             }
@@ -365,7 +371,7 @@ impl UnderWay {
         })
     }
 
-    /// The next stage, whose message is due at once.
+    /// Enters a stage, whose message is due at once.
     fn enter(&mut self, stage: Stage, now: u64) {
         (self.stage, self.due, self.offset, self.heard) = (stage, now, 0, now);
     }
@@ -378,7 +384,7 @@ impl UnderWay {
         }
     }
 
-    /// What an answer makes of the stage; true at the end.
+    /// Takes an answer, which may lead to the next stage; returns true at the end of the update.
     fn take(&mut self, answer: &UpdateAnswer, now: u64) -> Result<bool, UpdateError> {
         let Image { hardware, version, length, .. } = self.image;
         match (*answer, self.stage) {
@@ -406,12 +412,12 @@ impl UnderWay {
     fn take_status(&mut self, status: &UpdateStatus, now: u64) -> Result<bool, UpdateError> {
         let UpdateStatus { state, code, .. } = *status;
         match (self.stage, state) {
-            // It was not asked for, or belongs to what was before.
+            // The status was not requested, or belongs to an earlier stage.
             (Stage::Device | Stage::Version | Stage::Checking, _) => {}
             (Stage::Confirm, UpdateState::Idle) => return Ok(true),
             (Stage::Confirm, UpdateState::Trial) if code == UpdateCode::Done => {}
             (Stage::Confirm, UpdateState::Trial) => return Err(UpdateError::Refused(code)),
-            // Another update's, from before the question.
+            // The status of an earlier update, sent before the request.
             (Stage::Begin, UpdateState::Idle) if code == UpdateCode::Done => {}
             (_, UpdateState::Idle) if code == UpdateCode::Done => return Err(UpdateError::Forgotten),
             (_, UpdateState::Idle) => return Err(UpdateError::Refused(code)),
@@ -436,7 +442,7 @@ impl UnderWay {
             }
             (Stage::Verifying, UpdateState::Verifying) => self.note_progress(status, now),
             (Stage::End | Stage::Verifying, UpdateState::Marked) => self.enter(Stage::Reboot, now),
-            // It has not restarted: the request was lost, or refused.
+            // The drive has not restarted: the request was lost, or refused.
             (Stage::Waiting, UpdateState::Marked) if now >= self.heard.saturating_add(SETTLED) => {
                 self.enter(Stage::Reboot, now);
             }
@@ -447,7 +453,7 @@ impl UnderWay {
         Ok(false)
     }
 
-    /// A drive that gets on is given time.
+    /// Notes the drive's progress, which extends its time.
     fn note_progress(&mut self, status: &UpdateStatus, now: u64) {
         if status.offset != self.offset {
             (self.offset, self.heard) = (status.offset, now);
@@ -459,7 +465,8 @@ impl UnderWay {
         if offset > self.offset {
             (self.offset, self.heard) = (offset, now);
         }
-        // A block is missing, or nothing came any more: on from where the drive is. What it has had it does not count again.
+        // A block is missing, or the answer had to be requested: go on from the drive's offset. The drive
+        // ignores blocks that it has already.
         if code == UpdateCode::Sequence || core::mem::take(&mut self.asked) {
             self.next = offset;
         }

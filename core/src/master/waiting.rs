@@ -1,9 +1,9 @@
-//! Requests of either master from the call to the taken answer.
+//! Queue of requests of either master, from the call until the answer is taken.
 
 use super::error::NotTaken;
 use heapless::Deque;
 
-/// Requests that may wait, be under way, or be answered and not taken.
+/// Largest number of requests that wait, are under way, or are answered but not taken yet.
 const CAPACITY: usize = 8;
 
 /// Requests `R`, of which one is under way as `C`, and their answers `A` in the same order.
@@ -21,7 +21,7 @@ impl<R, C, A> Default for Waiting<R, C, A> {
 }
 
 impl<R, C, A> Waiting<R, C, A> {
-    /// One more, if its answer will have room.
+    /// Queues a request, if its answer will have room.
     pub(super) fn push(&mut self, request: R) -> Result<(), NotTaken> {
         let taken = self.requests.len() + usize::from(self.current.is_some()) + self.answers.len();
         if taken >= CAPACITY {
@@ -35,20 +35,20 @@ impl<R, C, A> Waiting<R, C, A> {
         self.answers.pop_front()
     }
 
-    /// The request to begin with when none is under way.
+    /// Takes the next request from the queue, when none is under way.
     pub(super) fn next(&mut self) -> Option<R> {
         self.requests.pop_front()
     }
 
-    /// Whether none waits to begin.
+    /// Whether no request waits to begin.
     pub(super) fn is_empty(&self) -> bool {
         self.requests.is_empty()
     }
 
-    /// The one under way has its answer.
+    /// Ends the request under way with its answer.
     pub(super) fn finish(&mut self, answer: A) {
         self.current = None;
-        // `push` has seen to the room.
+        // There is room: `push` has checked it.
         let _ = self.answers.push_back(answer);
     }
 }

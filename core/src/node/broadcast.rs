@@ -1,4 +1,4 @@
-//! What the drive sends on its own: status, faults, measurements.
+//! Broadcasts of the drive: status, faults, measurements.
 
 use super::{Node, scale};
 use crate::bus::narmotion::{ControlMode, FromDrive, Measurement, MotorMode, StatusWord, Words};
@@ -30,7 +30,7 @@ pub(super) struct Autosend {
 }
 
 impl Autosend {
-    /// The next broadcast is due at once.
+    /// Makes the next broadcast due at once.
     pub(super) fn restart(&mut self) {
         self.last = None;
     }
@@ -48,7 +48,7 @@ impl Autosend {
             return false;
         }
         let in_step = last.saturating_add(period);
-        // Two broadcasts closer than the shortest period would break the promise to the bus.
+        // Two broadcasts closer than the shortest period would take more than their share of the bus.
         let late = now.saturating_sub(in_step);
         self.last = Some(if late < period - shortest(board).min(period) { in_step } else { now });
         true
@@ -68,7 +68,8 @@ fn shortest(board: &Board) -> u64 {
 }
 
 impl Node {
-    /// Status and fault words always; measurements while the master is heard.
+    /// Queues a broadcast: status and fault words always, measurements unless the command time-out has
+    /// expired.
     pub(super) fn broadcast(&mut self) {
         self.outbox.discard_words();
         self.send(FromDrive::Status(self.status_word()));
@@ -83,7 +84,7 @@ impl Node {
         }
     }
 
-    /// FAULT_WORD at every change, CRITICAL_FAULT at every new critical fault.
+    /// Queues FAULT_WORD at every change, and CRITICAL_FAULT at every new critical fault.
     pub(super) fn announce_faults(&mut self, before: &Status) {
         let status = self.status;
         if !before.critical.contains(status.critical) {

@@ -5,7 +5,7 @@ use crate::blind;
 use crate::bus::Frame;
 use serde::{Deserialize, Serialize};
 
-/// The downloads that there are: frames of those under way take turns.
+/// The kinds of downloads: those under way take turns, frame by frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Turn {
     #[default]
@@ -25,8 +25,8 @@ impl Turn {
 }
 
 impl Node {
-    /// The next bulk frame: none while anything else waits. Give the controller a second one while the first is on the bus, and
-    /// no third: whatever is sent later waits behind them.
+    /// Returns the next bulk frame; none while anything else waits. Give the controller a second one while
+    /// the first is on the bus, but no third: later frames wait behind them.
     #[inline(never)]
     pub fn poll_bulk_frame(&mut self) -> Option<Frame> {
         if self.link.state.is_off() || !self.outbox.is_empty() {

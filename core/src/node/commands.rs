@@ -1,4 +1,4 @@
-//! What the master asks of the motor, on its way to the control tick.
+//! The master's commands for the motor, on their way to the control tick.
 
 use super::scale;
 use crate::bus::narmotion::MotorMode;
@@ -38,7 +38,7 @@ enum Mode {
 }
 
 impl Commands {
-    /// A valid REQUEST_WORD.
+    /// Takes a valid REQUEST_WORD.
     pub(super) fn request(&mut self, mode: MotorMode, parameters: &Parameters) {
         let request = match mode {
             MotorMode::Standby => Request::Standby,
@@ -49,8 +49,8 @@ impl Commands {
         self.push(Some(request), parameters);
     }
 
-    /// A valid MOTOR_CMD. Answers the set-point that is accepted: the saturation of the control mode applied; open loop
-    /// has its own set-point (parameter 88).
+    /// Takes a valid MOTOR_CMD. Returns the accepted set-point, limited by the saturation of the control
+    /// mode; open loop has its own set-point (parameter 88).
     pub(super) fn set_speed(&mut self, speed: u16, parameters: &Parameters) -> u16 {
         self.speed = speed;
         self.push(None, parameters);
@@ -94,8 +94,9 @@ impl Commands {
         })
     }
 
-    /// Queues a request, or a set-point alone. What repeats the request before it, or says none, joins it: every change
-    /// of request reaches the tick, and so does the newest set-point.
+    /// Queues a request, or a set-point alone. It is merged into the last entry if one of them has no
+    /// request, or both have the same: every change of request reaches the tick, and so does the newest
+    /// set-point.
     fn push(&mut self, request: Option<Request>, parameters: &Parameters) {
         let speed = scale::electrical_speed(self.speed.into(), parameters.raw(number::MOTOR_POLE_PAIRS));
         if let Some(last) = self.waiting.back_mut()
@@ -111,7 +112,8 @@ impl Commands {
         let _ = self.waiting.push_back(Waiting { request, speed });
     }
 
-    /// More changes of request than may wait: what stops the motor stays, starts in between are dropped.
+    /// Replaces a full queue by one request that stops the motor: Shutdown if one waits, else Standby. Starts
+    /// are dropped.
     fn condense(&mut self) {
         let shutdown = self.waiting.iter().any(|waiting| waiting.request == Some(Request::Shutdown));
         let request = if shutdown { Request::Shutdown } else { Request::Standby };

@@ -1,4 +1,4 @@
-//! What a device has found out about itself: why it started, and which self-tests it failed.
+//! Condition of the device: cause of its start, failed self-tests, diagnostics.
 
 use super::Node;
 use crate::dictionary::number;
@@ -6,7 +6,7 @@ use crate::motor::machine::event::Health;
 use bitflags::bitflags;
 use serde::{Deserialize, Serialize};
 
-/// Why the device started (parameter 302).
+/// Cause of the device's start (parameter 302).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResetCause {
     /// The board cannot tell.
@@ -20,7 +20,7 @@ pub enum ResetCause {
     Requested = 3,
     /// Control, CAN or background stood still.
     Watchdog = 4,
-    /// The program came to where it must not: a fault of the processor, or a panic.
+    /// A fault of the processor, or a panic.
     Program = 5,
     /// The supply dipped.
     Supply = 6,
@@ -44,7 +44,7 @@ bitflags! {
 }
 
 bitflags! {
-    /// What is worth knowing and is no fault (parameter 304).
+    /// Noteworthy conditions that are no faults (parameter 304).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct Diagnostics: u16 {
         /// The bus is below 18 V (Table 2).
@@ -57,7 +57,7 @@ bitflags! {
 }
 
 impl Node {
-    /// What is worth knowing and is no fault.
+    /// Returns the noteworthy conditions that are no faults.
     pub(super) fn diagnostics(&self) -> Diagnostics {
         let is_zero = |number| self.parameters.raw(number) == 0;
         let blind = is_zero(number::BACK_EMF_CONSTANT) || is_zero(number::WINDING_RESISTANCE);
@@ -73,7 +73,8 @@ impl Node {
         self.put(number::RESET_CAUSE, cause as i32);
     }
 
-    /// Takes the self-tests that have failed since power-up, when there are more: any is fault bit 27, and the drive does not start.
+    /// Takes the self-tests that have failed since power-up; call it when one more has failed. Any of them is
+    /// fault bit 27, and the drive does not start.
     pub fn handle_self_tests(&mut self, failed: SelfTests) {
         self.put(number::FAILED_SELF_TESTS, failed.bits().into());
         let health = Health { self_test_failed: !failed.is_empty(), ..self.flash.health() };

@@ -13,7 +13,7 @@ const LINES_A_POLL: usize = 4;
 /// Bytes in a frame of data: three words.
 const BYTES: usize = 6;
 
-/// Where length and download stand.
+/// State of the length and of the download.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Download {
     length: Length,
@@ -22,10 +22,10 @@ pub(super) struct Download {
     stream: Option<Stream>,
 }
 
-/// What is known of the document's length and check value.
+/// Length and check value of the document, as far as they are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Length {
-    /// Of the lines before this one.
+    /// Measured for the lines before `line`.
     Before {
         line: u16,
         measure: Measure,
@@ -40,7 +40,7 @@ enum Length {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Stream {
     cursor: Cursor,
-    /// Of the next word.
+    /// Address of the next word.
     address: u16,
 }
 
@@ -51,7 +51,8 @@ impl Default for Length {
 }
 
 impl Node {
-    /// Takes the request. Asking for the length ends a download; a start begins from the first word, whatever was sent before.
+    /// Takes the request. A request for the length ends a download; a start begins from the first word,
+    /// whatever was sent before.
     pub(super) fn serve_description(&mut self, command: XmlCommand) {
         self.download.stream = match command {
             XmlCommand::Start => Some(Stream::default()),
@@ -63,7 +64,7 @@ impl Node {
         }
     }
 
-    /// Measures on while somebody waits for the length.
+    /// Continues to measure the document while a request for its length waits.
     pub(super) fn measure_description(&mut self) {
         if !SERVES || self.download.asked == 0 {
             return;
@@ -74,7 +75,7 @@ impl Node {
             self.download.length = if document.measure_line(line, &mut measure) {
                 Length::Before { line: line + 1, measure }
             } else {
-                // What more than 65 535 words would be is the business of a test.
+                // A test ensures that there are no more than 65 535 words.
                 let words = measure.words().min(u16::MAX.into()) as u16;
                 Length::Known { words, check: measure.check() }
             };
@@ -82,7 +83,8 @@ impl Node {
         self.answer_length();
     }
 
-    /// The next frame of a download. The last one is filled up with zeros, and an odd last byte with a line's end.
+    /// Returns the next frame of a download. The last frame is filled up with zeros, and an odd last byte
+    /// with a line feed.
     pub(super) fn next_of_description(&mut self) -> Option<Frame> {
         let Stream { mut cursor, address } = self.download.stream.filter(|_| SERVES)?;
         let mut text = [0; BYTES];

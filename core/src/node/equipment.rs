@@ -5,7 +5,8 @@ use crate::dictionary::{Dictionary, number};
 use crate::motor::machine::CALIBRATES;
 use crate::motor::sense::front_end::Equipment;
 
-/// Parameters, first to last, that need a part. Where it is missing each keeps its factory value, which asks nothing of the part.
+/// Ranges of parameters, first to last, that need a part. Without the part each keeps its factory value,
+/// which does not use the part.
 const NEEDS: [(u16, u16, Equipment); 9] = [
     (number::TEMPERATURE_SOURCE, number::TEMPERATURE_SOURCE, Equipment::EXTERNAL_TEMPERATURE),
     (number::ACCEL_USE_REFERENCE, number::ACCEL_Z_OFFSET, Equipment::ACCELEROMETER),
@@ -31,7 +32,7 @@ impl Node {
         BUILT.contains(part) && self.board.equipment.contains(part)
     }
 
-    /// Whether a value of a parameter asks for a part that is missing, or for code that this build leaves out.
+    /// Whether a value of a parameter needs a part that is missing, or code that this build leaves out.
     pub(super) fn lacks(&self, number: u16, raw: i32) -> bool {
         let lacks_part =
             NEEDS.iter().any(|(first, last, part)| (*first..=*last).contains(&number) && !self.has(*part));
@@ -39,7 +40,8 @@ impl Node {
             && Dictionary::row(number).is_some_and(|row| row.factory_raw() != raw)
     }
 
-    /// Gives every parameter of a part that is missing its factory value: the set may have been stored on another board.
+    /// Resets the parameters of missing parts to their factory values: the set may have been stored on
+    /// another board.
     pub(super) fn drop_what_is_lacking(&mut self) {
         for (first, last, part) in NEEDS {
             if self.has(part) {

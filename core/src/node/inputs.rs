@@ -5,14 +5,14 @@ use crate::motor::machine::event::SlowMeasurements;
 use crate::units::{Celsius, Volts, quotient};
 use serde::{Deserialize, Serialize};
 
-/// Whether this build has use for an accelerometer.
+/// Whether this build uses an accelerometer.
 pub(super) const ACCELEROMETER: bool = cfg!(feature = "accelerometer");
 
-/// The accelerometer's sensitivity turned round. Its zero-g level is the 1.8 V of Table 10, so 0.5 V a g brings +-2 g to 0.8 V and
-/// 2.8 V, within the converter's 3.3 V; the specification prints no sensitivity.
+/// Reciprocal of the accelerometer's sensitivity, 0.5 V a g. The specification states none; with the zero-g
+/// level of 1.8 V (Table 10) this one brings +-2 g to 0.8 V and 2.8 V, within the converter's 3.3 V.
 const MILLI_G_PER_VOLT: i32 = 2000;
 
-/// What the board reads besides the tick's samples, before calibration.
+/// Inputs that the board reads besides the tick's samples, before calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SlowInputs {
     /// Sensor on the power board.
@@ -40,7 +40,7 @@ pub struct SlowInputs {
 }
 
 impl SlowInputs {
-    /// What the fault logic watches: the selected temperature and the calibrated pressure.
+    /// Returns the inputs of the fault logic: the selected temperature and the calibrated pressure.
     pub(super) fn calibrated(&self, parameters: &Parameters) -> SlowMeasurements {
         let external = parameters.raw(number::TEMPERATURE_SOURCE) != 0;
         let temperature = if external { self.external_temperature } else { self.ambient_temperature };
@@ -55,7 +55,7 @@ impl SlowInputs {
         }
     }
 
-    /// What is broadcast as PIN_MEAS: the calibrated pressure, scaled.
+    /// Returns the value of PIN_MEAS: the calibrated pressure, scaled.
     pub(super) fn scaled_pressure(&self, parameters: &Parameters) -> Volts {
         linear(
             self.calibrated(parameters).pressure,

@@ -1,4 +1,4 @@
-//! What the CAN controller says of itself, and what the node does about a bus that is gone.
+//! State of the CAN controller, and the node's reaction to bus-off.
 
 use super::Node;
 use crate::bus::BusState;
@@ -9,14 +9,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Link {
     pub(super) state: BusState,
-    /// Since power-up, saturating.
+    /// Number of bus-offs since power-up, saturating.
     pub(super) bus_offs: u32,
 }
 
 impl Node {
-    /// Takes the state of the CAN controller, whenever the shell looks. Off the bus the node hands out no frame, and whatever
-    /// waits is dropped; the shell does the same with what waits in the controller. Back on the bus it begins with a
-    /// broadcast of the present state. Control goes on meanwhile, and the command time-out is what ends it.
+    /// Takes the state of the CAN controller, whenever the shell reads it. Off the bus the node hands out no
+    /// frame and drops those that wait; the shell drops those that wait in the controller. Back on the bus
+    /// the node begins with a broadcast of the present state. Meanwhile control goes on until the command
+    /// time-out expires.
     #[inline(never)]
     pub fn handle_bus_state(&mut self, state: BusState) {
         let was_off = self.link.state.is_off();

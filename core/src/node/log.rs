@@ -1,4 +1,4 @@
-//! The log as the node runs it: what is sampled, when a record is due, and what a download sends.
+//! The node's side of the log: sampling, making of records, and downloads.
 //!
 //! ```text
 //!   slots 29 to 65 -> samples, every ms -> Entry -> Request::Append
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 /// An empty slot.
 const NOTHING: u16 = 0xFFFF;
-/// From here on a slot names a word of a frame that the drive sends: this and opcode * 4 + word.
+/// First slot value that names a word of a frame of the drive: the value is this + opcode * 4 + word.
 const SIGNAL_FIRST: u16 = 0x2000;
 
 /// Logging state (Table 8, bits 20:16).
@@ -39,7 +39,7 @@ enum LogState {
     ReadEnd = 11,
 }
 
-/// Which value of a slot is kept.
+/// Kind of value that is kept of a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Keep {
     Live,
@@ -56,18 +56,18 @@ pub(super) struct Log {
     kept: Vec<i64, VALUES>,
     samples: u32,
     sampled: u64,
-    /// No slot was chosen when that was last looked at, nor has one been since.
+    /// No slot is chosen, according to the last search; a change of slots clears this.
     empty: bool,
-    /// Tick of the next record, which is never the first of all; none while nothing is logged.
+    /// Tick of the next record, never 0; `None` while nothing is logged.
     due: Option<NonZeroU64>,
     /// A record that waits for the flash.
     entry: Option<Entry>,
     /// A record is being written.
     writing: bool,
-    /// An erase was asked for, or goes on.
+    /// An erase was requested, or goes on.
     erase: bool,
     download: Option<Download>,
-    /// What has ended since the last status word.
+    /// Operation that has ended since the last status word.
     ended: Option<Ended>,
 }
 
@@ -82,7 +82,7 @@ enum Ended {
 struct Download {
     next: u32,
     end: u32,
-    /// Frames that each record takes: a master computes from it where a record stands.
+    /// Frames of each record: the same for all, so that a master can compute a record's place.
     frames: u8,
     /// Words sent, modulo 2^16.
     counter: u16,
@@ -99,18 +99,18 @@ enum Step {
 }
 
 impl Log {
-    /// What the flash says of its log.
+    /// Takes the state of the log memory from the flash.
     pub(super) const fn set_memory(&mut self, memory: Memory) {
         self.memory = memory;
     }
 
-    /// Chosen slots or the period have changed: sampling begins anew.
+    /// Begins sampling anew, because chosen slots or the period have changed.
     pub(super) fn restart(&mut self) {
         self.kept.clear();
         (self.samples, self.due, self.empty) = (0, None, false);
     }
 
-    /// What the log asks of the flash next: records first, because they have a time.
+    /// Returns the log's next request to the flash: new records first, because they have a fixed time.
     pub(super) fn next_request(&mut self, driving: bool) -> Option<Request> {
         if !LOGS {
             return None;
@@ -132,10 +132,11 @@ impl Log {
         }
     }
 
-    /// A record was written or a piece erased; the memory is known already. False if the memory has failed.
+    /// Takes the result of a written record or an erased piece, after [`Self::set_memory`]; returns false if
+    /// the memory has failed.
     pub(super) fn finish(&mut self, done: bool) -> bool {
         if core::mem::take(&mut self.writing) {
-            // A record that found no place is lost, and nothing else is.
+            // A record that could not be written is lost; that is no failure of the memory.
             return true;
         }
         if self.memory.erasing.is_none() || !done {
@@ -145,8 +146,8 @@ impl Log {
         done
     }
 
-    /// A record has come for the download. In the place of one that is not whole, or that has grown too long since the download
-    /// began, zeros are sent, and behind a shorter one, too.
+    /// Takes a record for the download. Zeros are sent in place of a record that is not whole or is too long
+    /// for this download, and behind a shorter one.
     pub(super) fn handle_record(&mut self, record: Option<Record>) {
         let Some(download) = &mut self.download else { return };
         let fits = |record: &Record| record.frame(download.frames.into()).is_none();
@@ -232,7 +233,7 @@ impl Node {
         self.log.frame().map(|message| message.encode(self.addresses))
     }
 
-    /// Samples what is logged, and makes a record when one is due.
+    /// Samples the chosen slots, and makes a record when one is due.
     pub(super) fn run_log(&mut self, now: u64) {
         let memory = self.log.memory;
         let logs = self.flash.is_ready() && !memory.is_full() && memory.erasing.is_none() && !self.log.erase;
@@ -256,7 +257,7 @@ impl Node {
         }
         let next = due.saturating_add(period);
         self.log.due = NonZeroU64::new(if next > now { next } else { now.saturating_add(period) });
-        // A flash that is still busy with the record before misses this one.
+        // While the flash is still busy with the previous record, this one is dropped.
         if self.log.entry.is_none() && !self.log.writing {
             self.log.entry = Some(self.entry(now));
         }
@@ -264,7 +265,8 @@ impl Node {
         self.log.samples = 0;
     }
 
-    /// Something is chosen. Looking through all slots takes longer than all else that most polls do.
+    /// Whether a slot is chosen. The result is kept, because a search through all slots takes longer than the
+    /// rest of most polls.
     fn has_slots(&mut self) -> bool {
         self.log.empty = self.log.empty || self.slots().next().is_none();
         !self.log.empty
@@ -286,13 +288,13 @@ impl Node {
         Some(value as i32)
     }
 
-    /// Whether a slot names something that there is.
+    /// Whether a slot is empty, or names an existing parameter or signal.
     pub(super) fn can_log(&self, slot: i32) -> bool {
         let what = slot as u16;
         what == NOTHING || if what < SIGNAL_FIRST { Dictionary::row(what).is_some() } else { is_signal(what) }
     }
 
-    /// A rising edge of parameter 75: parameters 67 and 68 say which records.
+    /// Begins a download, at a rising edge of parameter 75: parameters 67 and 68 select the records.
     pub(super) fn begin_download(&mut self) -> ParameterStatus {
         let start = self.parameters.raw_u32(number::LOG_READ_START);
         let count = self.parameters.raw_u32(number::LOG_READ_COUNT);
@@ -309,12 +311,12 @@ impl Node {
         ParameterStatus::Done
     }
 
-    /// A 0 written to parameter 75.
+    /// Aborts the download, when 0 is written to parameter 75.
     pub(super) fn abort_download(&mut self) {
         self.log.download = None;
     }
 
-    /// A rising edge of parameter 76.
+    /// Begins an erase, at a rising edge of parameter 76.
     pub(super) fn begin_erase(&mut self) -> ParameterStatus {
         if !LOGS || !self.flash.is_ready() || !self.log.is_idle() {
             return ParameterStatus::Storage;
@@ -324,7 +326,7 @@ impl Node {
         ParameterStatus::Done
     }
 
-    /// What the status word says of the log: nothing without a memory.
+    /// Returns the log's bits of the status word: zeros without a memory, and during initialization.
     pub(super) fn log_status(&self) -> LogStatus {
         let Log { memory, .. } = &self.log;
         if !LOGS || memory.records == 0 || self.status.state == State::Initialization {
@@ -340,18 +342,19 @@ impl Node {
         }
     }
 
-    /// A status word has said what has ended.
+    /// Forgets the ended operation, after a status word has reported it.
     pub(super) const fn forget_log_end(&mut self) {
         self.log.ended = None;
     }
 
-    /// Bytes that a download has for each record: the longest one in the log, or the next one.
+    /// Bytes of each record in a download: those of the longest record in the log, or of the next one if that
+    /// is longer.
     fn record_size(&self) -> usize {
         let longest = (self.log.memory.values as usize).min(VALUES);
         Record::size(self.slots().count().max(longest))
     }
 
-    /// The chosen slots: what and which value of it.
+    /// Returns the chosen slots: source, and kind of value.
     fn slots(&self) -> impl Iterator<Item = (u16, Keep)> + '_ {
         (number::LOGGING_SLOT_FIRST..=number::LOGGING_SLOT_LAST).filter_map(|number| {
             let slot = self.parameters.raw(number);
@@ -365,7 +368,7 @@ impl Node {
         })
     }
 
-    /// Adds the present values to what is kept until the next record.
+    /// Adds the present values to those that are kept until the next record.
     fn sample(&mut self) {
         let frames = self.measurement_words();
         let first = self.log.samples == 0;
@@ -422,7 +425,8 @@ const MEASUREMENT: u16 = Opcode::MEASUREMENT_0.raw();
 /// MEASUREMENT_1, words 1 and 2.
 const POSITION: u16 = SIGNAL_FIRST + (MEASUREMENT + 1) * 4 + 1;
 
-/// Status and fault word as a whole, and the words of the measurements that are sent.
+/// Whether a slot value names a signal: the status or fault word as a whole, or the first word of a broadcast
+/// signal.
 fn is_signal(what: u16) -> bool {
     let signal = what.wrapping_sub(SIGNAL_FIRST);
     let (opcode, word) = (signal >> 2, signal & 3);
@@ -432,7 +436,8 @@ fn is_signal(what: u16) -> bool {
     }
 }
 
-/// First word of each signal, opcode * 4 + word: made by the compiler, so that no board carries the table with its texts.
+/// First word of each signal, opcode * 4 + word: computed at compile time, so that no board carries the table
+/// with its texts.
 static FIRST_WORDS: [u16; SIGNALS.len()] = {
     let mut words = [0; SIGNALS.len()];
     let mut at = 0;

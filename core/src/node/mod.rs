@@ -1,4 +1,4 @@
-//! The device around the motor: it obeys the master's frames, keeps the parameters, and broadcasts what the tick
+//! The device around the motor: obeys the master's frames, keeps the parameters, and broadcasts the tick's
 //! reports. A pure state machine without a clock, a bus or a flash of its own.
 //!
 //! ```text
@@ -12,11 +12,12 @@
 //!  time ---------------- poll -> +------+ ------- outputs -> digital lines, hall supply
 //! ```
 //!
-//! Call the `handle_*` as things happen, then `poll` with the time, then each `poll_*` until it has nothing left; `poll_bulk_frame`
-//! only as far as the bus has taken what it gave before.
+//! Call each `handle_*` when its event happens, then `poll` with the time, then each `poll_*` until it has
+//! nothing left; `poll_bulk_frame` only as fast as the bus takes its frames.
 //!
-//! What a shell calls stays out of line, and so do the halves of a [device](crate::device): written out among the variables of the shell's
-//! loop, a whole drive and its node, each field is two instructions away.
+//! Functions that a shell calls stay out of line, and so do the halves of a [device](crate::device): inlined
+//! into the shell's loop, whose variables include a whole drive and its node, each access to a field would
+//! take two instructions.
 
 mod broadcast;
 mod bulk;
@@ -62,10 +63,11 @@ use scope::ScopeLink;
 use serde::{Deserialize, Serialize};
 use storage::Flash;
 
-/// What the shell does for the node.
+/// An action that the shell does for the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Action {
-    /// Restart the device. Every frame queued before has been polled by then, and what was written is stored.
+    /// Restart the device. Every frame queued before has been polled by then, and written parameters are
+    /// stored.
     Reboot,
 }
 
@@ -106,7 +108,7 @@ pub struct Node {
     link: Link,
     outbox: Outbox,
     download: Download,
-    /// Whose turn it is to send a bulk frame.
+    /// The download that sends the next bulk frame.
     turn: Turn,
     pending: Pending,
     counters: Counters,
@@ -119,7 +121,7 @@ pub struct Node {
     rejected: Option<u16>,
 }
 
-/// Events that the tick has still to get, besides commands; a newer one replaces an older one.
+/// Events that wait for the tick, besides commands; a newer one replaces an older one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Pending {
     health: Option<Health>,
@@ -185,7 +187,7 @@ impl Node {
         node
     }
 
-    /// Firmware and board as parameters.
+    /// Sets the parameters that identify firmware and board.
     fn show_identity(&mut self) {
         let identity = self.identity;
         self.put(number::HARDWARE_RELEASE, identity.hardware_release.into());
@@ -247,7 +249,7 @@ impl Node {
         self.put(number::MEMORY_MAPPING_FLAG, i32::from(mapped));
     }
 
-    /// Advances time to the control tick `now`: queues the broadcasts that are due, and samples what is logged.
+    /// Advances time to the control tick `now`: queues the broadcasts that are due, and samples for the log.
     #[inline(never)]
     pub fn poll(&mut self, now: u64) {
         self.flash.advance(now);
@@ -286,17 +288,17 @@ impl Node {
         if self.holds_commands() { None } else { self.commands.pop() }
     }
 
-    /// The next thing that only the shell can do.
+    /// Returns the next action that only the shell can do.
     #[inline(never)]
     pub fn poll_action(&mut self) -> Option<Action> {
-        // Who is off the bus waits for nobody.
+        // Off the bus no frame is waited for.
         let is_told = self.outbox.is_empty() || self.link.state.is_off();
         let due = self.pending.reboot && is_told && self.flash.is_idle();
         self.pending.reboot &= !due;
         due.then_some(Action::Reboot)
     }
 
-    /// What the board's lines shall do now.
+    /// Returns the levels for the board's lines.
     pub fn outputs(&self) -> Outputs {
         let enabled = self.parameters.raw(number::HALL_SUPPLY_ENABLE) != 0;
         Outputs { digital: self.digital, hall_supply: enabled && !self.hall_supply_disabled }

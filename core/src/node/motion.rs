@@ -1,7 +1,8 @@
-//! Tilt and vibration out of a second of acceleration.
+//! Tilt and vibration from one second of acceleration.
 //!
-//! The only floats of the device: f32 sums, products, quotients and moved bits, which are the same on every processor. `F32` and
-//! not `f32`, because on a host the standard library's roots and arcs would come in under the same names.
+//! The only floats of the device: f32 sums, products, quotients and bit shifts, which are the same on every
+//! processor. `F32` instead of `f32`, because on a host the standard library's roots and arcs have the same
+//! names and would be used.
 
 use micromath::F32;
 use serde::{Deserialize, Serialize};
@@ -10,13 +11,13 @@ use serde::{Deserialize, Serialize};
 const WINDOW: i32 = 100;
 const CENTIDEGREES_PER_RADIAN: F32 = F32(18_000.0 / core::f32::consts::PI);
 
-/// Sums of the window under way, and what the last one has said.
+/// Sums of the window under way, and results of the last one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Motion {
     readings: i32,
-    /// Of each axis, 0.001 g.
+    /// Sum of each axis, 0.001 g.
     sums: [i32; 3],
-    /// Of the squares of all axes.
+    /// Sum of the squares of all axes.
     squares: i64,
     tilt: u16,
     vibration: u16,
@@ -65,7 +66,8 @@ fn tilt([x, y, z]: [i32; 3]) -> u16 {
     ((angle + F32(0.5)).0 as u16).min(18_000)
 }
 
-/// The square root to a few units of the last place: micromath's is 6 % off, and two of Newton's steps take that to 10^-6.
+/// The square root to a few units of the last place: micromath's has an error of 6 %, and two Newton steps
+/// reduce it to 10^-6.
 fn root(square: F32) -> F32 {
     if square == F32::ZERO {
         return square;

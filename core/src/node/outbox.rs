@@ -52,7 +52,7 @@ impl Outbox {
                 if [Opcode::STATUS_WORD, Opcode::FAULT_WORD].contains(&message.opcode()) {
                     self.lost = self.lost.saturating_add(1);
                 } else {
-                    // It has just left this place.
+                    // There is room: the message was just taken out.
                     let _ = self.urgent.push_back(message);
                 }
             }
@@ -71,7 +71,7 @@ impl Outbox {
         self.urgent.pop_front().or_else(|| self.measurements.pop_front())
     }
 
-    /// Nothing waits.
+    /// Whether no message waits.
     pub(super) fn is_empty(&self) -> bool {
         self.urgent.is_empty() && self.measurements.is_empty()
     }

@@ -21,7 +21,8 @@ const COMMANDS: [u16; 8] = [
     number::HALL_CALIBRATE,
 ];
 
-/// Which command parameters have a 0 written: a rising edge is a 0 and then a 1 as written, and power-up is none.
+/// Command parameters to which a 0 was written: a rising edge is a written 0, then a written 1. Power-up does
+/// not count as a 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Edges(u8);
 
@@ -44,7 +45,7 @@ impl Node {
     /// The raw value of a parameter as the bus reads it, live ones included; `None` for an unknown number.
     pub fn read_parameter(&self, number: u16) -> Option<i32> {
         if blind::to("parameter", number.into()) && Dictionary::row(number)?.access == Access::ReadOnly {
-            // A marker of the log reads its factory value with its effect.
+            // The log's markers read their factory values even with their effect, so they read 0 without it.
             let is_marker = number == number::LOGGING_START || number == number::LOGGING_END;
             return Dictionary::row(number).map(|row| if is_marker { 0 } else { row.factory_raw() });
         }
@@ -90,7 +91,8 @@ impl Node {
         })
     }
 
-    /// Writes a parameter as the master does: number, access, range, state, parts of the board, then what the value does.
+    /// Writes a parameter as the master does: checks number, access, range, parts of the board and state,
+    /// then applies the value.
     pub fn write_parameter(&mut self, number: u16, raw: i32) -> ParameterStatus {
         let Some(row) = Dictionary::row(number) else { return ParameterStatus::UnknownNumber };
         if row.access == Access::ReadOnly {
@@ -122,7 +124,8 @@ impl Node {
         ParameterStatus::Done
     }
 
-    /// Standby, or Fault at standstill: a rotor that nothing sees is not known to stand.
+    /// Whether the motor is stopped: Standby, or Fault at standstill. A rotor that no sensor sees does not
+    /// count as standing.
     pub(super) fn is_stopped(&self) -> bool {
         match self.status.state {
             State::Standby => true,
@@ -131,7 +134,7 @@ impl Node {
         }
     }
 
-    /// The set has changed: have it built, and let the enables choose the mode of the next start.
+    /// Requests that the changed set is built, and lets the enables select the mode of the next start.
     pub(super) fn after_change(&mut self) {
         self.pending.coefficients = true;
         if !self.status.state.is_driving() {
@@ -144,7 +147,7 @@ impl Node {
         let _ = self.parameters.set(number, raw);
     }
 
-    /// Sets a value that lasts.
+    /// Sets a value that is to be stored.
     fn keep(&mut self, row: &Parameter, raw: i32) {
         let before = self.parameters.value(row.number);
         let was_automatic = self.parameters.raw(number::AUTOMATIC_STORE) != 0;
@@ -153,7 +156,7 @@ impl Node {
         self.note_written(row, automatic, before != Some(raw));
     }
 
-    /// Answers PARAMETER, type 2.
+    /// Answers a read with PARAMETER, type 2.
     pub(super) fn answer_read(&mut self, number: u16) {
         let (value, status) = match self.read_parameter(number) {
             Some(value) => (value, ParameterStatus::Done),
@@ -162,7 +165,8 @@ impl Node {
         self.send(FromDrive::Parameter { number, value, status });
     }
 
-    /// A hall calibration that has just ended: its request is over, and its result becomes parameters 262, 263, 79, 80.
+    /// Takes the end of a hall calibration: clears its request, and writes its result to parameters 262, 263,
+    /// 79, 80.
     pub(super) fn adopt_hall_calibration(&mut self, before: HallCalibration) {
         let now = self.status.hall_calibration;
         if now == before {
@@ -188,7 +192,7 @@ impl Node {
         }
     }
 
-    /// Rules on the time of a write, besides those of the row.
+    /// Whether the present state allows a write, by the row's access and by special rules.
     fn is_allowed_now(&self, row: &Parameter, raw: i32) -> bool {
         let input = |number| match number {
             1 => self.digital.enable1,
@@ -221,7 +225,7 @@ impl Node {
             return ParameterStatus::Done;
         }
         if self.flash.answers_later(number) {
-            // A 1 over a 1 comes from a master that has waited long: the answer to the first one is its answer, too.
+            // A repeated 1 comes from a master that has waited long: the first answer is for both.
             return if self.edges.is_armed(number) {
                 ParameterStatus::Storage
             } else {
@@ -275,8 +279,8 @@ impl Node {
         self.calibrate_inputs();
     }
 
-    /// With the bridge off the bus current is 0, and the bus voltage is the `nominal` supply (parameter 266). Measured values
-    /// contain the present offsets.
+    /// Calibrates bus current and voltage: with the bridge off the current is 0, and the voltage is the
+    /// `nominal` supply (parameter 266). Measured values contain the present offsets.
     fn auto_calibrate(&mut self, nominal: i32) -> Result<(), ParameterError> {
         let current = self.parameters.raw(number::HV_CURRENT_OFFSET);
         let voltage = self.parameters.raw(number::HV_VOLTAGE_OFFSET);
@@ -286,7 +290,7 @@ impl Node {
         if let Err(error) =
             self.parameters.set(number::HV_VOLTAGE_OFFSET, voltage.saturating_sub(voltage_error))
         {
-            // Both or none.
+            // Both offsets change, or none.
             self.put(number::HV_CURRENT_OFFSET, current);
             return Err(error);
         }

@@ -1,4 +1,4 @@
-//! What a frame of the master makes the node do.
+//! Execution of the master's frames.
 
 use super::Node;
 use super::description::SERVES;
@@ -10,12 +10,12 @@ use crate::motor::machine::state::State;
 use crate::motor::sense::front_end::Equipment;
 use crate::scope::SCOPE;
 
-/// A well-formed request that is not obeyed: silent on the bus, counted in parameter 274.
+/// A well-formed request that is refused: not answered, but counted in parameter 274.
 pub(super) struct Refused;
 
 impl Node {
-    /// Takes a frame from the bus. Only data frames of 8 bytes from the configured master to this drive are obeyed;
-    /// what is malformed or not obeyed changes nothing and is counted.
+    /// Takes a frame from the bus. Only data frames of 8 bytes from the configured master to this drive are
+    /// obeyed; a malformed or refused frame changes nothing and is counted.
     #[inline(never)]
     pub fn handle_frame(&mut self, frame: &Frame) {
         let message = match self.accept(frame) {
@@ -28,7 +28,7 @@ impl Node {
         }
     }
 
-    /// The message, if it is for this drive and from its master; `None` for traffic of others.
+    /// Decodes the message, if it is for this drive and from its master; `None` for other traffic.
     fn accept(&mut self, frame: &Frame) -> Result<Option<ToDrive>, DecodeError> {
         let id = MessageId::of(frame)?;
         if id.destination != self.addresses.drive {
@@ -46,7 +46,7 @@ impl Node {
     }
 
     fn obey(&mut self, message: ToDrive) -> Result<(), Refused> {
-        // A motor that starts now would be left alone by the reboot.
+        // A motor that starts now would be without control during the reboot.
         if self.pending.reboot {
             return Err(Refused);
         }
@@ -98,13 +98,14 @@ impl Node {
         Ok(())
     }
 
-    /// Factory values of everything that parameter 256 stores, in the store: at any moment, and in force after the next reboot. Device number
-    /// and calibration (category 02, which parameter 258 resets) stay.
+    /// Stores factory values of everything that parameter 256 stores: allowed in every state, in force after
+    /// the next reboot. Device number and calibration (category 02, which parameter 258 resets) stay.
     fn restore_factory(&mut self, serial: u16) -> Result<(), Refused> {
         if serial == self.device_number { self.store_factory() } else { Err(Refused) }
     }
 
-    /// A line that commands a shutdown (parameter 270) stays an input, and so does one that the board cannot drive.
+    /// Sets the digital lines. A line that commands a shutdown (parameter 270) stays an input, and so does
+    /// one that the board cannot drive.
     fn set_digital(&mut self, outputs: DigitalOutputs) -> Result<(), Refused> {
         let taken = match self.parameters.raw(number::SHUTDOWN_INPUT) {
             1 => outputs.enable1,
@@ -119,7 +120,8 @@ impl Node {
         Ok(())
     }
 
-    /// Not while the hall sensors commutate the motor, nor where there is no switch.
+    /// Switches the hall supply off, or leaves it to parameter 97. Refused while the hall sensors commutate
+    /// the motor; a board without a switch cannot switch it off.
     fn disable_hall_supply(&mut self, disable: bool) -> Result<(), Refused> {
         if self.status.state == State::HallClosedLoop || (disable && !self.has(Equipment::HALL_SUPPLY_SWITCH))
         {

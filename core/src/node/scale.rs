@@ -19,7 +19,7 @@ pub(super) fn mechanical_rpm(speed: ElectricalSpeed, pole_pairs: i32) -> i16 {
 pub(super) fn mechanical_position(sectors: i64, pole_pairs: i32) -> i32 {
     let (turned, pole_pairs) = (sectors.wrapping_mul(6000), i64::from(pole_pairs.max(1)));
     let position = quotient(turned, pole_pairs);
-    // Downwards below 0, too.
+    // Rounded downwards below 0, too.
     (position - i64::from(turned < position * pole_pairs)) as i32
 }
 

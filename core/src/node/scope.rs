@@ -14,15 +14,15 @@ use serde::{Deserialize, Serialize};
 /// Blocks that wait for the bus.
 const BLOCKS: usize = 8;
 
-/// What the node knows of the scope.
+/// The node's view of the scope.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct ScopeLink {
-    /// As the scope last told, or as it will be by the request that waits.
+    /// State that the scope last reported, or that the waiting request leads to.
     state: State,
     request: Option<Request>,
-    /// An arming was asked for, and the scope has not answered.
+    /// Arming was requested, and the scope has not answered yet.
     arms: bool,
-    /// Where the next block of the download begins, while one is under way.
+    /// Address of the next block, while a download is under way.
     expected: Option<u16>,
     blocks: Deque<Block, BLOCKS>,
     /// Words of the record.
@@ -34,7 +34,7 @@ pub(super) struct ScopeLink {
 }
 
 impl ScopeLink {
-    /// What the scope does.
+    /// State of the scope.
     pub(super) const fn state(&self) -> State {
         self.state
     }
@@ -54,13 +54,13 @@ impl ScopeLink {
         self.refusal
     }
 
-    /// Keeps what became of a request.
+    /// Keeps the refusal of a request, or that there was none.
     fn note(&mut self, done: Result<(), Refusal>) -> Result<(), Refused> {
         self.refusal = done.err().unwrap_or_default();
         done.map_err(|_| Refused)
     }
 
-    /// The first request arms, the next one forces the trigger.
+    /// Arms the scope, or forces the trigger of an armed one.
     pub(super) fn trigger(&mut self, parameters: &Parameters, tick_rate: u32) -> Result<(), Refused> {
         let done = self.try_trigger(parameters, tick_rate);
         self.note(done)
@@ -81,7 +81,7 @@ impl ScopeLink {
         Ok(())
     }
 
-    /// The record from its first word, whatever was sent of it before.
+    /// Sends the record from its first word, whatever was sent of it before.
     pub(super) fn download(&mut self) -> Result<(), Refused> {
         let done = if self.state == State::Done { Ok(()) } else { Err(Refusal::NoRecord) };
         self.note(done)?;
@@ -90,13 +90,14 @@ impl ScopeLink {
         Ok(())
     }
 
-    /// Nothing more is sent.
+    /// Stops the download.
     fn stop_download(&mut self) {
         self.blocks.clear();
         self.expected = None;
     }
 
-    /// Takes what the scope says; true if it could not be armed. Blocks of a download that was begun anew are not sent.
+    /// Takes a report of the scope; returns true if it could not be armed. Blocks from before a restart of
+    /// the download are not sent.
     fn take(&mut self, report: Report) -> bool {
         match report {
             Report::State(state, words) => {
@@ -138,7 +139,7 @@ impl PartialEq for ScopeLink {
 }
 
 impl Node {
-    /// There is room for another report of the scope. What is not taken now waits with whoever has it.
+    /// Whether there is room for another report of the scope. Without room the caller keeps the report.
     pub fn takes_scope_report(&self) -> bool {
         !self.scope.blocks.is_full()
     }
@@ -155,7 +156,7 @@ impl Node {
         self.scope.request.take()
     }
 
-    /// The next frame of the download, as far as it has come.
+    /// Returns the next frame of the download, if its block has arrived.
     pub(super) fn next_of_scope(&mut self) -> Option<Frame> {
         let Block { address, words, .. } = self.scope.blocks.pop_front().filter(|_| SCOPE)?;
         Some(FromDrive::ScopeData { address, data: words }.encode(self.addresses))
@@ -170,7 +171,7 @@ pub(super) fn sampling_time(parameters: &Parameters, tick_rate: u32) -> i32 {
     quotient(i64::from(ticks) * 1_000_000, tick_rate.max(1).into()) as i32
 }
 
-/// What the parameters ask for; `None` if a signal is not known.
+/// Builds the setup from the parameters; `None` if a signal is not known.
 fn setup(parameters: &Parameters, tick_rate: u32) -> Option<Setup> {
     let mut signals = Vec::new();
     let channels = parameters.raw(number::SCOPE_CHANNELS) as u32;

@@ -1,4 +1,4 @@
-//! What the node asks of the flash, and what it makes of the answers.
+//! The node's requests to the flash, and its use of the reports.
 
 use super::Node;
 use super::requests::Refused;
@@ -10,13 +10,14 @@ use crate::motor::machine::state::State;
 use crate::storage::{Opened, Part, Report, Request};
 use serde::{Deserialize, Serialize};
 
-/// Least time from one store that a command asks for to the next, ms: bounds the wear of the flash.
+/// Shortest time between two stores by command, ms: limits the wear of the flash.
 const STORE_MS: u64 = 1000;
-/// A written value is stored by itself after this time, ms, together with all that were written meanwhile. So there is at most one such store a second.
+/// Time from a write to the automatic store, ms; values written meanwhile are stored with it. So there is at
+/// most one such store a second.
 const AUTOMATIC_MS: u64 = 1000;
-/// A start that was asked for before the flash is written is in the status by then, ms.
+/// Wait before the flash is written, ms: after it the status shows a start that was requested before.
 pub(super) const SETTLE_MS: u64 = 5;
-/// A flash that does not answer is looked for this often, ms.
+/// Period of the search for a flash that does not answer, ms.
 const OPEN_MS: u64 = 1000;
 
 /// The node's side of the flash.
@@ -26,35 +27,37 @@ pub(super) struct Flash {
     attached: bool,
     /// Storing stops the control tick.
     at_rest_only: bool,
-    /// The stored parameters are known: they were there at power-up, or came later.
+    /// The stored parameters are known: from power-up on, or since later.
     loaded: bool,
     health: Health,
     /// A request has been handed out and not been answered.
     asked: bool,
-    /// The store that waits because somebody asked for it.
+    /// The store that waits to begin.
     wanted: Option<Storing>,
     /// The store that is under way.
     storing: Option<Storing>,
-    /// The set in force is not what is stored: it is stored by itself from this tick on.
+    /// The set in force is not stored: the automatic store is due from this tick on.
     due: Option<u64>,
     /// Parameters that were written since power-up, or since the restore.
     written: Written,
-    /// Factory values were restored: the rest of the set in force is not what is stored.
+    /// Factory values were restored: parameters that are not in `written` have their factory values in the
+    /// store.
     restored: bool,
     /// Tick of the last `poll`.
     now: u64,
-    /// No store that a command asks for before this tick.
+    /// Earliest tick of the next store by command.
     store_from: u64,
-    /// Where the code runs from this flash: a start that was under way has been seen by this tick.
+    /// Tick by which the status shows a start that was under way; counts only if the code runs from this
+    /// flash.
     settled_from: u64,
-    /// No search for a missing flash before this tick.
+    /// Earliest tick of the next search for a missing flash.
     open_from: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Storing {
     part: Part,
-    /// The command parameter that is answered when it is done.
+    /// The command parameter that is answered when the store is done.
     command: Option<u16>,
 }
 
@@ -77,7 +80,7 @@ impl Written {
 }
 
 impl Flash {
-    /// Time goes on.
+    /// Advances time to tick `now`.
     pub(super) const fn advance(&mut self, now: u64) {
         self.now = now;
     }
@@ -88,28 +91,28 @@ impl Flash {
         self.now
     }
 
-    /// What the self-tests and the store said last.
+    /// Notes the condition of the self-tests and of the store.
     pub(super) const fn note_health(&mut self, health: Health) {
         self.health = health;
     }
 
-    /// What was noted last.
+    /// The condition that was noted last.
     pub(super) const fn health(&self) -> Health {
         self.health
     }
 
-    /// The flash is there and has our layout.
+    /// Whether the flash answers and has this firmware's layout.
     pub(super) fn is_ready(&self) -> bool {
         let unusable = FaultWord::STORE_ABSENT.union(FaultWord::STORE_MISMATCH);
         self.attached && !self.health.store_faults.intersects(unusable)
     }
 
-    /// A write of 1 to this command is answered when the flash has answered.
+    /// Whether a write of 1 to this command is answered only after the flash's report.
     pub(super) fn answers_later(&self, number: u16) -> bool {
         [self.wanted, self.storing].iter().flatten().any(|storing| storing.command == Some(number))
     }
 
-    /// [`Node::store_at_rest_only`].
+    /// Whether it is written at rest only: [`Node::store_at_rest_only`].
     const fn is_for_rest(&self) -> bool {
         cfg!(feature = "code-flash") && self.at_rest_only
     }
@@ -118,26 +121,27 @@ impl Flash {
         self.health.store_faults.contains(FaultWord::STORE_ABSENT)
     }
 
-    /// The automatic store writes to a flash without a fault alone: what a faulty one holds may be somebody's, and is overwritten on demand.
+    /// Whether the automatic store may write: only to a flash without a fault. The content of a faulty one
+    /// may still be needed, and is overwritten only on demand.
     fn stores_by_itself(&self) -> bool {
         self.attached && self.health.store_faults.is_empty()
     }
 
-    /// Nothing waits to be stored that can be.
+    /// Whether no store is under way, and none waits that is possible.
     pub(super) fn is_idle(&self) -> bool {
         let waits = self.wanted.is_some() && !self.is_absent();
         self.storing.is_none() && !waits && (self.due.is_none() || !self.stores_by_itself())
     }
 
-    /// Stores now what waits for its time: the device is about to restart.
+    /// Makes a waiting automatic store due now, for example before a restart.
     pub(super) fn hurry(&mut self) {
         self.due = self.due.map(|_| self.now);
     }
 }
 
 impl Node {
-    /// Joins the node to a flash, at power-up: from now on requests are taken by [`Node::poll_storage`]. `opened` is what
-    /// the flash answered to [`Request::Open`], and the node was made with its parameters.
+    /// Connects the node to a flash, at power-up: from now on [`Node::poll_storage`] returns requests.
+    /// `opened` is the flash's report on [`Request::Open`]; the node was made with its parameters.
     pub fn attach_storage(&mut self, opened: &Opened) {
         self.flash.attached = true;
         self.flash.loaded = !opened.faults.contains(FaultWord::STORE_ABSENT);
@@ -145,14 +149,14 @@ impl Node {
         self.set_store_faults(opened.faults);
     }
 
-    /// The flash is the one that the code runs from: while it is written no control tick runs. So no motor starts while something is stored, and what waits to be stored
-    /// waits until the bridge is off. At power-up.
+    /// States that the code runs from this flash: while it is written no control tick runs. So no motor
+    /// starts during a store, and a store waits until the bridge is off. Call it at power-up.
     #[cfg(feature = "code-flash")]
     pub const fn store_at_rest_only(&mut self) {
         self.flash.at_rest_only = true;
     }
 
-    /// The next thing to ask of the flash; at most one request is under way. Without a flash there is none.
+    /// Returns the next request to the flash; at most one is under way. Without a flash there is none.
     #[inline(never)]
     pub fn poll_storage(&mut self) -> Option<Request> {
         if !self.flash.attached || self.flash.asked {
@@ -163,7 +167,7 @@ impl Node {
         Some(request)
     }
 
-    /// Takes what has become of the last request.
+    /// Takes the report on the last request.
     pub fn handle_storage(&mut self, report: Report) {
         self.flash.asked = false;
         match report {
@@ -182,7 +186,7 @@ impl Node {
         }
     }
 
-    /// A rising edge of parameter 256 or 257.
+    /// Begins a store, at a rising edge of parameter 256 or 257.
     pub(super) fn begin_store(&mut self, part: Part, number: u16) -> ParameterStatus {
         let flash = &self.flash;
         let is_busy =
@@ -199,8 +203,9 @@ impl Node {
         self.flash.settled_from = self.flash.now.saturating_add(self.ticks(SETTLE_MS));
     }
 
-    /// Stores factory values in place of the stored set. They, and what is written from now on, are in force after the next reboot. Refused if the flash
-    /// does not answer or waits for another store; without a flash there is nothing to restore.
+    /// Stores factory values in place of the stored set. They, and values written from now on, are in force
+    /// after the next reboot. Refused if the flash does not answer, or another store waits; without a flash
+    /// there is nothing to restore.
     pub(super) fn store_factory(&mut self) -> Result<(), Refused> {
         if !self.flash.attached {
             return Ok(());
@@ -213,7 +218,8 @@ impl Node {
         Ok(())
     }
 
-    /// A parameter was written: it lasts. `automatic`: parameter 307 is or was 1. `is_new`: it had another value.
+    /// Notes a parameter that was written and is to be stored. `automatic`: parameter 307 is or was 1.
+    /// `is_new`: it had another value.
     pub(super) fn note_written(&mut self, row: &Parameter, automatic: bool, is_new: bool) {
         let is_new = is_new || (self.flash.restored && !self.flash.written.contains(row.number));
         self.flash.written.note(row.number);
@@ -224,12 +230,13 @@ impl Node {
             self.flash.due = Some(self.flash.now.saturating_add(self.ticks(AUTOMATIC_MS)));
         }
         if row.number == number::AUTOMATIC_STORE {
-            // With what was written before it, and without what comes.
+            // It is stored with the values written before it, and without later ones.
             self.flash.hurry();
         }
     }
 
-    /// The set that a store writes: the one in force or, after a restore, factory values and those that were written since.
+    /// Returns the set that a store writes: the one in force or, after a restore, factory values and the
+    /// values written since.
     fn kept(&self) -> Parameters {
         let mut kept = self.parameters.clone();
         let Flash { restored, written, .. } = &self.flash;
@@ -241,20 +248,22 @@ impl Node {
         kept
     }
 
-    /// The flash that the code runs from is written, or is about to be: commands wait, and no motor starts.
+    /// Whether commands wait, so that no motor starts: the flash that the code runs from is being written, or
+    /// is about to be.
     pub(super) fn holds_commands(&self) -> bool {
         let Flash { asked, wanted, .. } = self.flash;
         self.flash.is_for_rest() && (asked || wanted.is_some()) && !self.status.state.is_driving()
     }
 
-    /// Whether a store would disturb nobody.
+    /// Whether a store is possible now: it would not stop the control tick of a driven motor.
     const fn may_store(&self) -> bool {
         !self.flash.is_for_rest() || !self.status.state.is_driving()
     }
 
     fn next_request(&mut self) -> Option<Request> {
         if self.flash.is_absent() {
-            // What comes with it may change everything: not under a motor that turns.
+            // The parameters of a flash that answers again may change everything: not while a motor is
+            // driven.
             let quiet = matches!(self.status.state, State::Initialization | State::Standby | State::Fault);
             let due = quiet && self.flash.now >= self.flash.open_from;
             return due.then_some(Request::Open);
@@ -279,8 +288,9 @@ impl Node {
         self.log.next_request(self.status.state.is_driving())
     }
 
-    /// A flash that was missing answers, or still does not. Its parameters are taken over only if the drive has none of its own
-    /// yet, and without those that a master has written since: they must not vanish.
+    /// Takes the report of a flash that was missing, and answers now or still does not. Its parameters are
+    /// taken over only if the stored parameters are not known yet, and without those that a master has
+    /// written since: they must not be lost.
     fn adopt(&mut self, opened: &Opened) {
         self.flash.open_from = self.flash.now.saturating_add(self.ticks(OPEN_MS));
         self.log.set_memory(opened.log);
@@ -320,7 +330,7 @@ impl Node {
         }
     }
 
-    /// Answers the command that asked for a store, if it was one.
+    /// Answers the command that requested the store, if it was one.
     fn answer_store(&mut self, storing: Storing, done: bool) {
         let Some(number) = storing.command else { return };
         self.flash.store_from = self.flash.now.saturating_add(self.ticks(STORE_MS));

@@ -1,5 +1,5 @@
-//! Receives an image and has the shell write it into the slot that the bootloader looks at. Motor and flash have nothing to do with each other:
-//! while it receives, and while an image is on trial, starts are refused.
+//! Receives an image and has the shell write it into the bootloader's slot. The motor never runs while the
+//! flash is written: starts are refused during the reception, and while an image is on trial.
 //!
 //! ```text
 //!  BEGIN            +-> Clear, Erase ... -> Write ... -> Sum ... -> Mark          requests to the shell, one at a time,
@@ -25,12 +25,13 @@ const HELD: usize = 2 * PIECE;
 const SUMMED: u32 = 1024;
 /// Shortest image: a header of 512 bytes and the shortest body.
 const SHORTEST: u32 = 520;
-/// Without a block for so long the update is over, ms.
+/// Time without a block after which the update ends, ms.
 const SILENCE_MS: u64 = 10_000;
-/// Without a confirmation for so long an image on trial restarts the drive, ms; the bootloader then takes the swap back.
+/// Time without a confirmation after which an image on trial restarts the drive, ms; the bootloader then
+/// reverts the swap.
 const TRIAL_MS: u64 = 60_000;
 
-/// What the shell knows of the slots at power-up.
+/// State of the slots at power-up, from the shell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Slots {
     /// Hardware id that an image must have.
@@ -39,20 +40,20 @@ pub struct Slots {
     pub room: u32,
     /// Bytes that one [`Request::Erase`] erases.
     pub page: u32,
-    /// Version of the running image; zeros where that is none.
+    /// Version of the running image; zeros if the running program is no image.
     pub running: ImageVersion,
-    /// What the bootloader has left.
+    /// State that the bootloader has left.
     pub condition: Condition,
 }
 
-/// What the bootloader has left.
+/// State that the bootloader has left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Condition {
-    /// Nothing is under way; why the last image does not run, or [`UpdateCode::Done`].
+    /// Nothing is under way. The code is the reason why the last image does not run, or [`UpdateCode::Done`].
     Settled(UpdateCode),
     /// An image is marked for the next boot.
     Marked,
-    /// The running image wants a confirmation.
+    /// The running image needs a confirmation.
     Trial,
 }
 
@@ -62,28 +63,28 @@ impl Default for Condition {
     }
 }
 
-/// What the shell is to do with the slot. Offsets are bytes from its beginning.
+/// A request to the shell about the slot. Offsets are bytes from the slot's beginning.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request {
-    /// Take back a mark, if there is one.
+    /// Remove the mark, if there is one.
     Clear,
     /// Erase a page.
     Erase {
-        /// Where it begins.
+        /// Beginning of the page.
         offset: u32,
     },
     /// Write into erased flash. The last piece is filled up with ones to a whole number of 32 bytes.
     Write {
-        /// Where.
+        /// Place of the data.
         offset: u32,
-        /// What.
+        /// The data.
         data: Vec<u8, PIECE>,
     },
-    /// Read back and go on with the CRC-32 (ISO-HDLC) of all from the beginning on: those at 0 begin anew.
+    /// Read back bytes and continue the CRC-32 (ISO-HDLC) with them; at offset 0 the CRC begins anew.
     Sum {
-        /// Where: behind the last one.
+        /// Place of the bytes: behind those of the request before.
         offset: u32,
-        /// How many bytes.
+        /// Number of bytes.
         length: u32,
     },
     /// Look at the header, and mark the image for the next boot.
@@ -95,7 +96,7 @@ pub enum Request {
     Confirm,
 }
 
-/// What has become of it.
+/// Report on a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Report {
     /// Done.
@@ -109,26 +110,26 @@ pub enum Report {
 /// The node's side of the slot.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Update {
-    /// There is a shell that serves requests.
+    /// The slots; `None` without a shell that serves requests.
     slots: Option<Slots>,
     state: UpdateState,
     code: UpdateCode,
     length: u32,
     crc: u32,
-    /// Bytes erased, then received, then read back.
+    /// Bytes that are done: erased, then received, then read back.
     offset: u32,
-    /// The last that were received, which are not written yet.
+    /// Bytes that were received and are not written yet.
     held: Vec<u8, HELD, u8>,
     asked: Option<Asked>,
-    /// What is asked for belongs to an update that is over.
+    /// The request under way belongs to an update that is over.
     stale: bool,
-    /// A mark has been taken back.
+    /// A mark has been removed.
     cleared: bool,
-    /// The master wants the mark taken back, or the running image kept.
+    /// The master's request that waits: remove the mark, or keep the running image.
     wanted: Option<Asked>,
-    /// That a block is missing has been told.
+    /// The master was told that a block is missing.
     gap_told: bool,
-    /// Erasing: not before this tick. Receiving, on trial: over at this tick.
+    /// Tick before which no page is erased, or at which receiving or the trial ends.
     due: u64,
 }
 
@@ -144,7 +145,7 @@ enum Asked {
 }
 
 impl Update {
-    /// Flash is written, or the image has not proved itself: no motor starts.
+    /// Whether a request is a start that is forbidden: during an update, and while an image is on trial.
     pub(super) fn forbids(&self, mode: MotorMode) -> bool {
         let starts = matches!(mode, MotorMode::Drive | MotorMode::Reverse);
         starts && (self.is_busy() || self.state == UpdateState::Trial)
@@ -164,7 +165,7 @@ impl Update {
         UpdateStatus { state: self.state, code, window, offset }
     }
 
-    /// Bytes that may still wait.
+    /// Bytes for which there is still room.
     fn room(&self) -> usize {
         HELD - self.held.len()
     }
@@ -184,7 +185,7 @@ impl Update {
         };
     }
 
-    /// Over, for this reason.
+    /// Ends the update, for this reason.
     fn end(&mut self, code: UpdateCode) {
         let Self { slots, asked, .. } = self;
         let (slots, asked) = (slots.take(), asked.take());
@@ -192,10 +193,10 @@ impl Update {
         *self = Self { slots, asked, stale, code, ..Self::default() };
     }
 
-    /// Takes a block. True if its sender must know that one before it is missing.
+    /// Takes a block; returns true if its sender must be told that an earlier one is missing.
     fn take_block(&mut self, block: u16, data: [u8; BLOCK]) -> bool {
         let expected = (self.offset / BLOCK as u32) as u16;
-        // Behind: it was here before.
+        // An earlier block: it was received before.
         if (block.wrapping_sub(expected) as i16) < 0 {
             return false;
         }
@@ -220,7 +221,7 @@ impl Update {
                 let mut data = Vec::new();
                 let piece = self.held.get(..PIECE).unwrap_or(&self.held);
                 let _ = data.extend_from_slice(piece);
-                // A piece has room for it.
+                // There is room: a piece is a multiple of 32 bytes.
                 let _ = data.resize(data.len().next_multiple_of(32), 0xFF);
                 Some((Asked::Write, Request::Write { offset: self.written(), data }))
             }
@@ -235,7 +236,7 @@ impl Update {
         }
     }
 
-    /// Bytes received: all of them, once they are verified.
+    /// Bytes received: all of them, while they are verified.
     fn received(&self) -> u32 {
         if self.state == UpdateState::Verifying { self.length } else { self.offset }
     }
@@ -245,21 +246,22 @@ impl Update {
         self.received().saturating_sub(self.held.len() as u32)
     }
 
-    /// Bytes that are read back next.
+    /// Number of bytes to read back next.
     fn summed(&self) -> u32 {
         SUMMED.min(self.length.saturating_sub(self.offset))
     }
 
-    /// A piece was written.
+    /// Drops the piece that was written.
     fn drop_piece(&mut self) {
-        // Not turned round in its place: what the compiler has for that takes 1.6 KB of a board's flash.
+        // Copied instead of rotated in place: a rotation takes 1.6 KB of a board's flash.
         self.held = self.held.get(PIECE..).and_then(|rest| Vec::from_slice(rest).ok()).unwrap_or_default();
     }
 }
 
 impl Node {
-    /// Joins the node to its slots, at power-up: from now on requests are taken by [`Node::poll_update`]. The version of the image that runs is what the
-    /// device says of itself (BUILD_INFO, DEVICE_INFO, parameters 5 and 6).
+    /// Connects the node to its slots, at power-up: from now on [`Node::poll_update`] returns requests. The
+    /// device reports the version of the running image as its own (BUILD_INFO, DEVICE_INFO, parameters 5 and
+    /// 6).
     pub fn attach_update(&mut self, slots: &Slots) {
         let (state, code) = match slots.condition {
             Condition::Settled(code) => (UpdateState::Idle, code),
@@ -275,13 +277,13 @@ impl Node {
         }
     }
 
-    /// The next thing to do with the slot; at most one request is under way.
+    /// Returns the next request about the slot; at most one is under way.
     pub fn poll_update(&mut self) -> Option<Request> {
         let waits = self.update.state == UpdateState::Erasing && self.flash.now() < self.update.due;
         if self.update.slots.is_none() || self.update.asked.is_some() || waits {
             return None;
         }
-        // Nothing is written beside a motor that turns.
+        // Nothing is written while a motor turns.
         if self.update.is_busy() && !self.is_stopped() {
             self.end_update(UpdateCode::WrongState);
             return None;
@@ -291,7 +293,7 @@ impl Node {
         Some(request)
     }
 
-    /// Takes what has become of the last request.
+    /// Takes the report on the last request.
     pub fn handle_update(&mut self, report: Report) {
         let Some(asked) = self.update.asked.take() else { return };
         if core::mem::take(&mut self.update.stale) {
@@ -319,7 +321,7 @@ impl Node {
         }
     }
 
-    /// Obeys a message. One that is refused is answered with the reason, so it is not counted.
+    /// Obeys a message. A refused one is answered with the reason, so it is not counted.
     pub(super) fn obey_update(&mut self, request: UpdateRequest) -> Result<(), Refused> {
         let Some(slots) = self.update.slots else { return Err(Refused) };
         let code = match request {
@@ -343,7 +345,7 @@ impl Node {
         Ok(())
     }
 
-    /// What time brings.
+    /// Checks the time-outs of receiving and of the trial.
     pub(super) fn run_update(&mut self) {
         let is_due = self.flash.now() >= self.update.due;
         match self.update.state {
@@ -379,7 +381,7 @@ impl Node {
 
     fn take_block(&mut self, block: u16, data: [u8; BLOCK]) -> Result<(), Refused> {
         if self.update.state != UpdateState::Receiving {
-            // As many answers as blocks would fill the bus.
+            // An answer to every block would fill the bus.
             return Err(Refused);
         }
         self.update.due = self.update_tick(SILENCE_MS);
@@ -405,7 +407,7 @@ impl Node {
     fn abort_update(&mut self) -> UpdateCode {
         match self.update.state {
             UpdateState::Trial => UpdateCode::NotNow,
-            // A mark that is being written cannot be called back; behind it this can.
+            // A mark that is being written cannot be stopped; once it is written it can be removed.
             _ if self.update.asked == Some(Asked::Mark) => UpdateCode::NotNow,
             UpdateState::Marked => {
                 self.update.wanted = Some(Asked::Clear);
@@ -457,7 +459,7 @@ impl Node {
         self.send(FromDrive::Update(UpdateAnswer::Status(status)));
     }
 
-    /// The tick in so many ms.
+    /// Returns the tick that is `milliseconds` ahead.
     fn update_tick(&self, milliseconds: u64) -> u64 {
         self.flash.now().saturating_add(self.ticks(milliseconds))
     }

@@ -1,4 +1,4 @@
-//! Running a recording again, whatever it is of.
+//! Replays a recording of any kind.
 
 use super::transcript::{self, Transcript};
 use super::{Kind, Outcome, Prefix, Recording, ReplayError, header, replay, replay_until};
@@ -6,7 +6,7 @@ use crate::eddycan::TxDriver;
 use crate::motor::Drive;
 use crate::node::Node;
 
-/// Runs what was recorded again: a drive, its node or a TX-Driver. Of a [transcript](super::transcript), `ticks` are calls.
+/// Replays a recording of a drive, its node or a TX-Driver. For a [transcript](super::transcript), `ticks` are calls.
 ///
 /// # Errors
 /// The file cannot be read, or is not of this build.
@@ -18,7 +18,7 @@ pub fn replay_any(file: &[u8]) -> Result<Outcome, ReplayError> {
     }
 }
 
-/// The same for the first `count` ticks or calls.
+/// Replays the first `count` ticks or calls of a recording of any kind.
 ///
 /// # Errors
 /// As [`replay_any`], for as much of the file as is read.

@@ -15,7 +15,7 @@ pub(super) fn push_varint(out: &mut Payload, mut value: u64) -> Option<()> {
     out.push(value as u8).ok()
 }
 
-/// Small magnitudes of either sign to small numbers: 0, -1, 1, -2 to 0, 1, 2, 3.
+/// Maps numbers of small magnitude and either sign to small numbers: 0, -1, 1, -2 to 0, 1, 2, 3.
 pub(super) const fn zigzag(value: i64) -> u64 {
     ((value << 1) ^ (value >> 63)) as u64
 }

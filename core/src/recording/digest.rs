@@ -17,7 +17,7 @@ static CRC64: Crc<u64, Way> = Crc::<u64, Way>::new(&CRC_64_XZ);
 /// CRC-64/XZ of bytes as they come.
 pub(super) type Check = crc::Digest<'static, u64, Way>;
 
-/// Of none yet.
+/// CRC-64/XZ before the first byte.
 pub(super) const fn check() -> Check {
     CRC64.digest()
 }
@@ -45,7 +45,7 @@ impl fmt::Debug for Digest {
 }
 
 impl Digest {
-    /// Takes in what one tick answered.
+    /// Adds the answer of one tick.
     pub fn update(&mut self, command: &PwmCommand, status: Option<&Status>) {
         fields(command, status, &mut |_, bits| {
             let bytes = bits.value.to_le_bytes();

@@ -1,9 +1,9 @@
-//! What can go wrong, with the place where it did.
+//! Errors, with the place where they occurred.
 
 use super::{CHUNK_BYTES, CONTAINER_VERSION, LABEL_MAX};
 use core::fmt;
 
-/// Why bytes are not a recording that this version can read. Offsets count from the start of the file.
+/// Reason why bytes are not a recording that this version can read. Offsets count from the start of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReadError {
     /// The file does not begin with [`MAGIC`](super::MAGIC).
@@ -20,7 +20,7 @@ pub enum ReadError {
         /// The one that this narx reads.
         known: u16,
     },
-    /// A recording of something else than was asked for.
+    /// A recording of another kind than was asked for.
     Kind {
         /// The kind in the file.
         found: u8,
@@ -29,7 +29,7 @@ pub enum ReadError {
     Truncated {
         /// Length of the file.
         at: usize,
-        /// What should have followed.
+        /// The part that should have followed.
         expected: &'static str,
     },
     /// Bytes were changed, lost or moved.
@@ -45,10 +45,10 @@ pub enum ReadError {
     Malformed {
         /// Offset of the field.
         at: usize,
-        /// What should stand there.
+        /// The content that was expected.
         expected: &'static str,
     },
-    /// The end record counts other ticks than the file holds.
+    /// The tick count in the end record is not that of the file.
     TickCount {
         /// The count in the end record.
         stored: u64,
@@ -62,7 +62,7 @@ pub enum ReadError {
     },
 }
 
-/// Why something could not be recorded.
+/// Reason why something could not be recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RecordError<E> {
     /// The label is longer than [`LABEL_MAX`] bytes.
@@ -75,19 +75,19 @@ pub enum RecordError<E> {
     Sink(E),
 }
 
-/// Why a recording could not be run again.
+/// Reason why a recording could not be replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReplayError {
     /// The recording cannot be read.
     Read(ReadError),
     /// The initial state is not one of this drive.
     State,
-    /// The node that was recorded has other features than this build: its answers would be others. Bits in the order of
+    /// The recorded node has other features than this build, so its answers would differ. Bits in the order of
     /// [`NodeSetup::features`](super::transcript::NodeSetup::features).
     Features {
-        /// Those of the transcript.
+        /// Features in the transcript.
         recorded: u8,
-        /// Those of this build.
+        /// Features of this build.
         here: u8,
     },
 }
@@ -99,7 +99,7 @@ impl From<ReadError> for ReplayError {
 }
 
 impl ReadError {
-    /// The same where the payload of a whole chunk ended too early: the file did not.
+    /// Turns `Truncated` into `Malformed` where the payload of a whole chunk ended too early: the file did not.
     pub(super) const fn within_chunk(self) -> Self {
         match self {
             Self::Truncated { at, expected } => Self::Malformed { at, expected },

@@ -1,4 +1,4 @@
-//! Record what a drive was given, tick by tick, and run it again to the same outputs.
+//! Records the inputs of a drive, tick by tick, and replays them to the same outputs.
 //!
 //! ```text
 //!  Samples, Event ──> Recorder ──> bytes ──> Recording ──> replay ──> the same PwmCommands
@@ -75,16 +75,16 @@ pub const MAGIC: [u8; 8] = *b"narxrec\n";
 /// Version of the container described here.
 pub const CONTAINER_VERSION: u8 = 1;
 
-/// Payload bytes of a chunk of ticks at most; one tick with its event fits.
+/// Largest payload of a chunk of ticks, bytes; one tick with its event fits.
 pub const CHUNK_BYTES: usize = 1024;
 
-/// Bytes of a label at most.
+/// Longest label, bytes.
 pub const LABEL_MAX: usize = 64;
 
 /// Check value of every chunk.
 static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Whose inputs were recorded.
+/// Device whose inputs were recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
@@ -97,17 +97,17 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Whether it is a [`transcript`].
+    /// Returns whether the recording is a [`transcript`].
     #[must_use]
     pub const fn is_transcript(self) -> bool {
         !matches!(self, Self::Drive)
     }
 }
 
-/// What a recording says of itself.
+/// Header of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header<'a> {
-    /// Whose inputs were recorded.
+    /// Device whose inputs were recorded.
     pub kind: Kind,
     /// [`BEHAVIOUR_VERSION`] of the recorder.
     pub behaviour_version: u16,
@@ -120,7 +120,7 @@ pub struct Header<'a> {
 }
 
 impl<'a> Header<'a> {
-    /// Whether its state or calls are of the layout that is known here.
+    /// Checks that its state or calls have the layout that is known here.
     const fn check_layout(&self, known: u16) -> Result<(), ReadError> {
         let found = self.layout_version;
         if found == known { Ok(()) } else { Err(ReadError::LayoutVersion { found, known }) }

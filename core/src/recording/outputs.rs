@@ -1,10 +1,10 @@
-//! What one tick answered, field by field: the one list from which digests are made and differences are told.
+//! Answer of one tick, field by field: digests and reports of differences are made from this one list.
 
 use crate::motor::machine::event::{HallCalibration, HallWiring, Status};
 use crate::motor::{Commutation, PwmCommand, Rectification, SampleMode};
 use core::fmt;
 
-/// What one tick answered. Displays as one line, `tick 17: duty 1200, rectification 1, ...`, with raw bits.
+/// Answer of one tick. Displays as one line, `tick 17: duty 1200, rectification 1, ...`, with raw bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outputs {
     /// Number of the tick, from its samples.
@@ -15,7 +15,8 @@ pub struct Outputs {
     pub status: Option<Status>,
 }
 
-/// A field's raw bits, and how many bytes of them the digest takes. Signed ones are extended by their sign, eight bytes are unsigned.
+/// Raw bits of a field, and the number of their bytes that the digest takes. Signed values are sign-extended; values of eight bytes
+/// are unsigned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Bits {
     pub(super) value: i64,
@@ -40,10 +41,11 @@ impl fmt::Display for Bits {
     }
 }
 
-/// What is shown every field. One function that is called for each, because code that is copied for every field, in every list, does not fit into a web page's module.
+/// Visitor that is called for every field. It is one function, because code that is copied for every field, in every list, does not fit
+/// into a web page's module.
 pub(super) type See<'a> = &'a mut dyn FnMut(&'static str, Bits);
 
-/// Names of the parts of an answer, which stand before their fields with their letter.
+/// Names of the two parts of an answer. Each part begins with its name and letter; its fields follow.
 pub(super) const COMMAND: &str = "command";
 pub(super) const STATUS: &str = "status";
 
@@ -67,7 +69,7 @@ impl fmt::Display for Outputs {
     }
 }
 
-/// Shows every field in the order of the digest.
+/// Calls `see` for every field in the order of the digest.
 pub(super) fn fields(command: &PwmCommand, status: Option<&Status>, see: See<'_>) {
     command_fields(command, see);
     if let Some(status) = status {

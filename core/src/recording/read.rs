@@ -1,4 +1,4 @@
-//! Reading a recording: every chunk is checked before anything in it is believed.
+//! Reads a recording: every chunk is checked before anything in it is used.
 
 use super::bytes::Cursor;
 use super::{
@@ -22,7 +22,7 @@ pub struct Recording<'a> {
 pub struct Tick {
     /// The event that the drive took before it.
     pub event: Option<Event>,
-    /// What the drive was given.
+    /// Samples that the drive was given.
     pub samples: Samples,
 }
 
@@ -47,10 +47,10 @@ impl End {
     }
 }
 
-/// What a recording of whatever kind says of itself.
+/// Reads the header of a recording of any kind.
 ///
 /// # Errors
-/// The bytes are none.
+/// The bytes are not a recording.
 pub fn header(file: &[u8]) -> Result<Header<'_>, ReadError> {
     let payload = Chunks::open(file)?.expect(tag::HEADER, "a header chunk")?;
     decode_header(payload).map_err(ReadError::within_chunk)
@@ -71,7 +71,7 @@ impl<'a> Recording<'a> {
         Ok(Self { header, state, body })
     }
 
-    /// What the recording says of itself.
+    /// Header of the recording.
     pub const fn header(&self) -> &Header<'a> {
         &self.header
     }
@@ -81,8 +81,8 @@ impl<'a> Recording<'a> {
         self.state
     }
 
-    /// Whether it was recorded by the behaviour that replays it. If not, outputs may rightly differ: a replay says
-    /// so and goes on.
+    /// Returns whether it was recorded with the behaviour version of this build. If not, outputs may rightly
+    /// differ: a replay reports it and goes on.
     pub const fn same_behaviour(&self) -> bool {
         self.header.behaviour_version == BEHAVIOUR_VERSION
     }
@@ -203,7 +203,7 @@ impl<'a> Chunks<'a> {
         self.file.at()
     }
 
-    /// Nothing follows.
+    /// Checks that nothing follows.
     pub(super) const fn ended(&self) -> Result<(), ReadError> {
         if self.file.rest().is_empty() {
             Ok(())

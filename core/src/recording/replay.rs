@@ -1,11 +1,11 @@
-//! Running a recording again.
+//! Replays a recording.
 
 use super::{Digest, Outputs, Recording, ReplayError, Ticks};
 use crate::motor::machine::event::{Event, Status};
 use crate::motor::{Drive, PwmCommand, Samples};
 use serde::de::DeserializeOwned;
 
-/// What can be replayed: the drive, seen as events and samples in, commands and status out.
+/// A device that can be replayed: the drive, with events and samples as inputs, commands and status as outputs.
 pub trait Replayable {
     /// Takes an event; at most one before each tick.
     fn handle_event(&mut self, event: Event);
@@ -27,7 +27,7 @@ impl Replayable for Drive {
     }
 }
 
-/// What a replay found.
+/// Result of a replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outcome {
     /// Ticks run.
@@ -36,13 +36,13 @@ pub struct Outcome {
     pub recorded_digest: u64,
     /// Digest of the outputs now.
     pub digest: u64,
-    /// A warning: the behaviour version that recorded, where it is another one than ours. The digests may then
+    /// Warning: the behaviour version of the recorder, if it is not that of this build. The digests may then
     /// rightly differ.
     pub other_behaviour: Option<u16>,
 }
 
 impl Outcome {
-    /// Whether the outputs were the same, bit for bit.
+    /// Returns whether the outputs were the same, bit for bit.
     pub const fn is_identical(&self) -> bool {
         self.recorded_digest == self.digest
     }
@@ -53,7 +53,7 @@ pub fn replay<D: Replayable + DeserializeOwned>(recording: &Recording<'_>) -> Re
     replay_with::<D>(recording, |_, _, _| {})
 }
 
-/// The same, showing `observe` the drive after each tick with the samples and its command.
+/// Replays like [`replay`] and calls `observe` after each tick with the drive, the samples and its command.
 pub fn replay_with<D: Replayable + DeserializeOwned>(
     recording: &Recording<'_>,
     mut observe: impl FnMut(&D, &Samples, &PwmCommand),
@@ -74,8 +74,8 @@ pub fn replay_with<D: Replayable + DeserializeOwned>(
     })
 }
 
-/// Runs a drive through the first `ticks` ticks of a recording. Two targets whose digests differ are told apart by
-/// bisection: the shortest prefix that differs ends with the first tick that does.
+/// Runs a drive through the first `ticks` ticks of a recording. Bisection finds the tick in which two targets
+/// differ: the shortest prefix with different digests ends with it.
 ///
 /// # Errors
 /// As [`replay`], for as much of the recording as is read.
@@ -101,11 +101,11 @@ pub struct Prefix {
     pub ticks: u64,
     /// Digest of their outputs.
     pub digest: u64,
-    /// What the last one of them answered; nothing if none was run.
+    /// Answer of the last of them; `None` if none was run.
     pub last: Option<Outputs>,
 }
 
-/// A drive that is given what a recording holds, tick by tick.
+/// Runs a drive through a recording, tick by tick.
 #[derive(Clone, Debug)]
 pub struct Player<'a, D> {
     drive: D,
@@ -125,7 +125,7 @@ impl<'a, D: Replayable + DeserializeOwned> Player<'a, D> {
         }
     }
 
-    /// The next tick: what it was given and what it answered; `None` after the last one.
+    /// Runs the next tick; returns its samples and its answer, `None` after the last tick.
     ///
     /// # Errors
     /// The recording is damaged here.

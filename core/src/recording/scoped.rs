@@ -1,4 +1,4 @@
-//! From the scope's inputs, as they were downloaded from a drive, to a recording.
+//! Makes a recording of the scope's inputs that were downloaded from a drive.
 
 use super::{Header, Kind, RecordError, Recorder, Sink};
 use crate::motor::drive::LAYOUT_VERSION;
@@ -7,7 +7,7 @@ use crate::scope::{Inputs, MalformedInputs, Segment};
 use core::fmt;
 use heapless::Vec;
 
-/// Bytes of a serialised drive at most.
+/// Largest serialised drive, bytes.
 const STATE_MAX: usize = 4096;
 
 /// A recording made of a download.
@@ -19,19 +19,19 @@ pub struct Scoped<S> {
     pub first: u64,
     /// Ticks in it.
     pub ticks: u64,
-    /// Whether the replay came to what the drive did itself: from the drive's second checkpoint on, its commands and those of
-    /// the replay are the same. `None` where the record has no second checkpoint.
+    /// True if the replay reproduces the drive: from the drive's second checkpoint on, its commands and those of the replay
+    /// are the same. `None` where the record has no second checkpoint.
     pub agrees: Option<bool>,
 }
 
-/// Why a download gave no recording.
+/// Reason why a download gave no recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScopedError<E> {
-    /// The words.
+    /// The words are malformed.
     Words(MalformedInputs),
     /// The state of the drive in segment `.0` cannot be read.
     State(usize),
-    /// Writing the recording.
+    /// The recording cannot be written.
     Record(RecordError<E>),
 }
 
@@ -49,7 +49,7 @@ impl<E: fmt::Display> fmt::Display for ScopedError<E> {
 
 impl<E: fmt::Debug + fmt::Display> core::error::Error for ScopedError<E> {}
 
-/// Runs the inputs in `words` (of parameter 301) again, and records that run to `sink`. The digest is the replay's.
+/// Replays the inputs in `words` (of parameter 301) and records that run to `sink`. The digest is the replay's.
 ///
 /// # Errors
 /// The words are damaged or of another version, the label is too long, or the sink refuses.
@@ -70,7 +70,7 @@ pub fn record_scoped<S: Sink>(
     let mut drive = read(first).ok_or(ScopedError::State(0))?;
     let state = bytes(first).ok_or(ScopedError::State(0))?;
     let mut recorder = Recorder::new(sink, &header, &state).map_err(ScopedError::Record)?;
-    // What the drive kept of itself in the middle shows whether the replay is what it did.
+    // The state that the drive kept in the middle shows whether the replay reproduces it.
     let mut witness = None;
     let mut agrees = true;
     for (place, segment) in inputs.segments().enumerate() {

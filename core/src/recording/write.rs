@@ -7,9 +7,9 @@ use crate::motor::{PwmCommand, Samples};
 use core::fmt;
 use heapless::Vec;
 
-/// Where a recording goes.
+/// Destination of a recording.
 pub trait Sink {
-    /// Why it may refuse.
+    /// Error of the sink.
     type Error;
     /// Appends all of `bytes`.
     fn write(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
@@ -54,7 +54,7 @@ impl<S: Sink> Recorder<S> {
         })
     }
 
-    /// Records a tick: the event taken before it, what it was given, and (in the digest) what it answered.
+    /// Records a tick: the event taken before it, its samples, and (in the digest) its answer.
     pub fn record(
         &mut self,
         event: Option<&Event>,
@@ -123,7 +123,7 @@ impl<S: fmt::Debug> fmt::Debug for Output<S> {
 }
 
 impl<S: Sink> Output<S> {
-    /// Everything before the first tick or call.
+    /// Writes everything before the first tick or call.
     pub(super) fn begin(sink: S, header: &Header<'_>, state: &[u8]) -> Result<Self, RecordError<S::Error>> {
         let mut output = Self { sink, crc: CRC32.digest() };
         output.write(&MAGIC)?;
@@ -137,7 +137,7 @@ impl<S: Sink> Output<S> {
         Ok(output)
     }
 
-    /// The end record; hands the sink back.
+    /// Writes the end record and hands the sink back.
     pub(super) fn end(mut self, count: u64, digest: u64) -> Result<S, RecordError<S::Error>> {
         let mut end = Vec::<u8, 16>::new();
         // Sixteen bytes fit in sixteen.
@@ -152,7 +152,7 @@ impl<S: Sink> Output<S> {
         self.sink.write(bytes).map_err(RecordError::Sink)
     }
 
-    /// `payload` is no longer than 65 535 bytes.
+    /// Writes a chunk; `payload` is no longer than 65 535 bytes.
     pub(super) fn chunk(&mut self, tag: u8, payload: &[u8]) -> Result<(), RecordError<S::Error>> {
         let [low, high] = (payload.len() as u16).to_le_bytes();
         self.write(&[tag, low, high])?;

@@ -1,6 +1,7 @@
 //! One tick's inputs in words: both directions, side by side.
 //!
-//! Made for the tick that writes them, so what is the same in nearly every tick costs nothing and nothing is packed:
+//! The format is made for the tick that writes it: values that are the same in nearly every tick cost nothing, and
+//! nothing is packed:
 //!
 //! | words | what |
 //! |---|---|
@@ -19,7 +20,7 @@ use crate::motor::machine::event::{Command, Event, Request, SlowMeasurements};
 use crate::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 use crate::units::{Celsius, ElectricalSpeed, Volts};
 
-/// Words of a tick at most.
+/// Largest number of words of a tick.
 pub(super) const WORDS_MAX: usize = 6 + 2 * 4 + 1 + 1 + 1 + 4 + 5;
 
 /// Bits of the sixth word above the hall code.
@@ -67,7 +68,7 @@ impl From<&Event> for Note {
 }
 
 impl Note {
-    /// The event again.
+    /// Returns the event.
     fn event(self) -> Option<Event> {
         Some(match self {
             Self::Nothing | Self::Checkpoint => return None,
@@ -80,7 +81,7 @@ impl Note {
     }
 }
 
-/// What the next tick is compared with.
+/// Values of the last tick, with which the next one is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Before {
     pub(super) tick: u64,
@@ -96,7 +97,7 @@ impl Before {
     }
 }
 
-/// Writes one tick to the beginning of `words`, which has room for [`WORDS_MAX`], and tells how many it took.
+/// Writes one tick to the beginning of `words`, which has room for [`WORDS_MAX`]; returns the number of words written.
 #[inline]
 pub(super) fn write(words: &mut [u16], note: Note, samples: &Samples, before: &mut Before) -> usize {
     let Samples { hall, sample_mode, current_mode, .. } = *samples;
@@ -176,7 +177,7 @@ fn write_note(out: &mut Out<'_>, note: Note) {
     }
 }
 
-/// Reads one tick; `None` where it is none.
+/// Reads one tick; `None` if the words are malformed.
 pub(super) fn read(words: &mut In<'_>, before: &mut Before) -> Option<(Option<Event>, Samples)> {
     let [a, b, c, bus_voltage, bus_current, what] = words.take()?;
     if what & !ALL != 0 {
@@ -247,7 +248,7 @@ fn read_note(words: &mut In<'_>) -> Option<Note> {
     })
 }
 
-/// Where words go.
+/// Destination of words.
 struct Out<'a> {
     words: &'a mut [u16],
     at: usize,
@@ -267,7 +268,7 @@ impl Out<'_> {
     }
 }
 
-/// Where they come from.
+/// Source of words.
 #[derive(Clone, Debug)]
 pub(super) struct In<'a>(pub(super) &'a [u16]);
 

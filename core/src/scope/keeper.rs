@@ -1,4 +1,4 @@
-//! The background's half of the scope: it keeps the memory while the other half has no use for it.
+//! The background's half of the scope: it keeps the memory while the control tick's half does not need it.
 
 use super::memory::Memory;
 use super::{Answer, Order, Report, Request, SCOPE, Setup, State};
@@ -8,13 +8,13 @@ use core::borrow::BorrowMut;
 #[derive(Clone, Debug)]
 pub struct Keeper<H> {
     memory: Option<H>,
-    /// The other half has it.
+    /// The control tick's half has the memory.
     lent: bool,
     order: Option<Order<H>>,
-    /// What the scope does, and whether the node has been told.
+    /// State of the scope, and whether it has been reported to the node.
     state: State,
     told: bool,
-    /// Words of the memory, until the node has been told.
+    /// Words of the memory, until they have been reported to the node.
     room: Option<u16>,
 }
 
@@ -25,7 +25,7 @@ impl<H> Default for Keeper<H> {
 }
 
 impl<H: BorrowMut<Memory>> Keeper<H> {
-    /// Without a memory the scope cannot be armed.
+    /// A keeper with this memory. The default one has none: its scope cannot be armed.
     pub fn new(memory: H) -> Self {
         let room = SCOPE.then(|| memory.borrow().room() as u16);
         Self { memory: Some(memory), room, ..Self::default() }
@@ -35,11 +35,11 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
         if SCOPE { self.memory.as_mut().map(BorrowMut::borrow_mut) } else { None }
     }
 
-    /// Takes what the node asks for, once the order before was taken.
+    /// Takes a request of the node, once the order before was taken.
     pub fn handle(&mut self, request: Request) {
         match request {
             Request::Arm(setup) => {
-                // One that is armed cannot be.
+                // An armed scope cannot be armed again.
                 if !self.lent {
                     self.arm(&setup);
                 }
@@ -53,7 +53,7 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
         }
     }
 
-    /// Without room for a record the scope stays idle.
+    /// Arms the scope; without room for a record it stays idle.
     fn arm(&mut self, setup: &Setup) {
         self.lent = self.memory().is_some_and(|memory| memory.begin(setup));
         if self.lent {
@@ -62,22 +62,22 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
         (self.state, self.told) = (if self.lent { State::Armed } else { State::Idle }, false);
     }
 
-    /// What the scope does, as far as it was told here.
+    /// State of the scope, as last reported here.
     pub const fn state(&self) -> State {
         self.state
     }
 
-    /// There is an order for the control tick's half.
+    /// Returns whether there is an order for the control tick's half.
     pub const fn has_order(&self) -> bool {
         self.order.is_some()
     }
 
-    /// The order. Ask only if it can be handed over.
+    /// Takes the order. Call only if it can be handed over.
     pub fn poll_order(&mut self) -> Option<Order<H>> {
         self.order.take()
     }
 
-    /// Takes what the control tick's half says.
+    /// Takes an answer of the control tick's half.
     pub fn take(&mut self, answer: Answer<H>) {
         self.told = false;
         self.state = match answer {
@@ -90,7 +90,7 @@ impl<H: BorrowMut<Memory>> Keeper<H> {
         };
     }
 
-    /// What the node has to hear. Ask only if it takes it.
+    /// Takes the next report for the node. Call only if the node can take it.
     pub fn poll_report(&mut self) -> Option<Report> {
         if let Some(room) = self.room.take() {
             return Some(Report::Room(room));

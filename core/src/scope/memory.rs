@@ -8,51 +8,53 @@ use super::setup::Setup;
 use crate::motor::{self, Drive};
 use core::borrow::{Borrow, BorrowMut};
 
-/// Words of a scope that holds as much as parameter 23 can ask for of one signal: 8 KiB.
+/// Words of a scope that holds the most samples of one signal that parameter 23 can ask for: 8 KiB.
 pub const WORDS: usize = 4096;
 
-/// One for each half of a recording.
+/// Checkpoints: one for each half of a recording.
 const CHECKPOINTS: usize = if RECORDER { 2 } else { 0 };
 
-/// The memory of a scope, of its shell's choice: of signals `W` holds one word a sample, of inputs two halves of about six words a tick.
+/// The memory of a scope, whose size the shell chooses. `W` holds one word a sample of a signal, or two halves of inputs with about six
+/// words a tick.
 #[derive(Clone, Debug)]
 #[repr(C)]
 pub struct Memory<W: ?Sized = [u16]> {
     /// State of the drive before the first inputs of each half.
     pub(super) checkpoints: [Option<Drive>; CHECKPOINTS],
     pub(super) record: Record,
-    /// Who reads it, while it is downloaded.
+    /// Reader of the record, while it is downloaded.
     pub(super) reader: Option<Reader>,
     pub(super) plan: Plan,
     pub(super) progress: Progress,
     pub(super) words: W,
 }
 
-/// What stands in the words.
+/// Content of the words.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum Record {
     #[default]
     Nothing,
-    /// A ring of so many words, the oldest one here.
+    /// A ring of `words` words, the oldest one at `oldest`.
     Signals { oldest: u16, words: u16 },
-    /// The halves, the older one first, and how many of them.
+    /// The halves, the older one first, and their number.
     Inputs { rate: u32, halves: [Half; 2], count: u8 },
 }
 
-/// How far the record has come.
+/// Progress of the record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Progress {
     pub(super) phase: Phase,
-    /// It has not been told yet.
+    /// A change of the phase has not been reported yet.
     pub(super) changed: bool,
-    /// Samples that are to come: before the trigger counts, or until the record is full. Of inputs one counts before, the first checkpoint.
+    /// Samples still to come: before the trigger counts, or until the record is full. For inputs, one counts before the trigger: the first
+    /// checkpoint.
     pub(super) left: u16,
     pub(super) before: Quiet,
     pub(super) ring: Ring,
     pub(super) course: Course,
 }
 
-/// [`State`](super::State) in the eyes of the tick.
+/// [`State`](super::State) as the control tick knows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Phase {
     /// Armed.
@@ -63,7 +65,7 @@ pub(super) enum Phase {
     Done,
 }
 
-/// What a trigger compares with.
+/// Values of the last tick, with which a trigger compares.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quiet {
     pub(super) holds: bool,
@@ -71,34 +73,35 @@ pub(super) struct Quiet {
     pub(super) faults: u32,
 }
 
-/// Of signals.
+/// Progress of a record of signals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ring {
-    /// Where this sample begins.
+    /// Place at which this sample begins.
     pub(super) place: u16,
     /// Signals of this sample that have been read.
     pub(super) read: u8,
-    /// Once it is complete, ticks since then.
+    /// Ticks since the sample was complete.
     pub(super) waited: u16,
 }
 
-/// Of inputs.
+/// Progress of a record of inputs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
     /// The event of this tick.
     pub(super) note: Note,
     /// The half that is being filled, if one is.
     pub(super) now: Option<Half>,
-    /// The other one, if it goes before without a gap.
+    /// The other half, if it comes before without a gap.
     pub(super) older: Option<Half>,
     pub(super) before: Before,
     /// The trigger lies in the older half, which may not be lost any more.
     pub(super) keeps: bool,
-    /// Ticks that the first checkpoint may still wait for a calm one.
+    /// Ticks for which the first checkpoint may still wait for a calm tick.
     pub(super) patience: u8,
 }
 
-/// Ticks that the first checkpoint waits so: it takes longer than the scope's other work, so it keeps away from ticks that are long themselves.
+/// Longest wait of the first checkpoint for a calm tick, ticks. It takes longer than the scope's other work, so it avoids ticks that are
+/// long themselves.
 pub(super) const PATIENCE: u8 = 16;
 
 impl Progress {
@@ -107,7 +110,7 @@ impl Progress {
             phase: Phase::Watching,
             changed: false,
             left: before,
-            // A level that holds already is no edge; what the drive does now is no change.
+            // A level that holds already is no edge; the drive's present state is no change.
             before: Quiet { holds: true, state: motor::State::Initialization, faults: u32::MAX },
             ring: Ring { place: 0, read: 0, waited: 0 },
             course: Course {
@@ -125,7 +128,7 @@ impl Progress {
 /// Inputs since a checkpoint.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Half {
-    /// Which one.
+    /// Place in the memory, 0 or 1.
     pub(super) place: u8,
     /// Number of its first tick.
     pub(super) first: u64,
@@ -134,7 +137,7 @@ pub(super) struct Half {
 }
 
 impl<const N: usize> Memory<[u16; N]> {
-    /// An empty one of `N` words, at most 65 535 of which are used.
+    /// An empty memory of `N` words, at most 65 535 of which are used.
     pub const fn new() -> Self {
         Self {
             checkpoints: [const { None }; CHECKPOINTS],
@@ -175,7 +178,7 @@ impl Memory {
         true
     }
 
-    /// The record is full: from now on it can be read.
+    /// Closes a full record: from now on it can be read.
     pub(super) fn close(&mut self) {
         let Progress { ring, course, .. } = &self.progress;
         self.record = if self.plan.keeps_inputs() {
@@ -195,7 +198,7 @@ impl Memory {
         self.words.len().min(u16::MAX.into())
     }
 
-    /// Words of half a recording; nothing where it has no room for a tick.
+    /// Words of half a recording; 0 if that has no room for a tick.
     pub(super) fn half(&self) -> usize {
         let half = self.room() / 2;
         if half < inputs::WORDS_MAX { 0 } else { half }

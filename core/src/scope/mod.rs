@@ -1,5 +1,5 @@
-//! The virtual scope (8.4.4 of the specification): what the drive did around a trigger, at the control rate. Either signals of it, or the
-//! inputs of every tick with the drive's state before the first: a recording, which runs again bit for bit.
+//! The virtual scope (8.4.4 of the specification) records the drive around a trigger, at the control rate: either signals, or the inputs
+//! of every tick with the drive's state before the first, which make a recording that can be replayed bit for bit.
 //!
 //! ```text
 //!               Request              Order, with the memory
@@ -8,8 +8,8 @@
 //!          Report, Blocks          Answer, with the memory
 //! ```
 //!
-//! The memory has one owner at any time: armed, the scope; done, the keeper in the background, who reads the record to the node at the
-//! bus' pace. Nothing but another arming takes a record away.
+//! The memory has one owner at any time: the scope while armed, the keeper in the background when done. The keeper reads the record to
+//! the node at the pace of the bus. A record stays until the scope is armed again.
 
 mod inputs;
 mod keeper;
@@ -27,14 +27,14 @@ pub use tick::Scope;
 
 use serde::{Deserialize, Serialize};
 
-/// Whether this build has a scope at all, and one that records inputs.
+/// True if this build has a scope, and (`RECORDER`) one that records inputs.
 pub(crate) const SCOPE: bool = cfg!(feature = "scope");
 const RECORDER: bool = cfg!(feature = "recorder");
 
-/// What the node asks of the scope.
+/// Request of the node.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Request {
-    /// Wait for a trigger. What was recorded is lost.
+    /// Wait for a trigger. The last record is lost.
     Arm(Setup),
     /// Do not wait any longer.
     Force,
@@ -42,10 +42,10 @@ pub enum Request {
     Read,
 }
 
-/// What the node is told.
+/// Report to the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Report {
-    /// It does this now, and a record of so many words can be read.
+    /// Present state, and the number of words of a record that can be read.
     State(State, u16),
     /// Part of the record.
     Block(Block),
@@ -53,26 +53,26 @@ pub enum Report {
     Room(u16),
 }
 
-/// Why a request of the master was refused (parameter 306).
+/// Reason why a request of the master was refused (parameter 306).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Refusal {
-    /// It was not.
+    /// Not refused.
     #[default]
     None = 0,
     /// There is no record to download.
     NoRecord = 1,
-    /// It records, or is about to be armed.
+    /// The scope is recording, or about to be armed.
     Busy = 2,
     /// Signals times samples exceed the memory.
     TooLong = 3,
     /// Reading the signals takes more ticks than the prescaler leaves.
     TooFast = 4,
-    /// No sample is left for what comes after the trigger.
+    /// No sample is left for the time after the trigger.
     TooEarly = 5,
     /// There is no memory, or none for a recording of inputs.
     NoMemory = 6,
-    /// A signal that there is not.
+    /// The signal does not exist.
     UnknownSignal = 7,
 }
 
@@ -83,18 +83,18 @@ pub struct Block {
     pub address: u16,
     /// Samples of the signals in turn, oldest first; or of a recording, [`Inputs`].
     pub words: [u16; 3],
-    /// None follow.
+    /// This is the last block.
     pub last: bool,
 }
 
-/// What the scope does (parameter 260).
+/// State of the scope (parameter 260).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum State {
-    /// Nothing.
+    /// No activity.
     #[default]
     Idle = 0,
-    /// It waits for its trigger, and keeps what goes before.
+    /// It waits for its trigger, and keeps the samples before it.
     Armed = 1,
     /// It was triggered, and fills its memory.
     Recording = 2,
@@ -102,7 +102,7 @@ pub enum State {
     Done = 3,
 }
 
-/// To the control tick's half. `H` holds the [`Memory`].
+/// Order to the control tick's half. `H` holds the [`Memory`].
 #[derive(Clone, Debug)]
 pub enum Order<H> {
     /// Wait for a trigger, with this memory, which knows what to record.
@@ -111,7 +111,7 @@ pub enum Order<H> {
     Force,
 }
 
-/// From the control tick's half.
+/// Answer of the control tick's half.
 #[derive(Clone, Debug)]
 pub enum Answer<H> {
     /// The trigger has come.

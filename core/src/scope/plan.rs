@@ -1,4 +1,4 @@
-//! A set-up as the control tick follows it: what can be computed beforehand is, by the background.
+//! A set-up as the control tick follows it: the background computes in advance whatever it can.
 
 use super::RECORDER;
 use super::memory::Memory;
@@ -17,7 +17,7 @@ pub(super) struct Plan {
     /// Samples from before the trigger, and from it on.
     pub(super) before: u16,
     pub(super) after: u16,
-    /// Ticks between a complete sample and the next one, and how many signals count as read then.
+    /// Ticks between a complete sample and the next one, and the number of signals that count as read meanwhile.
     pub(super) pause: u16,
     pub(super) rest: u8,
     pub(super) watch: Watch,
@@ -25,7 +25,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Nothing.
+    /// A plan that records nothing.
     pub(super) const fn new() -> Self {
         Self {
             signals: Vec::new(),
@@ -41,13 +41,13 @@ impl Plan {
         }
     }
 
-    /// Of inputs, not of signals.
+    /// Returns whether inputs are recorded, not signals.
     #[inline]
     pub(super) const fn keeps_inputs(&self) -> bool {
         RECORDER && self.inputs
     }
 
-    /// `None` if `memory` has no room for what is asked for: of signals for all samples, of inputs for any.
+    /// Plan of a set-up; `None` if `memory` has no room for all samples of its signals, or for any inputs.
     pub(super) fn of(setup: &Setup, memory: &Memory) -> Option<Self> {
         let Setup { inputs, tick_rate, speed, .. } = *setup;
         let wide = setup.signals.len();
@@ -73,11 +73,11 @@ impl Plan {
     }
 }
 
-/// What to watch for.
+/// Condition to watch for.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Watch {
     Nothing,
-    /// A sample whose bits, after `flip`, are above the level: so one comparison does for both sides.
+    /// A sample that exceeds `level` after an exclusive or with `flip`: one comparison serves both sides.
     Sample {
         signal: Signal,
         flip: i32,

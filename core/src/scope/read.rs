@@ -1,6 +1,6 @@
-//! A record in words, as it goes over the bus; and what a recording's words say.
+//! Encodes a record as words for the bus, and decodes the words of a recording.
 //!
-//! Of signals the words are the samples. Of inputs (numbers of several words: low word first):
+//! For signals, the words are the samples. For inputs (numbers of several words: low word first):
 //!
 //! | words | what |
 //! |---|---|
@@ -13,7 +13,7 @@
 //! | | state of the drive before its first tick, postcard, two bytes a word, low byte first |
 //! | | inputs, tick by tick |
 //!
-//! The second segment goes on where the first ends. Its state tells whether a replay of the first came to the same.
+//! The second segment goes on where the first ends. Its state shows whether a replay of the first reproduces the drive.
 
 use super::inputs::{self, Before, In};
 use super::memory::{Half, Memory, Record};
@@ -29,7 +29,7 @@ const FORMAT: u16 = 0x4e01;
 const HEAD: usize = 6;
 const SEGMENT_HEAD: usize = 7;
 
-/// Bytes of a state that are made at once: it is serialised anew for each such piece, because there is no room for all of it.
+/// Bytes of one piece of a state. The state is serialised anew for each piece, because there is no room for all of it.
 const PIECE: usize = 96;
 
 /// Reads a record word by word, from the first.
@@ -55,7 +55,7 @@ impl Memory {
         self.reader = Some(Reader::new(self));
     }
 
-    /// The next three words, while it is read.
+    /// Reads the next three words, while the record is downloaded.
     pub(super) fn next(&mut self) -> Option<Block> {
         let mut reader = self.reader.take()?;
         let block = reader.next(self)?;
@@ -130,7 +130,7 @@ impl Reader {
         }
     }
 
-    /// A word of a segment, or where it is behind it.
+    /// A word of a segment; if `place` is behind the segment, `Err` with the place counted from its end.
     fn word_of(&mut self, memory: &Memory, segment: usize, half: Half, place: usize) -> Result<u16, usize> {
         let bytes = self.states.get(segment).copied().unwrap_or(0);
         let [a, b, c, d] = [0, 16, 32, 48].map(|shift| (half.first >> shift) as u16);
@@ -177,7 +177,7 @@ fn checkpoint(memory: &Memory, half: Half) -> Option<&Drive> {
     memory.checkpoints.get(usize::from(half.place))?.as_ref()
 }
 
-/// Bytes of its state.
+/// Bytes of the drive's serialised state.
 fn size(drive: &Drive) -> u16 {
     let mut bytes = 0;
     drive.write_state(&mut |_| {
@@ -210,14 +210,14 @@ pub struct Segment<'a> {
     inputs: &'a [u16],
 }
 
-/// The words are no recording of this version, and why.
+/// Reason why the words are no recording of this version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MalformedInputs {
-    /// The first word is another one.
+    /// The first word is not that of a recording.
     Format(u16),
     /// Another layout of the state.
     Layout(u16),
-    /// They end too early, or say what cannot be.
+    /// The words end too early, or have impossible values.
     Words,
 }
 
@@ -264,7 +264,7 @@ impl<'a> Inputs<'a> {
         Ok(Self { tick_rate, behaviour_version, segments })
     }
 
-    /// One or two, in order.
+    /// The one or two segments, in order.
     pub fn segments(&self) -> impl Iterator<Item = &Segment<'a>> {
         self.segments.iter().flatten()
     }

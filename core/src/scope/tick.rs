@@ -6,8 +6,8 @@
 //!                      |<-- before -->|<---- the rest ---->|          before the trigger
 //! ```
 //!
-//! Samples of signals go round in a ring. Inputs fill one half of the memory after the other, each behind a checkpoint of the drive: so there
-//! is at any time one whole half, and what has been filled of the other.
+//! Samples of signals are written to a ring. Inputs fill the two halves of the memory in turn, each after a checkpoint of the drive: so at
+//! any time one half is complete, and the other partly filled.
 
 use super::inputs::{self, Before, Note};
 use super::memory::{Course, Half, Memory, PATIENCE, Phase, Progress};
@@ -18,14 +18,14 @@ use crate::motor::signal::{ShaftScale, Signal};
 use crate::motor::{Drive, Event, Samples};
 use core::borrow::BorrowMut;
 
-/// What the scope does with its memory. `H` holds it: a reference, or a box.
+/// The control tick's half of the scope, which fills the memory. `H` holds the memory: a reference, or a box.
 #[derive(Clone, Debug)]
 pub struct Scope<H> {
-    /// Nothing while this is idle: then the keeper has it.
+    /// `None` while this is idle: the keeper has the memory then.
     memory: Option<H>,
 }
 
-/// Words that are left in a half when its successor begins to wait for a calm tick.
+/// Words left in a half when the change to the other half begins to wait for a calm tick.
 const NEAR: usize = inputs::WORDS_MAX + 64;
 
 impl<H> Default for Scope<H> {
@@ -40,7 +40,7 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         if SCOPE { self.memory.as_mut().map(BorrowMut::borrow_mut) } else { None }
     }
 
-    /// What it does: without a memory nothing, done or not.
+    /// State of the scope; idle without a memory, whether a record is done or not.
     pub fn state(&self) -> State {
         self.memory.as_ref().map_or(State::Idle, |memory| match memory.borrow().progress.phase {
             Phase::Watching | Phase::Fired => State::Armed,
@@ -49,12 +49,12 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         })
     }
 
-    /// The memory, if it has it: for who takes the scope apart.
+    /// The memory, if the scope has it.
     pub fn into_memory(self) -> Option<H> {
         self.memory
     }
 
-    /// Takes an order. It is the keeper who sees to it that it fits the state.
+    /// Takes an order. The keeper ensures that it fits the state.
     #[inline]
     pub fn handle(&mut self, order: Order<H>) {
         match order {
@@ -67,7 +67,7 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         }
     }
 
-    /// The event of this tick, before the drive takes it.
+    /// Takes the event of this tick, before the drive takes it.
     #[inline]
     pub fn handle_event(&mut self, event: &Event) {
         if let Some(memory) = self.memory()
@@ -77,7 +77,7 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         }
     }
 
-    /// One control tick, after the drive's and after its status was polled.
+    /// Runs one control tick, after the drive's and after its status was polled.
     #[inline]
     pub fn step(&mut self, drive: &Drive, samples: &Samples) {
         if let Some(memory) = self.memory() {
@@ -85,13 +85,13 @@ impl<H: BorrowMut<Memory>> Scope<H> {
         }
     }
 
-    /// There is something to tell.
+    /// Returns whether there is an answer.
     #[inline]
     pub fn has_answer(&self) -> bool {
         SCOPE && self.memory.as_ref().is_some_and(|memory| memory.borrow().progress.changed)
     }
 
-    /// What there is to tell. Ask only if it can be taken: it is told once.
+    /// Takes the answer. Call only if it can be passed on: it is returned once.
     #[inline]
     pub fn poll(&mut self) -> Option<Answer<H>> {
         let progress = &mut self.memory()?.progress;
@@ -99,7 +99,7 @@ impl<H: BorrowMut<Memory>> Scope<H> {
             return None;
         }
         match progress.phase {
-            // It is the keeper's again, who alone arms.
+            // The memory goes back to the keeper, which alone arms.
             Phase::Done => self.memory.take().map(Answer::Done),
             _ => Some(Answer::Triggered),
         }
@@ -123,7 +123,7 @@ impl Memory {
         }
     }
 
-    /// What is booked is booked first: while signals are read, nothing else has to be remembered.
+    /// Counters are updated before the signals are read, so that nothing else has to be kept during the reading.
     #[inline]
     fn record_signals(&mut self, drive: &Drive, samples: &Samples) {
         let (plan, ring) = (&self.plan, &mut self.progress.ring);
@@ -156,7 +156,7 @@ impl Memory {
         }
     }
 
-    /// A sample is complete.
+    /// Counts a complete sample.
     #[inline]
     fn count(&mut self) {
         let Some(left) = self.progress.left.checked_sub(1) else { return };
@@ -166,7 +166,7 @@ impl Memory {
         }
     }
 
-    /// The record is full: what it is, the background finds out ([`Memory::close`]).
+    /// Ends a full record; the background finds out its content ([`Memory::close`]).
     #[cold]
     #[inline(never)]
     fn end(&mut self) {
@@ -195,7 +195,8 @@ impl Memory {
         }
     }
 
-    /// There is no half to be filled yet, or what the drive was given cannot be kept: what was recorded does not lead here.
+    /// Begins anew, or ends the recording: there is no half to be filled yet, or the event cannot be kept, so the inputs so
+    /// far do not lead to the present state.
     #[cold]
     fn begin_anew(&mut self, note: Note, drive: &Drive, samples: &Samples) {
         if self.progress.phase == Phase::Recording {
@@ -212,7 +213,7 @@ impl Memory {
         }
     }
 
-    /// A half is full.
+    /// Goes on to the other half when one is full, or ends the record.
     #[cold]
     fn turn_over(&mut self, drive: &Drive, samples: &Samples) {
         let course = &mut self.progress.course;
@@ -237,7 +238,8 @@ impl Memory {
         *before = Before { tick: samples.tick, ..Before::START };
     }
 
-    /// Has the trigger come? A level that is crossed before there are enough samples is not the one that was meant; a fault is.
+    /// Watches for the trigger. A level that is crossed before there are enough samples does not count; a change of state or a
+    /// fault does.
     #[inline]
     fn watch(&mut self, drive: &Drive, samples: &Samples) {
         let (plan, before) = (&self.plan, &mut self.progress.before);
@@ -255,7 +257,7 @@ impl Memory {
         }
     }
 
-    /// A change of state, or a new fault.
+    /// Returns whether the state has changed, or a fault is new, as watched.
     #[inline(never)]
     fn changes(&mut self, drive: &Drive) -> bool {
         let before = &mut self.progress.before;
@@ -265,13 +267,13 @@ impl Memory {
             Watch::Fault => faults & !before.faults != 0,
             Watch::Nothing | Watch::Sample { .. } => false,
         };
-        // The first look only learns what there is.
+        // The first call only learns the present values.
         let learns = before.faults == u32::MAX;
         (before.state, before.faults) = (state, faults);
         came && !learns
     }
 
-    /// The trigger has come. It counts once there are enough samples from before it.
+    /// Takes the trigger. It counts once there are enough samples from before it.
     #[inline]
     const fn start(&mut self) {
         let Progress { phase, changed, left, ring, .. } = &mut self.progress;
@@ -286,7 +288,7 @@ impl Memory {
 }
 
 impl Progress {
-    /// As if the trigger had come.
+    /// Acts as if the trigger had come.
     const fn force(&mut self) {
         if let Phase::Watching = self.phase {
             self.phase = Phase::Fired;
@@ -294,7 +296,7 @@ impl Progress {
     }
 }
 
-/// Fewer signals than a tick has time for.
+/// Reads fewer signals than a tick has time for.
 #[inline(never)]
 fn sample_few(drive: &Drive, signals: &[Signal], speed: ShaftScale, samples: &Samples, words: &mut [u16]) {
     for (word, signal) in words.iter_mut().zip(signals) {

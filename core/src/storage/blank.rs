@@ -1,10 +1,11 @@
-//! Erasing what is not blank already: an erase that is not needed costs time and life.
+//! Erases flash that is not blank yet: an unnecessary erase costs time and lifetime.
 
 use super::ring::Failed;
 use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 
-/// What a flash erases at once where it can, bytes: a sector of 64 KiB takes as long as three subsectors of 4 KiB.
+/// Bytes that a flash erases at once where it can: a sector of 64 KiB takes as long as three subsectors of
+/// 4 KiB.
 pub(super) const SECTOR: u32 = 64 << 10;
 const PIECE: usize = 256;
 
@@ -24,13 +25,13 @@ pub(super) async fn is_blank<F: NorFlash>(flash: &mut F, range: Range<u32>) -> R
     Ok(true)
 }
 
-/// The piece that is erased next, from the front of a range: up to the next border of a sector.
+/// Returns the piece of a range to erase next: from its front to the next border of a sector.
 pub(super) fn next_piece(range: &Range<u32>) -> Range<u32> {
     let border = (range.start / SECTOR + 1) * SECTOR;
     range.start..border.min(range.end)
 }
 
-/// Erases what is not blank of a range of whole subsectors.
+/// Erases those pieces of a range of whole subsectors that are not blank.
 pub(super) async fn erase<F: NorFlash>(flash: &mut F, mut range: Range<u32>) -> Result<(), Failed> {
     while range.start < range.end {
         let piece = next_piece(&range);

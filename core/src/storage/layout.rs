@@ -1,4 +1,4 @@
-//! Where everything stands on the flash.
+//! Layout of the flash.
 //!
 //! ```text
 //!  0                                              95 %                                            100 %
@@ -13,7 +13,8 @@ use core::ops::Range;
 
 /// Share of the log, per cent (section 8.4.5).
 const LOG_SHARE: u64 = 95;
-/// Most subsectors of one map: 256 KiB in pieces of 4 KiB. More would wear less, but be searched longer at every boot.
+/// Most subsectors of one map: 256 KiB in pieces of 4 KiB. More would wear less, but take longer to search at
+/// every boot.
 const MAP_MAX: u32 = 64;
 /// Fewest subsectors of one map: one to write and one to move to.
 const MAP_MIN: u32 = 2;
@@ -32,7 +33,7 @@ pub struct Layout {
 /// One copy of the parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Copy {
-    /// Says that a map of this layout follows.
+    /// Label: states that a map of this layout follows.
     pub label: Range<u32>,
     /// The map.
     pub map: Range<u32>,
@@ -55,10 +56,10 @@ impl Layout {
     }
 }
 
-/// Bytes of a serial NOR flash by its JEDEC identification (manufacturer, type, size code); `None` for a code that no
-/// such flash has, as all ones or zeros when nobody answers.
+/// Bytes of a serial NOR flash by its JEDEC identification (manufacturer, type, size code); `None` for a code
+/// that no such flash has, such as all ones or zeros without an answer.
 ///
-/// Up to 256 Mbit the code is the exponent; from there on makers count on from 20h.
+/// Up to 256 Mbit the code is the exponent of 2; the codes of larger sizes continue from 20h.
 pub const fn capacity(identification: [u8; 3]) -> Option<u32> {
     let [maker, _, code] = identification;
     match code {

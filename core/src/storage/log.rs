@@ -1,8 +1,9 @@
-//! The log: a ring of records of one program page each, which begins where the last erase has ended, so that all subsectors wear
-//! alike. What is written is never overwritten: a full log waits to be erased.
+//! The log: a ring of records of one program page each. It begins where the last erase has ended, so that all
+//! subsectors wear alike. Written records are never overwritten: a full log waits to be erased.
 //!
-//! The maps keep where it begins, and how long its longest record is: a download gives every record so much room. Its end is found at boot by halving, because pages are written in turn: 20 pages are looked at
-//! instead of a million.
+//! The maps keep its beginning and the length of its longest record, which a download uses for every record.
+//! Its end is found at boot by a binary search, because pages are written in turn: 20 pages are read instead
+//! of a million.
 
 use super::blank;
 use super::pair::{Buffers, Pair};
@@ -12,12 +13,13 @@ use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 use serde::{Deserialize, Serialize};
 
-/// Pages that neither are blank nor hold a record, followed back at most: each is what a power cut has left.
+/// Most pages in a row that the search for the end skips because they are neither blank nor hold a record:
+/// each was left by a power cut.
 const TORN_MAX: u32 = 8;
-/// Places that are tried for one record.
+/// Attempts to write one record.
 const TRIES: u32 = 4;
 
-/// What is known of the log memory.
+/// State of the log memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Memory {
     /// Records that it holds.
@@ -28,36 +30,36 @@ pub struct Memory {
     pub subsectors: u32,
     /// Subsectors erased so far, while an erase goes on.
     pub erasing: Option<u32>,
-    /// Where the log begins is not known: it can be erased and nothing else.
+    /// The beginning of the log is not known: the log can only be erased.
     pub lost: bool,
     /// Values of its longest record, or more.
     pub values: u32,
 }
 
 impl Memory {
-    /// Nothing more can be written.
+    /// Whether nothing more can be written.
     pub const fn is_full(&self) -> bool {
         self.lost || (self.records > 0 && self.written >= self.records)
     }
 
-    /// Nothing is written.
+    /// Whether no record is written.
     pub const fn is_erased(&self) -> bool {
         self.records > 0 && self.written == 0 && !self.lost && self.erasing.is_none()
     }
 }
 
-/// What the maps keep of the log: where it begins, and its longest record.
+/// Data of the log in the maps: its beginning, and its longest record.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Origin {
     /// Subsector of record 0.
     first: u32,
-    /// While erasing: subsectors that are to be erased from there on.
+    /// While erasing: number of subsectors to erase, from `first` on.
     erase: u32,
     /// Values of the longest record since the last erase.
     values: u32,
 }
 
-/// The log's place on the flash and what stands there.
+/// The log's place on the flash, and its state.
 #[derive(Clone, Debug)]
 pub(super) struct Log {
     range: Range<u32>,
@@ -67,7 +69,7 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// Before it has been looked for.
+    /// Makes a log that has not been opened yet.
     pub(super) const fn new(range: Range<u32>, subsector: u32) -> Self {
         let bytes = range.end - range.start;
         let memory = Memory {
@@ -85,7 +87,7 @@ impl Log {
         self.memory
     }
 
-    /// Finds both ends; true if what the maps keep of them wants mending.
+    /// Finds both ends; returns true if the two maps differ in their data of the log and need mending.
     pub(super) async fn open<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -106,7 +108,7 @@ impl Log {
         Ok(found.differs)
     }
 
-    /// A log that begins at the front of a blank memory: for a flash that has just been made.
+    /// Begins a log at the front of a blank memory, for a flash that has just been formatted.
     pub(super) async fn begin<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -118,7 +120,8 @@ impl Log {
         Ok(())
     }
 
-    /// Writes a record behind the last, after noting that it is the longest, if it is. A page that does not take it is passed over.
+    /// Writes a record behind the last; the length of a new longest record is noted in the maps first. A page
+    /// that does not take the record is skipped.
     pub(super) async fn append<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -143,7 +146,7 @@ impl Log {
                     self.memory.written += 1;
                     return Ok(());
                 }
-                // A page that stayed blank is no end of the log: it is tried again.
+                // A page that stayed blank would look like the end of the log: it is tried again.
                 if blank::is_blank(flash, at..at + PAGE).await? {
                     continue;
                 }
@@ -164,8 +167,8 @@ impl Log {
         Ok(Record::parse(&page).filter(|record| record.index() == index))
     }
 
-    /// Begins an erase, or goes on with it by one piece; the memory says how far it has come. What is to be erased is noted
-    /// first, so that an erase that is cut off is finished after the next boot.
+    /// Begins an erase, or continues it by one piece; [`Memory::erasing`] shows the progress. The range is
+    /// noted in the maps first, so that an erase that is cut off is finished after the next boot.
     pub(super) async fn erase<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -185,7 +188,7 @@ impl Log {
         };
         let Origin { first, erase, .. } = self.origin;
         if done < erase {
-            // Up to the end of the ring at most, where it begins anew.
+            // At most up to the end of the ring, where the ring begins anew.
             let at = (first + done) % self.memory.subsectors.max(1);
             let end = (at + erase - done).min(self.memory.subsectors);
             let rest = self.range.start + at * self.subsector..self.range.start + end * self.subsector;
@@ -219,7 +222,7 @@ impl Log {
         self.range.start + position * PAGE
     }
 
-    /// Pages written, by halving: the smallest index that is not written.
+    /// Finds the number of written pages by a binary search: the smallest index that is not written.
     async fn find_end<F: NorFlash>(&self, flash: &mut F) -> Result<u32, Failed> {
         let (mut low, mut high) = (0, self.memory.records);
         while low < high {
@@ -233,8 +236,8 @@ impl Log {
         Ok(low)
     }
 
-    /// Whether a page has been written. One that is neither blank nor whole is as the page before it: behind a record it is
-    /// what a power cut has left, behind a blank page it is a bit that has fallen.
+    /// Whether a page has been written. A page that is neither blank nor whole counts as the page before it:
+    /// behind a record it was left by a power cut, behind a blank page it has a bit that has fallen to 0.
     async fn is_written<F: NorFlash>(&self, flash: &mut F, index: u32) -> Result<bool, Failed> {
         for back in 0..TORN_MAX {
             let Some(index) = index.checked_sub(back) else { break };

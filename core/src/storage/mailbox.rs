@@ -1,4 +1,4 @@
-//! The place where node and storage meet in a loop that polls: one request there, one report back.
+//! Mailbox between node and storage in a loop that polls: one request there, one report back.
 
 use super::{Report, Request, Storage};
 use core::cell::RefCell;
@@ -6,7 +6,7 @@ use core::future::poll_fn;
 use core::task::Poll;
 use embedded_storage_async::nor_flash::NorFlash;
 
-/// One place for a request and then for its report. Both sides run in the same loop: nothing here may be touched from an interrupt.
+/// One place for a request and then for its report. Both sides run in the same loop: no interrupt may use it.
 #[derive(Default)]
 pub struct Mailbox(RefCell<Letter>);
 
@@ -20,12 +20,12 @@ enum Letter {
 }
 
 impl Mailbox {
-    /// Empty.
+    /// An empty mailbox.
     pub const fn new() -> Self {
         Self(RefCell::new(Letter::Nothing))
     }
 
-    /// Hands a request over; one that has not been taken, or a report, is replaced, which a node never does.
+    /// Hands over a request. It replaces a request or report that has not been taken; a node never does that.
     pub fn ask(&self, request: Request) {
         self.put(Letter::Request(request));
     }
@@ -38,7 +38,7 @@ impl Mailbox {
         }
     }
 
-    /// Serves requests for ever. The future wakes nobody: whoever runs it polls it again.
+    /// Serves requests for ever. The future calls no waker: the caller must poll it again.
     pub async fn serve<F: NorFlash>(&self, storage: &mut Storage<F>) -> ! {
         loop {
             let request = poll_fn(|_| self.take_request().map_or(Poll::Pending, Poll::Ready)).await;
@@ -47,7 +47,8 @@ impl Mailbox {
         }
     }
 
-    /// Takes a request, or goes on with the last one by a step: for a loop that calls it in every pass.
+    /// Takes a request, if one waits, and continues the request under way by one step. Call it in every pass
+    /// of a loop.
     #[cfg(feature = "code-flash")]
     pub fn serve_step<F: embedded_storage::nor_flash::NorFlash>(&self, storage: &mut super::CodeFlash<F>) {
         if let Some(request) = self.take_request() {
@@ -65,7 +66,7 @@ impl Mailbox {
         }
     }
 
-    // No borrow outlasts these two, so none is ever refused.
+    // No borrow outlasts these two functions, so none is ever refused.
 
     fn put(&self, letter: Letter) {
         if let Ok(mut place) = self.0.try_borrow_mut() {

@@ -5,8 +5,9 @@
 //!       <-- Report ---  CodeFlash::step
 //! ```
 //!
-//! [`Storage`] waits for the flash where the shell lets it: in an executor, or in a future that the background loop polls. The
-//! node never waits: it hands out a request, and is told later what has become of it. `CodeFlash` (feature `code-flash`) has nothing to wait for, because the processor stands still while its flash is written.
+//! [`Storage`] waits for the flash asynchronously: in an executor, or in a future that the background loop
+//! polls. The node never waits: it hands out a request, and gets the report later. `CodeFlash` (feature
+//! `code-flash`) has nothing to wait for, because the processor stands still while its flash is written.
 
 mod blank;
 #[cfg(feature = "code-flash")]
@@ -36,33 +37,34 @@ use pair::{Buffers, Pair};
 use ring::{Failed, Key};
 use serde::{Deserialize, Serialize};
 
-/// What the node asks of the flash.
+/// A request of the node to the flash.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "a set is stored rarely, moves once, and there is no heap")]
 pub enum Request {
-    /// Look whether the flash answers and what it holds.
+    /// Check whether the flash answers, and read its content.
     Open,
-    /// Store a part of the parameters; both parts where a stored one did not fit, or where the flash had another layout.
+    /// Store a part of the parameters; both parts if a stored one did not fit, or if the flash had another
+    /// layout.
     Store(Parameters, Part),
     /// Write a record behind the last.
     Append(Entry),
     /// Read a record.
     Read(u32),
-    /// Begin to erase the log, or go on with it.
+    /// Begin to erase the log, or continue the erase.
     Erase,
 }
 
-/// What has become of a request.
+/// Report on a request.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "as above")]
 pub enum Report {
-    /// What the flash holds.
+    /// Content of the flash.
     Opened(Opened),
     /// The parameters are stored, read back and mirrored, or not.
     Stored {
         /// It was done.
         done: bool,
-        /// The log, which a flash gets with its layout.
+        /// The log now: a flash gets its log with its layout.
         log: Memory,
     },
     /// A record is written, or a piece of the log erased, or not.
@@ -76,7 +78,7 @@ pub enum Report {
     Record(Option<Record>),
 }
 
-/// What a flash holds.
+/// Content of a flash.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Opened {
     /// The stored parameters; factory values where none are stored.
@@ -97,7 +99,7 @@ pub struct Storage<F> {
     buffers: Buffers,
 }
 
-/// What is known once the size of the flash is.
+/// Data that depend on the size of the flash.
 #[derive(Clone, Debug)]
 struct Place {
     layout: Layout,
@@ -109,13 +111,13 @@ struct Place {
     unfit: bool,
 }
 
-/// The first bytes of a label: name and version of the layout. Its third word is the size of the flash, the fourth all
-/// bits of the others inverted and summed up, so that no single wrong bit makes one.
+/// The first words of a label: name and version of the layout. The third word is the size of the flash, the
+/// fourth the inverted sum of the others, so that a single wrong bit makes a label invalid.
 const LABEL: [u32; 2] = [u32::from_be_bytes(*b"narx"), 2];
 const LABEL_BYTES: usize = 16;
 
 impl<F> Storage<F> {
-    /// Nothing is looked at before the first request, which is [`Request::Open`].
+    /// Makes the storage; the flash is not read before the first request, which is [`Request::Open`].
     pub const fn new(flash: F) -> Self {
         Self { flash, place: None, buffers: Buffers::new() }
     }
@@ -132,7 +134,7 @@ impl<F: NorFlash> Storage<F> {
         &mut self.flash
     }
 
-    /// Does what is asked, one step of it: a store, a record, a piece of an erase.
+    /// Executes one step of a request: a store, a record, a piece of an erase.
     pub async fn execute(&mut self, request: Request) -> Report {
         match request {
             Request::Open => Report::Opened(self.open().await),
@@ -168,7 +170,8 @@ impl<F: NorFlash> Storage<F> {
         }
     }
 
-    /// Makes a blank flash a drive's: layout, both parts of the parameters, an empty log.
+    /// Formats a blank flash: layout, both parts of the parameters, an empty log. Returns whether it
+    /// succeeded.
     pub async fn format(&mut self, parameters: &Parameters) -> bool {
         self.open().await;
         let stored = self.store(parameters, Part::Set).await.is_ok();
@@ -230,7 +233,8 @@ impl<F: NorFlash> Storage<F> {
         Ok(())
     }
 
-    /// On a flash without a label the maps are made first and the labels last: a label says that everything is there.
+    /// Stores a part of the parameters. On a flash without a label the maps are made first and the labels
+    /// last: a label states that everything is there.
     async fn store(&mut self, parameters: &Parameters, part: Part) -> Result<(), Failed> {
         let Self { flash, place: Some(place), buffers } = self else { return Err(Failed) };
         let Place { layout, pair, labelled, unfit, .. } = place;
@@ -256,7 +260,7 @@ impl<F: NorFlash> Storage<F> {
 }
 
 impl Place {
-    /// The stored parameters.
+    /// Reads the stored parameters.
     async fn load_maps<F: NorFlash>(
         &mut self,
         flash: &mut F,

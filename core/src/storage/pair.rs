@@ -1,7 +1,7 @@
 //! Two maps with the same content, of which at most one is being written at any instant.
 //!
-//! A write that is cut off can cost the map it was in, whatever state the flash is left in; the other one is whole. Which of two
-//! items is the newer one is told by a count of its own.
+//! A write that is cut off can destroy the map that it was in, whatever state the flash is left in; the other
+//! map is whole. Each item has a count, which shows the newer of two items.
 
 use super::layout::Layout;
 use super::parameters::BODY_MAX;
@@ -9,15 +9,15 @@ use super::ring::{self, Failed, Key};
 use core::ops::Range;
 use embedded_storage_async::nor_flash::NorFlash;
 
-/// An item's count before its body.
+/// Bytes of an item's count, which precedes its body.
 const COUNT: usize = 4;
 const ITEM_MAX: usize = COUNT + BODY_MAX;
 
-/// Working memory: an item, and what its map needs to move one.
+/// Working memory: an item, and the room that a map needs to move one.
 #[derive(Clone, Debug)]
 pub(super) struct Buffers {
     item: [u8; ITEM_MAX],
-    /// Of the item.
+    /// Length of the item, bytes.
     length: usize,
     map: [u8; ring::room(ITEM_MAX)],
 }
@@ -32,7 +32,7 @@ impl Buffers {
         self.item.get(COUNT..self.length).unwrap_or(&[])
     }
 
-    /// Whether a map has the item that stands in the buffer.
+    /// Whether a map has the item that is in the buffer.
     async fn holds<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -43,12 +43,12 @@ impl Buffers {
         Ok(kept.is_some_and(|kept| self.item.get(..self.length) == Some(kept.content)))
     }
 
-    /// Gives the item its count.
+    /// Sets the item's count.
     fn count(&mut self, count: u32) {
         self.item.iter_mut().zip(count.to_be_bytes()).for_each(|(place, byte)| *place = byte);
     }
 
-    /// Prepares an item: `body` writes into the room it is given and answers how much.
+    /// Prepares an item: `body` writes into the room that it is given, and returns the number of bytes.
     fn fill(&mut self, count: u32, body: impl FnOnce(&mut [u8]) -> usize) {
         let (_, room) = self.item.split_at_mut(COUNT);
         self.length = COUNT + body(room).min(BODY_MAX);
@@ -63,12 +63,12 @@ pub(super) struct Pair {
     mirror: Range<u32>,
 }
 
-/// What [`Pair::read`] has found.
+/// Result of [`Pair::read`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Found {
-    /// There is such an item, and it stands in the buffer.
+    /// There is such an item, and it is in the buffer.
     pub present: bool,
-    /// The two maps do not agree: [`Pair::mend`].
+    /// The two maps differ: [`Pair::mend`] makes them equal.
     pub differs: bool,
 }
 
@@ -86,14 +86,15 @@ impl Pair {
     ) -> Result<Found, Failed> {
         let [first, second] = self.look(flash, key, buffers).await?;
         let newest = newest(first, second);
-        // The second copy is the one that now stands in the buffer.
+        // The buffer now has the second copy.
         if second != newest {
             get(flash, &self.primary, key, buffers).await?;
         }
         Ok(Found { present: newest.is_some(), differs: first != second })
     }
 
-    /// Makes the maps equal. The mirror is left alone until the primary has everything, so that each item stands in one of them.
+    /// Makes the maps equal. The mirror is not changed until the primary has everything, so that each item is
+    /// always in one of them.
     pub(super) async fn mend<F: NorFlash>(&self, flash: &mut F, buffers: &mut Buffers) -> Result<(), Failed> {
         for (map, other) in [(&self.primary, &self.mirror), (&self.mirror, &self.primary)] {
             for key in Key::ALL {
@@ -108,7 +109,8 @@ impl Pair {
         Ok(())
     }
 
-    /// Writes an item into one map, reads it back, and only then writes it into the other. What both hold already is not written again.
+    /// Writes an item into one map, reads it back, and only then writes it into the other. An item that both
+    /// hold already is not written again.
     pub(super) async fn write<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -118,7 +120,7 @@ impl Pair {
     ) -> Result<(), Failed> {
         let [first, second] = self.look(flash, key, buffers).await?;
         let count = newest(first, second).map_or(0, |copy| copy.count);
-        // `body` is asked once: the item gets its count afterwards.
+        // `body` is called once: the item gets its count afterwards.
         buffers.fill(count, body);
         if first.is_some() && first == second && buffers.holds(flash, &self.primary, key).await? {
             return Ok(());
@@ -128,7 +130,7 @@ impl Pair {
         put(flash, &self.mirror, key, buffers).await
     }
 
-    /// The copies in both maps; the mirror's stands in the buffer then, if it is whole.
+    /// Reads the copies in both maps; the mirror's is in the buffer then, if it is whole.
     async fn look<F: NorFlash>(
         &self,
         flash: &mut F,

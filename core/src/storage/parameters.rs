@@ -1,5 +1,5 @@
-//! The stored form of a parameter set: pairs of number and value, so that firmware with another dictionary finds what it
-//! knows.
+//! The stored form of a parameter set: pairs of number and value, so that firmware with another dictionary
+//! finds the parameters that it knows.
 //!
 //! ```text
 //!  format u16 | firmware release u16 | number u16, value i32 | number u16, value i32 | ...       big endian
@@ -8,23 +8,23 @@
 use crate::dictionary::{Category, Dictionary, Parameter, Parameters, number};
 use serde::{Deserialize, Serialize};
 
-/// The form that is written, and the newest that is understood.
+/// The format that is written, and the newest one that is understood.
 pub(super) const FORMAT: u16 = 1;
 const HEAD: usize = 4;
 const PAIR: usize = 6;
 
-/// Parameters of newer firmware that are passed over when an older one is put back.
+/// Room for parameters of newer firmware, which are skipped when an older one is put back.
 const NEWER: usize = 8;
 
 /// Room for any set of this dictionary.
 pub(super) const BODY_MAX: usize = HEAD + PAIR * (Dictionary::STORED_COUNT + NEWER);
 
-/// Which part of the parameters: each is stored by a command of its own.
+/// A part of the parameters; each is stored by a command of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Part {
-    /// What parameter 256 stores: everything but the board's own facts.
+    /// The part that parameter 256 stores: everything but the board's own data.
     Set,
-    /// What parameter 257 stores: device number and calibration (category 02).
+    /// The part that parameter 257 stores: device number and calibration (category 02).
     Once,
 }
 
@@ -33,13 +33,14 @@ pub enum Part {
 pub(super) struct Unfit;
 
 impl Part {
-    /// Whether a parameter belongs to this part. Commands and what the drive itself writes are in none.
+    /// Whether a parameter belongs to this part. Commands, and parameters that the drive itself writes,
+    /// belong to none.
     pub fn contains(self, row: &Parameter) -> bool {
         let once = row.number == number::DEVICE_NUMBER || row.category == Category::Calibration;
         row.is_stored() && once == (self == Self::Once)
     }
 
-    /// Writes the part's values; answers the number of bytes.
+    /// Writes the part's values; returns the number of bytes.
     pub(super) fn encode(self, parameters: &Parameters, body: &mut [u8]) -> usize {
         let release = parameters.raw(number::SOFTWARE_RELEASE) as u16;
         let (head, mut rest) = body.split_at_mut(HEAD.min(body.len()));
@@ -57,8 +58,8 @@ impl Part {
         length
     }
 
-    /// Takes over what is stored. Numbers that this firmware does not know are left out, parameters that are not stored
-    /// keep their value; a value out of range is not taken, and said.
+    /// Takes over the stored values. Numbers that this firmware does not know are skipped, and parameters
+    /// that are not stored keep their value. A value out of range is not taken, and the result is an error.
     pub(super) fn decode(self, body: &[u8], parameters: &mut Parameters) -> Result<(), Unfit> {
         let Some(([f0, f1, _, _], pairs)) = body.split_first_chunk::<HEAD>() else { return Err(Unfit) };
         if u16::from_be_bytes([*f0, *f1]) > FORMAT {

@@ -5,8 +5,9 @@
 //!        start  | index  | time, ms  | count | what | value | ... | CRC-32     | end        big endian
 //! ```
 //!
-//! A record fills whole frames of three words, 3 for itself and one for each value, and one program page of the flash, so
-//! that a program that is cut off costs no other record. The CRC is over everything before it.
+//! A record fills whole frames of three words: 3 frames for itself, and one for each value. It has one
+//! program page of the flash to itself, so that a write that is cut off damages no other record. The CRC is
+//! over everything before it.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use heapless::Vec;
@@ -16,9 +17,9 @@ use serde::{Deserialize, Serialize};
 pub const VALUES: usize = 37;
 /// Bytes of the flash that each record takes: one program page.
 pub const PAGE: u32 = 256;
-/// What a record begins with (parameter 27).
+/// First word of a record (parameter 27).
 pub const START: u16 = 0xAA55;
-/// What a record ends with (parameter 66).
+/// Last word of a record (parameter 66).
 pub const END: u16 = 0x55AA;
 
 const HEAD: usize = 12;
@@ -27,15 +28,16 @@ const TAIL: usize = 6;
 /// Bytes of the longest record: 240.
 pub const RECORD_MAX: usize = HEAD + VALUES * VALUE + TAIL;
 
-/// Of a record; also of an image on its way to the bootloader.
+/// CRC of a record, and of an image on its way to the bootloader.
 pub(crate) static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// What there is to log, before it has a place.
+/// Content of a record, before it has an index.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Entry {
     /// Time since power-up, ms; wraps after 49 days.
     pub time: u32,
-    /// What each value is (bits 13:0 its number, bits 15:14 live, smallest, largest or mean), and the value.
+    /// Source of each value (bits 13:0 its number, bits 15:14 live, smallest, largest or mean), and the
+    /// value.
     pub values: Vec<(u16, i32), VALUES>,
 }
 
@@ -49,7 +51,7 @@ impl Record {
         HEAD + VALUE * values + TAIL
     }
 
-    /// The record of an entry.
+    /// Makes the record of an entry.
     pub fn new(index: u32, entry: &Entry) -> Self {
         let mut bytes = Vec::new();
         let mut put = |part: &[u8]| {
@@ -70,7 +72,7 @@ impl Record {
         Self(bytes)
     }
 
-    /// The record at the head of `bytes`, if one stands there and is whole.
+    /// Returns the record at the head of `bytes`, if there is one that is whole.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
         let (head, _) = bytes.split_first_chunk::<HEAD>()?;
         let count = usize::from(u16::from_be_bytes([head[10], head[11]]));
@@ -87,7 +89,7 @@ impl Record {
         self.long(2)
     }
 
-    /// What was logged.
+    /// Returns the content of the record.
     pub fn entry(&self) -> Entry {
         let values = self.0.get(HEAD..self.0.len().saturating_sub(TAIL)).unwrap_or_default();
         let (values, _) = values.as_chunks::<VALUE>();

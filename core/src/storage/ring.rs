@@ -1,19 +1,21 @@
-//! One map: a ring of pages with items, of which the last under a key counts.
+//! One map: a ring of pages with items. The last item of a key counts.
 //!
 //! ```text
 //!  page   number u32 | inverted               | item | item | ... | blank     big endian, in units of 8 bytes
 //!  item   key u8, length u24 | inverted       | content | CRC-32 of key and content | ones to the next unit
 //! ```
 //!
-//! The page with the highest number is the one in force, and no other is looked at, for each begins with all items of the one before. Its number is written last: a page that was cut off
-//! before that does not count. What is not whole is passed over, and nothing more is written into its page. So there is nothing to repair, and nothing to know but what the flash says.
+//! The page with the highest number is in force, and no other one is read, because each page begins with all
+//! items of the page before. Its number is written last: a page that was cut off before that does not count.
+//! An item that is not whole is skipped, and nothing more is written into its page. So nothing has to be
+//! repaired, and all state is on the flash.
 
 use super::blank;
 use core::ops::Range;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use embedded_storage_async::nor_flash::NorFlash;
 
-/// Bytes that are written at once at least: no flash has longer words.
+/// Fewest bytes that are written at once: no flash has longer words.
 const UNIT: usize = 8;
 const CRC: usize = 4;
 /// Bytes that are read back at once.
@@ -21,7 +23,7 @@ const PIECE: usize = 32;
 
 static CRC32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// What a map can hold.
+/// Key of an item in a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Key {
@@ -34,7 +36,7 @@ impl Key {
     pub(super) const ALL: [Self; 3] = [Self::Set, Self::Once, Self::Log];
 }
 
-/// The memory does not do what it is told.
+/// An operation of the memory has failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Failed;
 
@@ -43,15 +45,15 @@ pub(super) struct Failed;
 pub(super) struct Item<'b> {
     pub(super) content: &'b [u8],
     pub(super) crc: u32,
-    /// As it stands on the flash.
+    /// The whole item, as it is on the flash.
     bytes: &'b [u8],
 }
 
-/// Where an item stands.
+/// Place of an item.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     at: u32,
-    /// Of the content.
+    /// Length of the content, bytes.
     length: usize,
 }
 
@@ -62,13 +64,13 @@ struct Page {
     number: u32,
     /// The last item of each key.
     items: [Option<Place>; Key::ALL.len()],
-    /// Behind the last item.
+    /// Address behind the last item.
     end: u32,
-    /// Something in it is not whole.
+    /// An item in it is not whole.
     is_torn: bool,
 }
 
-/// Bytes of an item with that much content.
+/// Returns the bytes of an item with `content` bytes of content.
 pub(super) const fn room(content: usize) -> usize {
     UNIT + content.saturating_add(CRC).next_multiple_of(UNIT)
 }
@@ -112,7 +114,7 @@ pub(super) async fn put<F: NorFlash>(
     Ok(false)
 }
 
-/// Makes a page the one in force: the last one's items, and this one in place of its own.
+/// Puts a page into force: it gets the items of the last page, with the new item in place of its key's.
 async fn begin<F: NorFlash>(
     flash: &mut F,
     map: &Range<u32>,
@@ -143,7 +145,7 @@ async fn begin<F: NorFlash>(
     write(flash, start, &doubled(number)).await
 }
 
-/// Looks for the page in force, and through it.
+/// Finds the page in force, and the items in it.
 async fn find<F: NorFlash>(
     flash: &mut F,
     map: &Range<u32>,
@@ -162,7 +164,7 @@ async fn find<F: NorFlash>(
     let mut page = Page { index, number, items: [None; Key::ALL.len()], end: start, is_torn: false };
     while page.end < end {
         let head = unit(flash, page.end).await?;
-        // Behind what is not whole there may be blank units before the next item.
+        // Behind an item that is not whole there may be blank units before the next item.
         if head == [0xFF; UNIT] && !page.is_torn {
             break;
         }
@@ -209,7 +211,7 @@ async fn read<'b, F: NorFlash>(
     Ok(is_whole.then_some(Item { content, crc, bytes }))
 }
 
-/// An item as it stands on the flash; none if the buffer has no room for it.
+/// Encodes an item as it is on the flash; empty if the buffer has no room for it.
 fn encode<'b>(key: Key, content: &[u8], buffer: &'b mut [u8]) -> &'b [u8] {
     let Some(bytes) = buffer.get_mut(..room(content.len())) else { return &[] };
     let crc = checksum(key, content).to_be_bytes();
@@ -232,7 +234,7 @@ fn checksum(key: Key, content: &[u8]) -> u32 {
     digest.finalize()
 }
 
-/// A word and the same inverted: no single wrong bit makes another one.
+/// A word and its inverse: a single wrong bit never makes another valid word.
 fn doubled(word: u32) -> [u8; UNIT] {
     (u64::from(word) << 32 | u64::from(!word)).to_be_bytes()
 }
@@ -249,7 +251,7 @@ async fn unit<F: NorFlash>(flash: &mut F, at: u32) -> Result<[u8; UNIT], Failed>
     Ok(bytes)
 }
 
-/// Writes where there is room and nothing stands; false if it does not come out right.
+/// Writes if there is room and the place is blank; returns false if not, or if the bytes read back wrong.
 async fn append<F: NorFlash>(flash: &mut F, at: u32, bytes: &[u8], end: u32) -> Result<bool, Failed> {
     let place = at..at.saturating_add(bytes.len() as u32);
     Ok(!bytes.is_empty()
@@ -258,7 +260,7 @@ async fn append<F: NorFlash>(flash: &mut F, at: u32, bytes: &[u8], end: u32) -> 
         && write(flash, at, bytes).await?)
 }
 
-/// Writes and reads back.
+/// Writes and reads back; returns whether the bytes are the same.
 async fn write<F: NorFlash>(flash: &mut F, at: u32, bytes: &[u8]) -> Result<bool, Failed> {
     flash.write(at, bytes).await.map_err(|_| Failed)?;
     let mut at = at;

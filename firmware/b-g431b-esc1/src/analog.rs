@@ -29,7 +29,7 @@ pub const FRONT_END: FrontEnd = FrontEnd {
 pub const CURRENT_ZERO: u16 = 2048;
 /// Nominal code of a phase current of 0: 2.057 V.
 pub const SHUNT_ZERO: u16 = 2553;
-/// How far the real one may be from it, codes: 0.2 V. Beyond, shunt or amplifier is broken.
+/// Largest deviation of the measured zero from [`SHUNT_ZERO`], codes: 0.2 V. Beyond, shunt or amplifier is broken.
 pub const SHUNT_ZERO_TOLERANCE: u16 = 248;
 
 /// A phase code to the bus voltage's scale: (169 + 18) / 18 of it against (10 + 2.2) / 2.2, in 1/65 536.

@@ -11,7 +11,7 @@
 
 use narx_core::motor::{Leg, Rectification, Step};
 
-/// What one leg is told.
+/// Command to the two switches of a leg.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gates {
     /// Both switches off.
@@ -26,7 +26,7 @@ pub enum Gates {
 }
 
 impl Gates {
-    /// What a leg does in a step.
+    /// Returns the command to a leg that has this role in a step.
     pub const fn of(leg: Leg, rectification: Rectification) -> Self {
         match (leg, rectification) {
             (Leg::Floating, _) => Self::Off,
@@ -36,7 +36,8 @@ impl Gates {
         }
     }
 
-    /// Whether the leg has to be off for a dead time between the two: the timer keeps it only while both of its outputs stay enabled.
+    /// Returns whether the leg has to be off for a dead time between `self` and `next`: the timer keeps the dead time only while both of the leg's
+    /// outputs stay enabled.
     pub const fn needs_pause(self, next: Self) -> bool {
         !matches!(
             (self, next),

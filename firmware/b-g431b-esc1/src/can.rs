@@ -89,7 +89,7 @@ pub fn decode(words: [u32; 4]) -> Option<Frame> {
     Frame::data(id, [a, b, c, d, e, f, g, h].get(..usize::from(dlc))?)
 }
 
-/// What the registers PSR and ECR say.
+/// Decodes the state of the controller from the registers PSR and ECR.
 pub const fn bus_state(psr: u32, ecr: u32) -> BusState {
     const PASSIVE: u32 = 1 << 5;
     const BUS_OFF: u32 = 1 << 7;

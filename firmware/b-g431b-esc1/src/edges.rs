@@ -72,7 +72,7 @@ fn sort_by(captures: &mut [Capture], key: impl Fn(&Capture) -> u16) {
     }
 }
 
-/// Whether a capture of this age, counts before the boundary, lies before it; a negative age is one of the present period.
+/// Returns whether a capture of this age, counts before the boundary, lies before the boundary; a negative age is that of a capture in the present period.
 const fn has_ended(age: u16) -> bool {
     age != 0 && age < 1 << 15
 }

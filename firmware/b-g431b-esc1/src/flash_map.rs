@@ -14,13 +14,13 @@ pub const MAP: Map = Map::B_G431B_ESC1;
 /// Hardware id of the images that are for this board.
 pub const HARDWARE: u32 = narx_boot::hardware::B_G431B_ESC1;
 
-/// Where the flash stands in the address space (DS12589, section 4).
+/// Start of the flash in the address space (DS12589, section 4).
 pub const START: u32 = 0x0800_0000;
 /// Its size, bytes.
 pub const SIZE: u32 = 128 << 10;
 /// The smallest unit of erasing, bytes (RM0440, section 3.3.1: category 2 devices).
 pub const PAGE: u32 = 2 << 10;
-/// What is programmed at once, bytes: with eight bits of ECC, once between two erases.
+/// Unit of programming, bytes: it has eight bits of ECC and can be programmed once between two erases.
 pub const WORD: u32 = 8;
 
 const _: () = assert!(MAP.parameters.end == SIZE);

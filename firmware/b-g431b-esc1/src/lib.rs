@@ -25,7 +25,7 @@ pub mod timing;
 
 use narx_core::motor::{Board, Equipment};
 
-/// What the board promises the control core.
+/// Properties of the board on which the control core relies.
 pub const BOARD: Board = Board {
     tick_rate: timing::TICK_RATE,
     earliest: EARLIEST,

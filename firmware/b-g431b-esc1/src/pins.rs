@@ -15,7 +15,7 @@ pub enum Port {
     C,
 }
 
-/// What a pin is for.
+/// Use of a pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
     /// To or from an analogue part.
@@ -46,7 +46,7 @@ pub struct Pin {
     pub port: Port,
     /// 0 to 15.
     pub number: u8,
-    /// What it is for.
+    /// Its use.
     pub function: Function,
     /// Resistor inside.
     pub pull: Pull,

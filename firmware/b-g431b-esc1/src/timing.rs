@@ -19,11 +19,11 @@ pub const CLOCK_HZ: u32 = 170_000_000;
 pub const TICK_RATE: u32 = 10_000;
 /// Counts of a period.
 pub const PERIOD: u16 = (CLOCK_HZ / TICK_RATE) as u16;
-/// Where TIM1 turns round.
+/// Count at which TIM1 turns round.
 pub const TOP: u16 = PERIOD / 2;
 /// Both switches of a leg stay off this long, ns: what ST drives this board with (Motor Control Workbench).
 pub const DEAD_TIME_NS: u16 = 800;
-/// The same in counts.
+/// [`DEAD_TIME_NS`] in counts.
 pub const DEAD_TIME: u16 = counts(DEAD_TIME_NS as u32);
 /// A switched leg's low side is on at least this long in every period, ns: what charges the gate driver's bootstrap capacitor.
 pub const BOOTSTRAP_NS: u16 = 2_000;
@@ -65,7 +65,7 @@ pub const fn position(count: u16, down: bool) -> u16 {
     if down { PERIOD.wrapping_sub(count) } else { count }
 }
 
-/// Whether the instant `at` of TIM4 has come: at most half of its range ago.
+/// Returns whether the instant `at` (count of TIM4) has come: less than half of the counter's range ago.
 pub const fn has_come(at: u16, now: u16) -> bool {
     now.wrapping_sub(at) < 1 << 15
 }

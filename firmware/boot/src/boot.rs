@@ -1,4 +1,4 @@
-//! What happens between reset and the application.
+//! The bootloader's work between reset and the application.
 
 use crate::image::Header;
 use crate::map::{Map, MapError};
@@ -15,21 +15,21 @@ use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind};
 
-/// What the bootloader does next.
+/// Next step of the bootloader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Enter the active image, whose vector table stands at [`Map::entry`]. It has just been verified.
     Run {
-        /// What it is.
+        /// Header of the active image.
         header: Header,
-        /// What was done before.
+        /// Work done on the slots before.
         event: Event,
     },
     /// Enter nothing: there is no verified image. What is wrong with the active one.
     Stay(ImageError),
 }
 
-/// What was done to the slots before the active image was verified.
+/// Work done on the slots before the active image was verified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// Nothing.
@@ -44,7 +44,7 @@ pub enum Event {
     Kept,
 }
 
-/// Why there is no outcome; nothing may be entered then.
+/// Reason why there is no outcome; nothing may be entered then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// The map does not fit the flash.
@@ -142,7 +142,7 @@ fn candidate<F: NorFlash, S: Signatory>(
     })
 }
 
-/// Where a swap has put the image that was active: a page behind the beginning of `dfu`.
+/// Range into which a swap has put the image that was active: `dfu` without its first page.
 fn predecessor<F: NorFlash>(map: &Map) -> Range<u32> {
     map.dfu.start + F::ERASE_SIZE as u32..map.dfu.end
 }

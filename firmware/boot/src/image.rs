@@ -36,7 +36,7 @@ pub const BODY_ALIGNMENT: u32 = 8;
 /// The whole image is counted in 32 bits.
 const LENGTH_MAX: u32 = u32::MAX - HEADER_LENGTH as u32;
 
-/// What an image says of itself. It is true once the signature is verified.
+/// Content of an image's header. It can be trusted once the signature is verified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Header {
     /// The board that it is for.
@@ -47,7 +47,7 @@ pub struct Header {
     pub length: u32,
 }
 
-/// Why 512 bytes are no header.
+/// Reason why 512 bytes are no header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeaderError {
     /// It does not begin with the magic.
@@ -60,7 +60,7 @@ pub enum HeaderError {
     File {
         /// Length of the file, bytes.
         length: usize,
-        /// What it should be, as far as there is a header.
+        /// Length that it should have, bytes: header and body, or that of the header alone if the file is shorter than a header.
         wanted: u32,
     },
 }
@@ -71,10 +71,10 @@ impl Header {
         self.length.saturating_add(HEADER_LENGTH as u32)
     }
 
-    /// What an image in a file says of itself.
+    /// Reads the header of an image in a file, which must hold exactly that image.
     ///
     /// # Errors
-    /// It is none, or not the whole of one.
+    /// The file is not an image, or not exactly one.
     pub fn of(file: &[u8]) -> Result<Self, HeaderError> {
         let short = HeaderError::File { length: file.len(), wanted: HEADER_LENGTH as u32 };
         let header = Self::decode(file.first_chunk().ok_or(short)?)?;
@@ -86,10 +86,10 @@ impl Header {
         }
     }
 
-    /// What the first bytes of an image say.
+    /// Decodes the header in the first bytes of an image.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// Reason why they are not a header.
     pub fn decode(bytes: &[u8; HEADER_LENGTH]) -> Result<Self, HeaderError> {
         let mut words = [0; WORDS];
         for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {

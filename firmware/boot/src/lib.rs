@@ -1,4 +1,4 @@
-//! What the bootloader of a narx drive does, over any NOR flash: the same code on the host, in the emulator and on a board.
+//! Bootloader of a narx drive, over any NOR flash: the same code on the host, in the emulator and on a board.
 //!
 //! ```text
 //!             bootloader                                      application

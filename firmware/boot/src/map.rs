@@ -1,4 +1,4 @@
-//! Where things lie in the flash of a board with a bootloader.
+//! Layout of the flash of a board with a bootloader.
 
 use crate::image::HEADER_LENGTH;
 use core::fmt;
@@ -19,13 +19,13 @@ pub struct Map {
     pub active: Range<u32>,
     /// The image that is received, and after a swap the one before: one page longer than `active`.
     pub dfu: Range<u32>,
-    /// What is to be swapped, and how far that is.
+    /// State pages: which swap is to be done, and how far it has come.
     pub state: Range<u32>,
     /// The drive's parameters, which an update does not touch; may be empty.
     pub parameters: Range<u32>,
 }
 
-/// What is wrong with a map.
+/// Reason why a map is invalid, or does not fit the flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapError {
     /// A range has no page, does not begin and end on pages, or begins before the one before it ends.
@@ -67,15 +67,15 @@ impl Map {
         self.active.end.saturating_sub(self.active.start)
     }
 
-    /// Where the vector table of the active image stands: behind its header.
+    /// Offset of the vector table of the active image, right behind its header.
     pub const fn entry(&self) -> u32 {
         self.active.start + HEADER_LENGTH as u32
     }
 
-    /// Whether this flash can have the map.
+    /// Checks that this flash can have the map.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The first fault that is found.
     pub fn check<F: NorFlash>(&self, flash: &F) -> Result<(), MapError> {
         let (page, word) = (F::ERASE_SIZE as u32, F::WRITE_SIZE as u32);
         let Self { bootloader, active, dfu, state, parameters } = self;

@@ -19,7 +19,7 @@ use embedded_storage::nor_flash::{
 pub(crate) const WORD_MAX: usize = 32;
 const ERASED: u8 = 0xFF;
 
-/// What the state pages say.
+/// State that the state pages record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// Nothing is to be done.
@@ -62,7 +62,7 @@ impl Mark {
     }
 }
 
-/// Why the bootloader has refused the last candidate: a code of ours, 0 for none.
+/// Reads the reason for which the bootloader has refused the last candidate: a code of ours, not of embassy-boot; 0 for none.
 pub(crate) fn verdict<F: NorFlash>(flash: &mut F, map: &Map) -> Result<u8, NorFlashErrorKind> {
     let mut pages = StatePages::new(flash, map);
     let last = (pages.to - pages.from) / F::WRITE_SIZE as u32 - 1;
@@ -74,7 +74,7 @@ pub(crate) fn verdict<F: NorFlash>(flash: &mut F, map: &Map) -> Result<u8, NorFl
     })
 }
 
-/// Notes it, in state pages that have been erased since.
+/// Notes the code of a refusal, in state pages that have been erased since the last one.
 pub(crate) fn note_verdict<F: NorFlash>(flash: &mut F, map: &Map, code: u8) -> Result<(), NorFlashErrorKind> {
     let mut word = [!code; WORD_MAX];
     let [first, ..] = &mut word;

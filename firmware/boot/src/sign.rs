@@ -15,7 +15,7 @@ impl SecretKey {
     /// The secret half of [`crate::key::TEST_ONLY`], which is none.
     pub const TEST_ONLY: Self = Self(PUBLISHED);
 
-    /// What boards have to know.
+    /// Returns the public key, which boards have to know.
     pub fn public(&self) -> Key {
         Key(Keypair::from(&self.0).public.to_bytes())
     }

@@ -22,7 +22,7 @@ pub struct Slot<F> {
     hardware: u32,
 }
 
-/// What an application finds out about itself.
+/// Condition of the slots, as an application reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Condition {
     /// Version of the active image; `None` for one without a header, as a debugger loads it.
@@ -31,11 +31,11 @@ pub struct Condition {
     pub trial: bool,
     /// The next boot swaps.
     pub marked: bool,
-    /// What became of the last candidate, if that was not taken.
+    /// Reason why the last candidate was not taken; `None` without one.
     pub verdict: Option<Verdict>,
 }
 
-/// Why the last candidate does not run.
+/// Reason why the last candidate does not run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The bootloader has refused it.
@@ -44,7 +44,7 @@ pub enum Verdict {
     Reverted,
 }
 
-/// Why a step was not done.
+/// Reason why a step was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotError {
     /// The flash does not do what it is told.
@@ -80,7 +80,7 @@ impl<F: NorFlash> Slot<F> {
         self.hardware
     }
 
-    /// Where the slots are.
+    /// Map of the flash, with the ranges of the slots.
     pub const fn map(&self) -> &Map {
         &self.map
     }
@@ -95,7 +95,7 @@ impl<F: NorFlash> Slot<F> {
         self.flash
     }
 
-    /// What there is.
+    /// Reads the condition of the slots.
     ///
     /// # Errors
     /// The flash cannot be read.
@@ -158,7 +158,7 @@ impl<F: NorFlash> Slot<F> {
     /// it the bootloader looks at again, and at the signature; said here, it is said before the reset.
     ///
     /// # Errors
-    /// Why it is not such an image, or the flash fails.
+    /// It is not such an image, or the flash fails.
     pub fn inspect(&mut self, length: u32) -> Result<Header, SlotError> {
         let header = self.header(self.map.dfu.start)?.map_err(SlotError::Image)?;
         if header.image_length() != length {

@@ -1,4 +1,4 @@
-//! Whether an image is one that its owner has signed, for this board.
+//! Verification of images: signed by their owner, and for this board.
 
 use crate::image::{HEADER_LENGTH, Header, HeaderError, SIGNATURE_LENGTH, SIGNED_LENGTH};
 use crate::key::Key;
@@ -7,9 +7,9 @@ use core::ops::Range;
 use embedded_storage::nor_flash::{NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use salty::{PublicKey, Sha512, Signature};
 
-/// Who signs images.
+/// Owner who signs images, as seen by those who verify them.
 pub trait Signatory {
-    /// Whether this signature is his, of an image with this SHA-512.
+    /// Returns whether this is the owner's signature of an image with this SHA-512.
     fn has_signed(&self, hash: &[u8; 64], signature: &[u8; SIGNATURE_LENGTH]) -> bool;
 }
 
@@ -22,7 +22,7 @@ pub struct Board<S = Key> {
     pub key: S,
 }
 
-/// Why an image is not taken.
+/// Reason why an image is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageError {
     /// It has no header.
@@ -116,10 +116,10 @@ impl<S: Signatory> Board<S> {
     }
 }
 
-/// What a header says, if such an image can be for this hardware and has room. Says nothing of its signature.
+/// Decodes a header and checks that its image is for this hardware and not longer than `room`, bytes. Does not verify the signature.
 ///
 /// # Errors
-/// Why it cannot.
+/// The header is invalid, for other hardware, or its image is too long.
 pub(crate) fn inspect(bytes: &[u8; HEADER_LENGTH], hardware: u32, room: u32) -> Result<Header, ImageError> {
     let header = Header::decode(bytes).map_err(ImageError::Header)?;
     if header.hardware != hardware {

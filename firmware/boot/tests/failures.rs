@@ -4,7 +4,7 @@ use crate::support::{Flash, HARDWARE, Hasty, MAP, NEW, OLD, PAGE, board_with, re
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use narx_boot::{Board, Failure, MapError, Slot, SlotError};
 
-/// Why it does not.
+/// Error of a flash that does not do what it is told.
 #[derive(Clone, Copy, Debug)]
 struct Worn;
 

@@ -46,7 +46,7 @@ fn progress_is_told() {
     assert_eq!(wire.master.poll_update(), Some(Ok(())));
 }
 
-/// What the drive says before a byte is sent.
+/// Images that are refused because of what the drive says before a byte is sent.
 #[test]
 fn an_image_that_cannot_be_is_not_sent() {
     let older = version(1, 2, 3, 3);

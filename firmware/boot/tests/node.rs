@@ -53,7 +53,7 @@ fn an_image_is_received_and_marked() {
     assert_eq!(drive.refused(), 0);
 }
 
-/// What is refused before anything happens, with its code; the drive is as it was.
+/// Requests that are refused before anything happens, with their codes; the drive is as it was.
 #[test]
 fn refusals_have_codes() {
     use UpdateCode::{Done, Hardware, Length, NotNow, Trial, WrongState};
@@ -87,7 +87,7 @@ fn refusals_have_codes() {
     assert_eq!(said(drive.ask(UpdateRequest::Abort)), (UpdateState::Trial, NotNow));
 }
 
-/// What is found out at the end; nothing is marked.
+/// Images that are found to be wrong at the end of the transfer; nothing is marked.
 #[test]
 fn images_that_are_not_marked() {
     let good = Hasty::image(NEW, 1000);

@@ -1,4 +1,4 @@
-//! What the bootloader enters, and what it does to the slots before.
+//! Tests of which image the bootloader enters, and what it does to the slots before.
 
 use crate::support::{
     HARDWARE, Hasty, MAP, NEW, OLD, OWNER, PAGE, active, board_with, boot, image, image_by, receive, runs,
@@ -51,7 +51,7 @@ fn a_trial_keeps_the_slot() {
     assert_eq!(runs(Hasty::boot(&mut flash)), Some(OLD));
 }
 
-/// What is received anew is not swapped in until it is marked anew.
+/// The start of a new transfer takes the mark back: nothing is swapped in until the image is marked anew.
 #[test]
 fn what_begins_takes_the_mark_back() {
     let mut flash = board_with(&Hasty::image(OLD, 1000));
@@ -87,7 +87,7 @@ fn an_image_that_is_spoiled_on_trial_is_swapped_back() {
     assert_eq!(runs(boot(&mut flash)), Some(OLD));
 }
 
-/// The same before the swap is over, wherever a power cut has left it: what was moved already is lost, and both images are there.
+/// A bit that is lost before the swap is over, wherever a power cut has left it, in what was moved already: both images are there, and it is swapped back.
 #[test]
 fn an_image_that_is_spoiled_in_the_swap_is_swapped_back() {
     let mut marked = board_with(&Hasty::image(OLD, 1496));
@@ -146,7 +146,7 @@ fn a_bad_candidate_is_never_swapped_in() {
     }
 }
 
-/// The same version may be sent again, to repair; so may any higher one, whichever of its numbers is.
+/// The same version may be sent again, to repair; so may any higher one, whichever of its numbers is higher.
 #[test]
 fn versions_that_may_follow() {
     let higher = [OLD, version(1, 2, 3, 5), version(1, 2, 4, 0), version(1, 3, 0, 0), version(2, 0, 0, 0)];
@@ -186,7 +186,7 @@ fn every_bit_of_an_image_counts() {
     assert_eq!(runs(Hasty::boot(&mut board_with(&good))), Some(NEW));
 }
 
-/// The same with real signatures, for some of the bits of a large image and all of one byte of each half of the signature.
+/// Bits of an image with a real signature: some of a large image, and all of two bytes of each half of the signature.
 #[test]
 fn no_bit_of_a_signature_is_spare() {
     // It fills the slot.

@@ -24,7 +24,7 @@ const CAPACITY: u32 = 12 * PAGE as u32;
 pub(crate) const OLD: Version = version(1, 2, 3, 4);
 pub(crate) const NEW: Version = version(1, 3, 0, 5);
 
-/// What the bootloader of the board does.
+/// Runs the bootloader of the board.
 pub(crate) fn boot(flash: &mut Flash) -> Result<Outcome, Failure> {
     narx_boot::boot(flash, &MAP, &Board { hardware: HARDWARE, key: OWNER.public() })
 }
@@ -62,7 +62,7 @@ pub(crate) fn board_with(image: &[u8]) -> Flash {
     flash
 }
 
-/// What an application does with an image that it receives: all of an update but the bus.
+/// Does what an application does with an image that it receives: all of an update but the bus.
 pub(crate) fn receive(flash: &mut Flash, image: &[u8]) -> Result<(), SlotError> {
     let mut slot = slot(flash);
     slot.begin()?;
@@ -76,7 +76,7 @@ pub(crate) fn receive(flash: &mut Flash, image: &[u8]) -> Result<(), SlotError> 
     slot.mark()
 }
 
-/// What stands where the image is that runs.
+/// Reads the first `length` bytes of the slot of the image that runs.
 pub(crate) fn active(flash: &mut Flash, length: usize) -> Vec<u8> {
     let mut bytes = vec![0; length];
     flash.read(MAP.active.start, &mut bytes).unwrap();

@@ -1,4 +1,4 @@
-//! What a bootloader with a line to write on says, and what a tool says of a file.
+//! Texts that a bootloader writes, where it has a line to write on, and that a tool prints about a file.
 
 use crate::support::{HARDWARE, version};
 use narx_boot::{Event, Header, HeaderError, ImageError, MapError, NoVersion, Outcome};

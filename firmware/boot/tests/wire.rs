@@ -18,7 +18,7 @@ pub(crate) struct Drive {
     pub(crate) server: Server<Flash>,
     /// Control ticks.
     pub(crate) now: u64,
-    /// The shell lets its flash be.
+    /// The shell does not serve its flash.
     pub(crate) is_stuck: bool,
 }
 
@@ -42,7 +42,7 @@ impl Drive {
         self.node.handle_status(Status { state, standstill: true, ..Status::default() });
     }
 
-    /// What the bootloader makes of it, and the drive after that.
+    /// Runs the bootloader on the drive's flash, then powers the drive up anew.
     pub(crate) fn reboot(&mut self) {
         let flash = self.server.slot().flash();
         assert!(matches!(Hasty::boot(flash), Ok(Outcome::Run { .. })));
@@ -88,7 +88,7 @@ impl Drive {
             .collect()
     }
 
-    /// What it says to this, at last.
+    /// Sends a request and returns the drive's last status after it.
     pub(crate) fn ask(&mut self, request: UpdateRequest) -> UpdateStatus {
         self.heard();
         self.tell(request);
@@ -139,7 +139,7 @@ pub(crate) struct Wire {
     pub(crate) blocks: usize,
     /// Until then the drive, or whoever carries its frames, does something else, control ticks; frames wait.
     pub(crate) busy_until: u64,
-    /// How long a frame to the drive takes, control ticks.
+    /// Time that a frame to the drive takes, control ticks.
     pub(crate) latency: u64,
     /// Frames on their way to it, and when each is there.
     waiting: VecDeque<(u64, Frame)>,

@@ -151,7 +151,7 @@ mod image {
         Ok((sum, identical))
     }
 
-    /// What a scope adds; false if that could not be counted.
+    /// Prints the instructions that a scope adds; false if they could not be counted.
     fn show_scope<const INPUTS: bool>(kind: &str, stem: &str, bytes: &[u8], bracket: u32) -> bool {
         let mut sum = Sum::default();
         let outcome =
@@ -165,7 +165,7 @@ mod image {
         identical
     }
 
-    /// What a scope and a full bus add.
+    /// Prints the instructions that a scope and a full bus add; false if they could not be counted.
     fn show_loaded(stem: &str, bytes: &[u8]) -> bool {
         let mut sum = Sum::default();
         let show = |loaded: &Loaded, _: &Samples, _: &PwmCommand| {
@@ -244,7 +244,7 @@ mod image {
     }
 
     impl<const INPUTS: bool> Scoped<INPUTS> {
-        /// What the keeper orders: a record after 50 ms of waiting, and another one.
+        /// Returns the keeper's order for this tick: a record is forced after 50 ms of waiting, and then another one is armed.
         fn order(&mut self) -> Option<Order<&'static mut Memory>> {
             self.wait = self.wait.saturating_sub(1);
             if self.scope.state() == ScopeState::Armed {
@@ -322,7 +322,7 @@ mod image {
         scoped: Scoped<false>,
         #[serde(skip)]
         bare: Option<Drive>,
-        /// What the master sends all the time.
+        /// Command that the master sends all the time: the last one of the recording.
         #[serde(skip)]
         command: Option<Command>,
         #[serde(skip)]
@@ -407,7 +407,7 @@ mod image {
         instructions::count(|| attend(scope, drive, samples, event, order))
     }
 
-    /// What the control tick does with a scope, within the tick's own function.
+    /// Does the control tick's work for a scope, inlined into the tick's own function.
     #[inline(always)]
     fn attend(
         scope: &mut Scope<&'static mut Memory>,

@@ -78,7 +78,7 @@ mod image {
     struct Desk {
         arriving: Deque<Frame, 4>,
         awake: Sum,
-        /// What the drive has said of its mode last.
+        /// Mode in the last status of the drive.
         mode: Option<MotorMode>,
     }
 

@@ -64,7 +64,7 @@ impl Cells for Ram {
     }
 }
 
-/// Whether the end of the stack is as start-up has painted it.
+/// Returns whether the end of the stack is still as start-up has painted it.
 pub fn is_stack_end_untouched() -> bool {
     unsafe extern "C" {
         static _stack_end: u32;

@@ -9,8 +9,8 @@ pub struct Tolerance {
     pub fast: u16,
 }
 
-/// Whether `counts` at a nominal `rate`, Hz, took as long as `other_counts` at `other_rate`: within the tolerance, and a count more or less, which is the
-/// phase between the two.
+/// Returns whether `counts` at a nominal `rate`, Hz, took as long as `other_counts` at `other_rate`: within the tolerance, and a count more or less,
+/// which is the phase between the two.
 pub fn agree(counts: u32, rate: u16, other_counts: u32, other_rate: u16, tolerance: Tolerance) -> bool {
     // 32 + 16 + 16 bits: no product of any of these leaves 64.
     let product =

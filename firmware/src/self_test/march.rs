@@ -20,7 +20,7 @@ pub trait Cells {
     /// Writes word `index`, into the memory itself.
     fn write(&mut self, index: usize, value: u32);
 
-    /// Whether there is nothing to test.
+    /// Returns whether there are no words to test.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -1,6 +1,6 @@
 //! The program in its flash: a slow walk with a CRC, over and over, compared with the sum that boot has found.
 //!
-//! Whether the program was the right one at boot says its signature, where a bootloader verifies that.
+//! The walk does not show whether the program was the right one at boot: the signature does, where a bootloader verifies it.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 

@@ -1,4 +1,5 @@
-//! What the bench needs of an operating system: threads for many runs at once and for long logs, sockets and terminals for other people's tools.
+//! Parts of the bench that need an operating system: threads for many runs at once and for long logs, sockets and terminals for
+//! other people's tools.
 
 #![forbid(unsafe_code)]
 

@@ -1,11 +1,11 @@
-//! The same work for many items, on every core.
+//! Runs the same work for many items, on every core.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
-/// How long [`for_each`] waits for a result before it asks whether to go on.
+/// Time that [`for_each`] waits for a result before it asks whether to go on.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// As many threads as this program may run at once.

@@ -1,4 +1,4 @@
-//! What a bench shows of itself, tick by tick.
+//! Trace of a bench: its signals, tick by tick.
 
 use super::Bench;
 use crate::plant::Observation;

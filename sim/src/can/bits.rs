@@ -8,7 +8,7 @@ const TAIL: u32 = 1 + 1 + 1 + 7;
 pub(super) const INTERMISSION: u32 = 3;
 /// Generator of the CRC-15: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1, without its highest term.
 const CRC15: u16 = 0x4599;
-/// What four bits at the top of the CRC do to it.
+/// Change of the CRC by the four bits at its top, for each of their values.
 const CRC15_OF_FOUR: [u16; 16] = crc15_of_four();
 
 /// Bits that `frame` occupies the bus for, stuff bits and the intermission after it included.
@@ -24,7 +24,7 @@ pub const fn worst_case_bits(extended: bool, bytes: u8) -> u32 {
     stuffed + (stuffed - 1) / 4 + TAIL + INTERMISSION
 }
 
-/// What a node compares with the bus while it arbitrates: the lower value wins. Identifier, RTR (or SRR), IDE and
+/// Returns the bits that a node compares with the bus while it arbitrates; the lower value wins. Identifier, RTR (or SRR), IDE and
 /// the rest of an extended identifier with its RTR, left-aligned.
 pub fn arbitration_field(frame: &Frame) -> u32 {
     let remote = u32::from(frame.is_remote());
@@ -98,7 +98,7 @@ impl WireBits {
         Stuffed { bits: self.unstuffed(), run: Run::default(), held: None }.chain(tail)
     }
 
-    /// How many stuff bits it takes.
+    /// Returns the number of stuff bits.
     pub fn stuff_bits(&self) -> u32 {
         let mut left = u32::from(self.length);
         // Left-aligned, and inverted while the bus is recessive: then a run is of zeros.

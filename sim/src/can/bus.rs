@@ -9,7 +9,7 @@ use narx_core::bus::{BusState, ErrorState, Frame};
 
 /// An error flag with the flags that answer it (at most 6 + 6 bits) and the error delimiter (8).
 const ERROR_FRAME: u32 = 12 + 8;
-/// What an error-passive sender waits beyond the intermission, bits.
+/// Time that an error-passive sender waits beyond the intermission, bits.
 const SUSPEND: u32 = 8;
 /// Recessive bits that a node off the bus counts as one step of its recovery.
 const STEP: u32 = 11;
@@ -37,7 +37,7 @@ pub struct Bus<const NODES: usize, const QUEUE: usize> {
     statistics: BusStatistics,
 }
 
-/// What has happened on a bus so far.
+/// Counts of frames and errors on a bus so far, and its busy time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BusStatistics {
     /// Frames that arrived.
@@ -75,7 +75,7 @@ impl fmt::Display for NotQueued {
 
 impl core::error::Error for NotQueued {}
 
-/// What is on the wire now. Who sends it is marked in the nodes.
+/// Transmission on the wire now. Its senders are marked in the nodes.
 #[derive(Clone, Copy, Debug)]
 struct Transmission {
     frame: Frame,
@@ -201,7 +201,7 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         self.ongoing.map(|ongoing| ongoing.end).or_else(|| self.next_start())
     }
 
-    /// What has happened so far, the frame under way counted up to the last [`advance`](Self::advance) (an
+    /// Returns the counts so far, with the time of the frame under way up to the last [`advance`](Self::advance) (an
     /// intermission counts when its frame ends).
     pub fn statistics(&self) -> BusStatistics {
         let under_way = self.ongoing.map_or(0, |ongoing| self.now.saturating_sub(ongoing.start));
@@ -218,7 +218,7 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         self.nodes.get(node.0).map(|node| (node.transmit_errors, node.receive_errors))
     }
 
-    /// What a node's controller tells of itself; one that there is not is active.
+    /// Returns the state of a node's controller; error-active for a node that does not exist.
     pub fn state(&self, node: NodeIndex) -> BusState {
         self.nodes.get(node.0).map_or_else(BusState::default, |node| BusState {
             error: node.error_state(),
@@ -247,7 +247,7 @@ impl<const NODES: usize, const QUEUE: usize> Bus<NODES, QUEUE> {
         self.nodes.get(node.0).map_or(0, |node| node.outgoing.len())
     }
 
-    /// How long so many bits take, ns.
+    /// Returns the time that `bits` bits take, ns.
     pub fn duration(&self, bits: u32) -> u64 {
         u64::from(bits) * 1_000_000_000 / u64::from(self.bitrate)
     }

@@ -7,7 +7,7 @@ use narx_core::bus::{ErrorState, Frame};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct NodeIndex(pub(super) usize);
 
-/// How a node takes part.
+/// Participation of a node in the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Attachment {
     /// Sends, receives and acknowledges.
@@ -26,7 +26,7 @@ pub struct Received {
     pub frame: Frame,
     /// End of its last bit (end of frame), ns.
     pub time_ns: u64,
-    /// Who sent it.
+    /// Sender of the frame.
     pub sender: NodeIndex,
 }
 
@@ -56,7 +56,7 @@ pub(super) struct Node<const QUEUE: usize> {
     pub(super) receive_errors: u16,
     /// Sends nothing before this instant, ns: bus-off on a bus that stays idle, or an error-passive sender's suspension.
     pub(super) held_until: u64,
-    /// How many times 11 recessive bits a node that is off the bus has still to see; 0 while it takes part.
+    /// Number of times that a node off the bus has still to see 11 recessive bits; 0 while it takes part.
     to_see: u32,
 }
 

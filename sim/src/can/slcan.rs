@@ -30,7 +30,7 @@ pub const NO: u8 = 0x07;
 /// A line, its end included.
 pub type Line = Vec<u8, LINE_MAX>;
 
-/// What a host asks of its adapter.
+/// Command of a host to its adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     /// An empty line, by which hosts clear what was typed before.
@@ -178,7 +178,7 @@ pub enum Channel {
     Open,
 }
 
-/// How an adapter is set.
+/// Settings of an adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Index into [`BITRATES`].
@@ -196,7 +196,7 @@ impl Default for Settings {
     }
 }
 
-/// What a line from the host came to.
+/// Result of a line from the host.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answer {
     /// For the host.
@@ -219,7 +219,7 @@ impl Adapter {
         Self { settings, ..Self::default() }
     }
 
-    /// How it is set now.
+    /// Returns the present settings.
     pub const fn settings(&self) -> Settings {
         self.settings
     }

@@ -76,7 +76,7 @@ impl Sweep {
         Self::by_halves(start, span, Rotation::by(0.5 * span))
     }
 
-    /// The same of a quarter of a radian or less.
+    /// From `start` on by `span` rad, a quarter of a radian or less.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn little(start: &Rotation, span: f64) -> Self {
         Self::by_halves(start, span, Rotation::by_little(0.5 * span))

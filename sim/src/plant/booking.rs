@@ -1,4 +1,4 @@
-//! What adds up along the way: charge, torque impulse, and what the energy ledger needs.
+//! Sums over intervals: charge, torque impulse, and the terms of the energy ledger.
 
 use super::interval::Solved;
 use super::ledger::Ledger;
@@ -6,7 +6,7 @@ use super::network::{Loop, Network};
 use super::segment::Segment;
 use super::stage::Stage;
 
-/// What the network moved since it was last entered in the ledger.
+/// Sums over the network since it was last entered in the ledger.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Book {
     /// Charge from the bus into the motor, A s.

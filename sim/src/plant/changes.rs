@@ -1,4 +1,4 @@
-//! What is changed from outside, and what drifts with temperature.
+//! Changes from outside, and drift with temperature.
 
 use super::injection::{Injected, Injection};
 use super::{LoadConfig, Plant, SupplyConfig};

@@ -1,9 +1,9 @@
-//! What the three legs do, and the circuit that comes of it until the next one changes.
+//! States of the three legs, and the circuit that follows from them until the next one changes.
 
 use super::phase::Phase;
 use super::wiring::{Wiring, dot};
 
-/// What a leg of the bridge does.
+/// State of a leg of the bridge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Leg {
     /// No current.
@@ -48,7 +48,7 @@ pub(crate) struct Electric {
     pub(crate) v: f64,
 }
 
-/// The same in the coordinates of a [`Wiring`].
+/// Currents into the motor and the bus voltage in the coordinates of a [`Wiring`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Reduced {
     pub(crate) s: f64,

@@ -1,4 +1,4 @@
-//! What the plant is made of. SI units; angles in electrical degrees where a name ends in `_deg`.
+//! Configuration of the plant. SI units; angles in electrical degrees where a name ends in `_deg`.
 
 use super::phase::Phase;
 use narx_core::motor::Board;
@@ -10,9 +10,9 @@ pub struct PlantConfig {
     pub board: Board,
     /// The motor.
     pub motor: MotorConfig,
-    /// What the shaft drives.
+    /// Load on the shaft.
     pub load: LoadConfig,
-    /// What feeds the bus.
+    /// Supply of the bus.
     pub supply: SupplyConfig,
     /// Bridge and bus capacitor.
     pub inverter: InverterConfig,
@@ -152,7 +152,7 @@ pub struct SupplyConfig {
 }
 
 impl SupplyConfig {
-    /// What an ideal source has: 1 mV at 10 A, ohm.
+    /// Smallest source resistance, that of an ideal source: 1 mV at 10 A, ohm.
     pub const RESISTANCE_MIN: f64 = 1e-4;
 }
 
@@ -171,7 +171,7 @@ pub struct InverterConfig {
     pub diode_drop: f64,
     /// Bus capacitance, F; 100 uF in the specification (section "Features").
     pub capacitance: f64,
-    /// What the drive's own electronics take from the bus, before the current shunt, S.
+    /// Conductance of the drive's own electronics at the bus, before the current shunt, S.
     pub own_conductance: f64,
 }
 

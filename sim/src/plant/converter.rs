@@ -13,7 +13,7 @@ pub(crate) struct Converter {
     bus_current: Scale,
 }
 
-/// What was converted.
+/// Converted samples.
 pub(crate) struct Codes {
     pub(crate) bus_voltage: u16,
     pub(crate) phase_voltage: [u16; 3],

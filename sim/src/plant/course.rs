@@ -14,7 +14,8 @@ const LENGTH_MAX: f64 = 200e-6;
 /// Part of the shaft's and the circuit's common swing, rad, that a course may be long: a rotor that is light for its torque swings
 /// against the winding's inductance within a period or two.
 const SWING_MAX: f64 = 0.11;
-/// The same of the swing about where currents hold the rotor: without friction its energy has to last for many of them.
+/// Part of the rotor's swing about the angle where currents hold it, rad, that a course may be long: without friction the energy of
+/// the swing has to last for many periods.
 const HOLD_MAX: f64 = 0.07;
 /// Courses are not made shorter than this because of a wrong prediction, s.
 const LENGTH_MIN: f64 = 5e-6;
@@ -31,14 +32,14 @@ const EMF_ERROR: (f64, f64) = (1e-3, 1e-3);
 pub(crate) struct Course {
     /// s.
     length: f64,
-    /// How much of it is done, s.
+    /// Time since its start, s.
     pub(crate) elapsed: f64,
     /// Longest one that the shaft can be predicted for, s.
     length_max: f64,
-    /// The same at its best.
+    /// Upper bound of `length_max`, s.
     ceiling: f64,
     motion: Motion,
-    /// What the electrical torque's slope, as [`super::segment::Pace`] tells it, does to the acceleration.
+    /// Value for `lean` of [`super::segment::Pace`]: effect of the electrical torque's slope on the acceleration.
     pub(crate) lean: f64,
     /// Electrical angular speed at its start as predicted, rad/s, and half of what it gains, rad/s2.
     rate: f64,
@@ -94,7 +95,7 @@ impl Course {
         self.rest() < 2.0 * INSTANT
     }
 
-    /// What is left of it, s.
+    /// Returns the time that is left of it, s.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn rest(&self) -> f64 {
         self.length - self.elapsed
@@ -112,7 +113,7 @@ impl Course {
         }
     }
 
-    /// The same of every leg.
+    /// Back-EMF per speed of every leg for the next `h` seconds.
     pub(crate) fn legs(&self, emf: &EmfShape, shaft: &Shaft, h: f64) -> [Chord; 3] {
         let t = self.elapsed + 0.5 * h;
         let rate = self.rate + 2.0 * self.half_gain * t;

@@ -47,7 +47,7 @@ impl Line {
     }
 }
 
-/// The same, told from the middle of the interval: `middle + slope (t - h / 2)`.
+/// A quantity that runs linearly over an interval, by its value in the middle: `middle + slope (t - h / 2)`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Chord {
     pub(crate) middle: f64,
@@ -114,7 +114,8 @@ impl EmfShape {
         if three { Shape { s, d: aside, idle: none } } else { Shape { s, d: none, idle: aside } }
     }
 
-    /// The same of every leg of a motor of any shape; `angle` is the middle in turns.
+    /// Returns the values of every leg over `h` seconds, as [`along`](Self::along) does along coordinates, but for a motor of any
+    /// shape; `angle` is the middle in turns.
     pub(crate) fn legs(&self, angle: f64, middle: &Rotation, rate: f64, h: f64) -> [Chord; 3] {
         if self.flank != 0.0 {
             return self.trapezoids(angle, rate);

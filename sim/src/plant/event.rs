@@ -1,4 +1,4 @@
-//! What may end an interval: a diode or the source starts or stops conducting.
+//! Events that may end an interval: a diode or the source starts or stops conducting.
 
 use super::circuit::{Circuit, Reduced};
 use super::emf::Line;
@@ -24,7 +24,7 @@ pub(crate) enum Event {
     SourceStarts,
 }
 
-/// What events are looked for in: an interval, its circuit, and what decides beside them.
+/// Scene in which events are looked for: an interval, its circuit, and the other values that decide.
 pub(crate) struct Scene<'a> {
     pub(crate) segment: &'a Segment,
     pub(crate) circuit: &'a Circuit,
@@ -45,7 +45,7 @@ impl Scene<'_> {
 }
 
 impl Event {
-    /// How far beyond the event the circuit is at `t`: negative before it, A or V.
+    /// Returns the distance of the circuit beyond the event at `t`: negative before it, A or V.
     pub(crate) fn beyond(self, scene: &Scene, t: f64, at: &Reduced) -> f64 {
         match self {
             Self::Stops(x) => {
@@ -62,7 +62,7 @@ impl Event {
         }
     }
 
-    /// How far beyond counts, A or V: a current stops at zero, a voltage has to pass its edge.
+    /// Returns the distance beyond the event from which it counts, A or V: a current stops at zero, a voltage has to pass its edge.
     pub(crate) fn edge(self) -> f64 {
         if matches!(self, Self::Stops(_)) { 0.0 } else { VOLTAGE_EDGE }
     }

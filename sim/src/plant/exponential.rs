@@ -25,8 +25,8 @@ pub(crate) fn falling(x: f64) -> f64 {
     series * f64::from_bits(sum.to_bits().wrapping_add(1023) << 52)
 }
 
-/// The same of an x that is small, as it is where an interval is much shorter than a time constant: Pade's approximant of
-/// order 3, to 1e-8 at -0.35 and to 1e-12 at a quarter of it.
+/// exp(x) for an x that is not positive and small, as it is where an interval is much shorter than a time constant: Pade's
+/// approximant of order 3, to 1e-8 at -0.35 and to 1e-12 at a quarter of it.
 #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
 pub(crate) fn falling_little(x: f64) -> f64 {
     let y = x * x;

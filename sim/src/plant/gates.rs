@@ -4,7 +4,7 @@ use super::phase::Phase;
 use narx_core::motor::{Leg as Role, PwmCommand, Rectification, SampleMode, Step};
 use narx_core::units::Duty;
 
-/// What a leg's gates ask for.
+/// Switch of a leg that its gate signals call for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gate {
     /// Both switches off.
@@ -160,7 +160,7 @@ impl Gates {
         self.on_from = if duty == Duty::ONE { half_on } else { self.period - half_on };
     }
 
-    /// What a switched leg's gates ask for at `t`.
+    /// Returns the switch that a switched leg's gate signals call for at `t`.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn switched_gate(&self, t: f64) -> Gate {
         if t < self.on_until || t >= self.on_from {

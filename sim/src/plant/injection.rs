@@ -42,7 +42,7 @@ pub enum Injection {
     Dsi2,
 }
 
-/// What a fault is told besides its name.
+/// Options of a fault besides its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InjectionOptions {
     /// The number that some have.
@@ -60,7 +60,7 @@ pub enum InjectionError {
     Unknown,
     /// It needs a value within this range, and has this one or none.
     Value {
-        /// What was given.
+        /// The value given.
         given: Option<f64>,
         /// Smallest.
         min: f64,

@@ -1,4 +1,4 @@
-//! What the board reads besides the tick's samples: what hangs on the wires, and what its converter makes of it.
+//! Inputs that the board reads besides the tick's samples: the values on its wires, and the codes that its converter makes of them.
 
 use super::Plant;
 use core::fmt;
@@ -37,9 +37,9 @@ pub enum Input {
     InternalTemperature,
     /// External sensor, -55..=250 degrees Celsius.
     ExternalTemperature,
-    /// What drives DSIO1 from outside, 0..=3.3 V.
+    /// Voltage that drives DSIO1 from outside, 0..=3.3 V.
     Dsio1,
-    /// What drives DSIO2 from outside, 0..=3.3 V.
+    /// Voltage that drives DSIO2 from outside, 0..=3.3 V.
     Dsio2,
     /// Supply of the hall sensors while the drive has it on, 0..=5.5 V.
     HallSupply,
@@ -50,7 +50,7 @@ pub enum Input {
 pub struct InputError {
     /// Where it was to go.
     pub input: Input,
-    /// What it was.
+    /// The value that was refused.
     pub value: f64,
 }
 
@@ -124,7 +124,7 @@ impl Input {
         &ROWS[self as usize]
     }
 
-    /// What it is called, in lower case.
+    /// Returns its name, in lower case.
     pub fn name(self) -> &'static str {
         self.row().name
     }
@@ -152,13 +152,13 @@ const ASI_RESISTANCE: f64 = 20_000.0;
 const ACCEL_SENSITIVITY: f64 = 0.5;
 /// Of the pressure amplifier (Table 2).
 const PRESSURE_GAIN: f64 = 56.0;
-/// What a common mode of 1 V adds to the bridge's output, V: a rejection of 80 dB, an estimate.
+/// Voltage that a common mode of 1 V adds to the bridge's output, V: a rejection of 80 dB, an estimate.
 const COMMON_MODE_GAIN: f64 = 1e-4;
 /// A digital line reads low up to this (V IL of Table 2), V.
 const LOW_MAX: f64 = 1.2;
 /// A digital line reads high from this on (V IH of Table 2), V.
 const HIGH_MIN: f64 = 1.3;
-/// What a digital line drives, V (Table 2).
+/// Voltage that a digital line drives, V (Table 2).
 const HIGH: f64 = 3.3;
 /// The hall sensors need this much, V: an estimate.
 const HALL_SUPPLY_MIN: f64 = 3.5;
@@ -172,7 +172,7 @@ const LARGE_RAIL: f64 = 20.48 / 4096.0;
 /// Degrees a code of the temperature sensors.
 const TEMPERATURE: f64 = 1.0 / 16.0;
 
-/// What hangs on the wires.
+/// State of the wires.
 #[derive(Clone, Debug)]
 pub(crate) struct Inputs {
     values: [f64; Input::ALL.len()],
@@ -253,7 +253,7 @@ impl Plant {
         Ok(())
     }
 
-    /// What the drive does with its digital lines and the supply of the hall sensors.
+    /// Sets the wires to the drive's digital outputs, and switches the supply of the hall sensors as the drive does.
     pub fn set_outputs(&mut self, outputs: Outputs) {
         if outputs.digital != self.inputs.outputs {
             self.inputs.outputs = outputs.digital;

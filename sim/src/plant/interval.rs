@@ -15,18 +15,18 @@ const INSTANT: f64 = 1e-13;
 /// A diode's current below this has ended, A.
 const STOPPED: f64 = 1e-6;
 
-/// What an interval comes to.
+/// Solution of an interval.
 #[derive(Clone, Copy)]
 pub(crate) struct Solved {
     pub(crate) h: f64,
     pub(crate) per_h: f64,
     pub(crate) end: Reduced,
     pub(crate) sums: Sums,
-    /// What ended it early.
+    /// Event that ended it early.
     event: Option<Event>,
 }
 
-/// What an attempt at an interval came to.
+/// Outcome of an attempt at an interval.
 enum Attempt {
     /// It is done, and took so many seconds.
     Done(f64),
@@ -135,7 +135,7 @@ impl Stage {
         if h < most { h } else { most }
     }
 
-    /// The same for any circuit, whatever happens.
+    /// Solves up to `limit` seconds of any circuit, whatever happens in them, and returns how many, s.
     #[inline(never)]
     fn interval_closely(&mut self, limit: f64) -> f64 {
         let h = self.longest_interval(limit);

@@ -28,7 +28,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// What is unaccounted for, J; positive if energy vanished.
+    /// Returns the energy that is unaccounted for, J; positive if energy vanished.
     pub fn residual(&self) -> f64 {
         self.source
             - (self.source_loss

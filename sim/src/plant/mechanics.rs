@@ -29,7 +29,7 @@ pub(crate) struct Shaft {
     pub(crate) blocked: bool,
 }
 
-/// What one interval does to the shaft.
+/// Effect of one interval on the shaft.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
     /// Speed at the end, rad/s, and its mean.
@@ -45,7 +45,7 @@ pub(crate) struct Turn {
     opposing: f64,
 }
 
-/// How the shaft is expected to move: by its drag, and by the electrical impulse as it comes.
+/// Expected motion of the shaft: by its drag, and by the electrical impulse as it comes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
     /// At the start, rad/s.
@@ -56,7 +56,7 @@ pub(crate) struct Motion {
     pub(crate) per_inertia: f64,
 }
 
-/// What moves the shaft over an interval.
+/// Electrical drive of the shaft over an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Push {
     /// Length, s, and 1 / length.
@@ -64,7 +64,7 @@ pub(crate) struct Push {
     pub(crate) per_h: f64,
     /// Electrical angular impulse, N m s.
     pub(crate) impulse: f64,
-    /// How far it acts before the middle on the whole: its moment about the middle, N m s2.
+    /// Moment of the impulse about the middle of the interval, N m s2: positive if it acts before the middle on the whole.
     pub(crate) lead: f64,
     /// Mean speed that the circuit was solved with, rad/s.
     pub(crate) speed: f64,
@@ -122,7 +122,7 @@ impl Shaft {
         self.angle / self.turns_per_radian()
     }
 
-    /// How the shaft is expected to move for `h` seconds if the electrical torque is `torque` at first, N m.
+    /// Predicts the motion of the shaft for `h` seconds if the electrical torque is `torque` at first, N m.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn predict(&self, torque: f64, h: f64) -> Motion {
         let (speed, per_inertia) = (self.speed, self.per_inertia);
@@ -137,7 +137,7 @@ impl Shaft {
         Motion { speed, drift, per_inertia }
     }
 
-    /// The same of a shaft that is held or at rest.
+    /// Predicts the motion of a shaft that is held or at rest if the electrical torque is `torque` at first, N m.
     fn predict_from_rest(&self, torque: f64) -> Motion {
         let coulomb = self.static_friction + self.load.constant;
         let drive = torque + self.cogging_torque * sine(self.cogging_ratio * self.angle);
@@ -180,7 +180,7 @@ impl Shaft {
         self.cogging_torque * sine(self.cogging_ratio * middle) * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0)))
     }
 
-    /// What an interval would do.
+    /// Computes the effect of an interval; the shaft does not move yet.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn turn(&self, push: &Push) -> Turn {
         let cogging = self.cogging(push.speed * push.h);

@@ -9,7 +9,7 @@
 //!               on-time ends                sample, step acts, commutations   on-time starts
 //! ```
 //!
-//! The same seed and the same commands give the same bits on every platform: plain f64 arithmetic and `libm`.
+//! Runs with the same seed and the same commands give the same bits on every platform: plain f64 arithmetic and `libm`.
 #![forbid(unsafe_code)]
 #![allow(clippy::needless_range_loop, reason = "several arrays run in parallel over the three legs")]
 
@@ -281,7 +281,7 @@ impl Plant {
         self.stage.legs_emf()
     }
 
-    /// What the gates of legs A, B and C ask for now.
+    /// Returns the switches that the gate signals of legs A, B and C call for now.
     pub fn gates(&self) -> [Gate; 3] {
         self.gates.asked()
     }
@@ -296,7 +296,7 @@ impl Plant {
         self.tick
     }
 
-    /// What it was built from, with every change since.
+    /// Returns the configuration that it was built from, with every change since.
     pub fn config(&self) -> &PlantConfig {
         &self.config
     }

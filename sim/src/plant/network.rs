@@ -87,7 +87,7 @@ pub(crate) struct Modes {
     pub(crate) g_det: f64,
     pub(crate) k_det: f64,
     pub(crate) r_det: f64,
-    /// What a slope of the driving voltage adds to the particular solution.
+    /// Parts of the particular solution, of `s` and of the bus, per slope of the driving voltage.
     pub(crate) lag_s: f64,
     pub(crate) lag_v: f64,
 }
@@ -224,13 +224,13 @@ impl Network {
         self.modes(Loop::Open, true).per_g
     }
 
-    /// What hangs at the bus.
+    /// Returns the system for this path of the motor's current at the bus, with the source on or off.
     #[inline]
     pub(crate) fn modes(&self, topology: Loop, source_on: bool) -> &Modes {
         &self.modes[usize::from(source_on)][topology as usize]
     }
 
-    /// What is left after `t` seconds of a current that decays on its own.
+    /// Returns the share that is left after `t` seconds of a current that decays on its own.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn leg_decay(&self, t: f64) -> f64 {
         falling_little(-self.rate * t)
@@ -238,7 +238,7 @@ impl Network {
 }
 
 impl Modes {
-    /// What is left after `t` seconds of a bus without the motor.
+    /// Returns the share that is left after `t` seconds of the distance from `rest` of a bus without the motor.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn bus_decay(&self, t: f64) -> f64 {
         falling(self.a_vv * t)

@@ -13,24 +13,25 @@ pub(crate) struct Shape {
     pub(crate) idle: Chord,
 }
 
-/// What tells circuits apart.
+/// Properties in which circuits differ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kind {
-    /// What the bus sees of the motor.
+    /// Path of the motor's current at the bus: none, two legs or three.
     pub(crate) topology: Loop,
     /// All three legs conduct.
     pub(crate) three: bool,
     pub(crate) source_on: bool,
 }
 
-/// How the shaft moves at the start of an interval.
+/// Motion of the shaft at the start of an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
     /// Mechanical speed, rad/s.
     pub(crate) speed: f64,
     /// rad/s2.
     pub(crate) acceleration: f64,
-    /// What a slope of the torque, told as L times that of the currents, adds to the acceleration in a second.
+    /// Change of the acceleration per second of interval and per unit of the torque's slope, which is computed with L times the
+    /// slopes of the currents.
     pub(crate) lean: f64,
 }
 
@@ -256,7 +257,7 @@ impl Segment {
         self.kind.source_on
     }
 
-    /// What the bus sees.
+    /// Returns the path of the motor's current at the bus.
     #[inline]
     pub(crate) fn topology(&self) -> Loop {
         self.kind.topology

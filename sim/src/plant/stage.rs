@@ -291,8 +291,8 @@ impl Stage {
         left > bus || (left > 0.0 && gate == Gate::Low && !self.legs.iter().any(|leg| leg.side() == 1))
     }
 
-    /// What the drop of a diode in `leg`, beside the switch `gate`, does to the currents in a dead time of `h` seconds: it
-    /// is much shorter than L / R, so that it acts as a whole.
+    /// Adds the effect that the drop of a diode in `leg`, beside the switch `gate`, has on the currents in a dead time of `h`
+    /// seconds: it is much shorter than L / R, so that it acts as a whole.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn drop_of_dead_time(&mut self, leg: Phase, gate: Gate, h: f64) {
         self.refresh();

@@ -23,7 +23,7 @@ pub(crate) struct Wiring {
     pub(crate) index: usize,
     /// Legs tied to bus or ground.
     pub(crate) conducting: u8,
-    /// What the bus sees of them.
+    /// Path of their current at the bus: none, two legs or three.
     pub(crate) topology: Loop,
     /// Part of `s` that each leg carries.
     pub(crate) along: [f64; 3],

@@ -1,6 +1,6 @@
 //! Real motors, every figure with its source.
 //!
-//! What no source states is an estimate, the same for all unless said otherwise:
+//! Values that no source states are estimates, the same for all unless said otherwise:
 //!
 //! - **Friction** (where a no-load current is published): the no-load torque k I0 is split in halves at the no-load
 //!   speed, one Coulomb, one viscous. Bearing and hysteresis losses are about constant, windage and eddy currents
@@ -24,7 +24,7 @@ use crate::plant::{BackEmf, MotorConfig};
 pub struct Preset {
     /// Short name: what `--motor` takes.
     pub name: &'static str,
-    /// Who makes it.
+    /// Manufacturer.
     pub maker: &'static str,
     /// Part or order number.
     pub part: &'static str,
@@ -34,7 +34,7 @@ pub struct Preset {
     pub data: DataSheet,
     /// Where each figure comes from.
     pub sources: &'static [Source],
-    /// What was estimated, and how.
+    /// Estimated values, and how they were estimated.
     pub estimates: &'static [&'static str],
 }
 
@@ -78,7 +78,7 @@ pub fn preset(name: &str) -> Option<&'static Preset> {
     PRESETS.iter().find(|preset| preset.name == name)
 }
 
-/// What most motors have in common: copper, an estimate for the magnets, no thermal or friction data.
+/// Values that most motors have in common: copper, an estimate for the magnets, no thermal or friction data.
 const COMMON: MotorConfig = MotorConfig {
     pole_pairs: 1,
     resistance: 0.0,

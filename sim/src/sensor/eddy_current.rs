@@ -20,7 +20,7 @@ pub struct EddyCurrentConfig {
     pub range: f64,
     /// Noise of a sample, 0 to 1 mm rms: Gaussian, white up to half the sample rate.
     pub noise: f64,
-    /// What it watches.
+    /// Target that it watches.
     pub target: Target,
 }
 
@@ -72,12 +72,12 @@ impl EddyCurrent {
         Ok(Self { config, measuring_range })
     }
 
-    /// What it is made of.
+    /// Returns its configuration.
     pub const fn config(&self) -> &EddyCurrentConfig {
         &self.config
     }
 
-    /// What its driver is told to be its range.
+    /// Returns the measuring range that its driver is given.
     pub const fn measuring_range(&self) -> MeasuringRange {
         self.measuring_range
     }

@@ -2,7 +2,7 @@
 
 use super::Shaft;
 
-/// What turns or moves the encoder's scale.
+/// An incremental encoder, by what moves its scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encoder {
     /// On the shaft.

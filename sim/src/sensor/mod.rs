@@ -1,4 +1,4 @@
-//! What stands beside a shaft: eddy-current sensors, whose target moves with it, and an incremental encoder.
+//! Sensors beside a shaft: eddy-current sensors, whose target moves with it, and an incremental encoder.
 //!
 //! ```text
 //!  shaft ──> target (run-out, axial play, screw) ──> distance ──> noise, ends of the range, quantisation ──> position

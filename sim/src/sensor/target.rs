@@ -1,4 +1,4 @@
-//! What a sensor looks at: a surface that the shaft moves.
+//! Target of a sensor: a surface that the shaft moves.
 
 use super::Shaft;
 use core::f64::consts::TAU;
@@ -8,7 +8,7 @@ use core::f64::consts::TAU;
 pub struct Target {
     /// At angle 0 and standstill, without run-out, mm.
     pub rest: f64,
-    /// What a revolution repeats.
+    /// Run-out, which repeats with every revolution.
     pub run_out: [Harmonic; 2],
     /// The shaft's way along itself.
     pub play: AxialPlay,

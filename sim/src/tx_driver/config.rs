@@ -1,4 +1,4 @@
-//! What a TX-Driver on a bench is made of.
+//! Configuration of a TX-Driver on a bench.
 
 use crate::sensor::{EddyCurrentConfig, Encoder, SensorError, Target};
 use core::fmt;
@@ -8,7 +8,7 @@ use narx_core::eddycan::{Configuration, Entry};
 /// A TX-Driver, its sensors and its encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TxDriverConfig {
-    /// What stands in its memory.
+    /// Configuration in its memory.
     pub configuration: Configuration,
     /// Sensors of it.
     pub channels: Channels,

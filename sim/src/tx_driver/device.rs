@@ -17,7 +17,7 @@ const MAILBOXES: usize = 1;
 pub struct Device {
     driver: TxDriver,
     variant: Variant,
-    /// What a restart finds. Writing it takes no time here.
+    /// Configuration in its memory, from which a restart begins. Writing it takes no time here.
     stored: Configuration,
     sensors: [EddyCurrent; 2],
     encoder: Option<Encoder>,
@@ -94,7 +94,7 @@ impl Device {
         self.notes = Notes::new(self.variant, self.stored, label);
     }
 
-    /// What it was told and asked since it last started, to be [run again](narx_core::recording::transcript); nothing without
+    /// Transcript of its inputs and queries since it last started, to be [run again](narx_core::recording::transcript); empty without
     /// [`Device::begin_transcript`].
     #[cfg(feature = "transcripts")]
     pub fn transcript(&self) -> Vec<u8> {

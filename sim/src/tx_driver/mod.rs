@@ -24,7 +24,7 @@ use alloc::vec::Vec;
 pub const SAMPLE_RATE: u32 = 40_000;
 /// From one sample to the next, ns.
 pub const STEP_NS: u64 = 1_000_000_000 / SAMPLE_RATE as u64;
-/// What the simulated device answers under 2100h.
+/// Firmware version that the simulated device answers under 2100h.
 pub const FIRMWARE: u16 = 0x0100;
 
 /// All TX-Drivers of a bus.
@@ -32,7 +32,7 @@ pub const FIRMWARE: u16 = 0x0100;
 pub struct TxDrivers {
     devices: Vec<Device>,
     seed: u64,
-    /// How far they have come, and the shaft there.
+    /// Time up to which they have run, and the shaft at that time.
     now_ns: u64,
     shaft: Shaft,
 }
@@ -74,7 +74,7 @@ impl TxDrivers {
         &self.devices
     }
 
-    /// The same, to change what their sensors watch.
+    /// Returns the devices in the same order, to change what their sensors watch.
     pub fn devices_mut(&mut self) -> &mut [Device] {
         &mut self.devices
     }

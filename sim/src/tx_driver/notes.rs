@@ -1,4 +1,4 @@
-//! What a TX-Driver is told and asked, written down.
+//! Transcript of a TX-Driver: the inputs and queries that it gets.
 
 use crate::recording::RecordingBuffer;
 use alloc::string::String;
@@ -98,7 +98,7 @@ impl Notes {
         self.write(|transcriber| transcriber.told(call));
     }
 
-    /// What waits was before what comes.
+    /// Writes down the sample that waits, which came before the next call.
     fn catch_up(&mut self) {
         if let Some(sample) = self.sample.take() {
             self.told(TxDriverCall::Sample(sample));

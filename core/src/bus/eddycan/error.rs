@@ -1,9 +1,9 @@
-//! What a node reports (Table 13), and what is wrong with a frame that says nothing.
+//! Codes of error messages (Table 13), and reasons why a frame cannot be decoded.
 
 use super::nmt::Target;
 use core::fmt;
 
-/// What an error message says (Table 13).
+/// Code of an error message (Table 13).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]
 pub enum ErrorCode {
@@ -15,7 +15,7 @@ pub enum ErrorCode {
     Protocol = 0x8200,
 }
 
-/// Why a frame is no message.
+/// Reason why a frame cannot be decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecodeError {
     /// A 29-bit identifier.
@@ -41,7 +41,7 @@ impl ErrorCode {
         Self::ALL.into_iter().find(|code| *code as u16 == raw)
     }
 
-    /// What it says.
+    /// Meaning of the code in words.
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::Generic => "generic error",

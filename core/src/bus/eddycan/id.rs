@@ -14,10 +14,10 @@ use serde::{Deserialize, Serialize};
 #[serde(try_from = "u8", into = "u8")]
 pub struct NodeId(u8);
 
-/// What an identifier says.
+/// Meaning of an identifier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CobId {
-    /// 0: network management, to whom the data says.
+    /// 0: network management; the data names the receiver.
     Nmt,
     /// 80h: synchronisation, to everybody.
     Sync,
@@ -33,7 +33,7 @@ pub enum CobId {
     Heartbeat(NodeId),
 }
 
-/// What a process data object is triggered by.
+/// Trigger of a process data object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum PdoKind {
@@ -56,7 +56,7 @@ pub struct Identifier {
     pub node: bool,
     /// A node sends it, or else the master.
     pub from_node: bool,
-    /// What it is for.
+    /// Purpose of the identifier.
     pub purpose: &'static str,
 }
 
@@ -133,7 +133,7 @@ impl CobId {
         Id::standard_masked(base + node as u16)
     }
 
-    /// What an identifier means.
+    /// Decodes an identifier.
     ///
     /// # Errors
     /// A 29-bit identifier, or one that Table 3 does not list.

@@ -7,35 +7,35 @@ use super::pdo::{Layout, Reading};
 use super::sdo::{SdoAnswer, SdoRequest};
 use crate::bus::Frame;
 
-/// What masters send.
+/// Message of a master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ToNode {
-    /// NMT: become this.
+    /// NMT: command to one node or all.
     Nmt {
-        /// What to become.
+        /// State to enter, or restart.
         command: NmtCommand,
-        /// Who.
+        /// Addressed nodes.
         target: Target,
     },
     /// SYNC.
     Sync,
     /// The remote frame that asks for PDO3.
     RequestPdo {
-        /// Of which node.
+        /// Addressed node.
         node: NodeId,
-        /// How many bytes, 0..=8.
+        /// Number of requested bytes, 0..=8.
         bytes: u8,
     },
     /// SDO to a node.
     Sdo {
-        /// Which one.
+        /// Addressed node.
         node: NodeId,
-        /// What is wanted.
+        /// Request for one entry.
         request: SdoRequest,
     },
 }
 
-/// What a node sends.
+/// Message of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FromNode {
     /// Error message. [`super::ErrorCode::decode`] knows the codes of Table 13.
@@ -45,9 +45,9 @@ pub enum FromNode {
     },
     /// PDO1, PDO2 or PDO3.
     Pdo {
-        /// What has triggered it.
+        /// Trigger of the PDO.
         kind: PdoKind,
-        /// What it carries.
+        /// Readings in the PDO.
         reading: Reading,
     },
     /// Answer to an SDO.
@@ -57,7 +57,7 @@ pub enum FromNode {
 }
 
 impl ToNode {
-    /// The frame, as the master sends it; more than 8 bytes cannot be asked for and become 8.
+    /// The frame, as the master sends it; a request for more than 8 bytes becomes one for 8.
     pub fn encode(self) -> Frame {
         match self {
             Self::Nmt { command, target } => {
@@ -71,7 +71,7 @@ impl ToNode {
         }
     }
 
-    /// What a frame says.
+    /// Decodes a frame.
     ///
     /// # Errors
     /// The frame is malformed, or no message of a master.
@@ -118,8 +118,8 @@ impl FromNode {
         }
     }
 
-    /// What a frame of a node with this layout says, and which node. An error message may be longer than its two bytes, as those of
-    /// CANopen nodes are.
+    /// Decodes a frame of a node with this layout; returns the node-id and the message. An error message may be longer than its two
+    /// bytes, as those of CANopen nodes are.
     ///
     /// # Errors
     /// The frame is malformed, or no message of such a node.

@@ -3,7 +3,7 @@
 use super::error::DecodeError;
 use super::id::NodeId;
 
-/// What a node is told to become.
+/// NMT command: a state to enter, or a restart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum NmtCommand {
@@ -17,7 +17,7 @@ pub enum NmtCommand {
     Reset = 0x81,
 }
 
-/// Who is told.
+/// Receiver of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Target {
     /// 0: every node.
@@ -26,7 +26,7 @@ pub enum Target {
     Node(NodeId),
 }
 
-/// What a heartbeat tells.
+/// State in a heartbeat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum NmtState {
@@ -66,7 +66,7 @@ impl Target {
         }
     }
 
-    /// Whether this node is meant.
+    /// Returns whether the command is for this node.
     pub fn includes(self, node: NodeId) -> bool {
         self == Self::All || self == Self::Node(node)
     }

@@ -1,4 +1,4 @@
-//! What process data objects carry (Figures 2 to 5).
+//! Contents of process data objects (Figures 2 to 5).
 //!
 //! ```text
 //!  byte          0     1     2     3     4     5     6     7
@@ -23,7 +23,7 @@ pub enum Channels {
     Dual,
 }
 
-/// Which of the four layouts.
+/// Layout of a PDO, one of four.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Layout {
     /// Sensors of the driver.
@@ -32,7 +32,7 @@ pub struct Layout {
     pub encoder: bool,
 }
 
-/// What is read at one instant. What a layout does not carry is 0 when decoded.
+/// Readings of one instant. A value that the layout does not carry is decoded as 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Reading {
     /// Position of each channel.
@@ -60,7 +60,7 @@ impl Position {
         self.0
     }
 
-    /// The nearest position; what lies beyond the range becomes the end of it.
+    /// The nearest position; a value beyond the range becomes the end of the range.
     pub fn from_picometres(picometres: i64) -> Self {
         // Beyond 17 mm it saturates anyway, and the product below must not.
         let bounded = picometres.clamp(-17 * PER_MILLIMETRE, 17 * PER_MILLIMETRE);
@@ -102,12 +102,12 @@ impl Layout {
             (Channels::Single, false) => [a0, a1, a2, a3, 0, 0, 0, 0],
             (Channels::Single, true) => [a0, a1, a2, a3, e0, e1, 0, 0],
             (Channels::Dual, false) => [a0, a1, a2, a3, b0, b1, b2, b3],
-            // 24 bits are the upper ones of 32: a position in 2^-19 mm, rounded down.
+            // The upper 24 of the 32 bits: a position in 2^-19 mm, rounded down.
             (Channels::Dual, true) => [a1, a2, a3, b1, b2, b3, e0, e1],
         }
     }
 
-    /// What the data says, or `None` if it has not the length of this layout.
+    /// Decodes the data; `None` if its length is not that of this layout.
     pub fn decode(self, data: &[u8]) -> Option<Reading> {
         let position = |bytes| Position(i32::from_le_bytes(bytes));
         let (positions, encoder) = match (self.channels, self.encoder, data) {

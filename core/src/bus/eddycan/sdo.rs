@@ -14,25 +14,25 @@ pub struct SdoRequest {
     pub index: u16,
     /// Its subindex.
     pub subindex: u8,
-    /// What is wanted.
+    /// Requested action.
     pub action: SdoAction,
 }
 
-/// What a master wants of an entry.
+/// Action that a master requests on an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SdoAction {
-    /// 40h: its value.
+    /// 40h: read the value.
     Read,
-    /// 22h, or with a size 23h, 27h, 2Bh, 2Fh: give it a value.
+    /// 22h, or with a size 23h, 27h, 2Bh, 2Fh: write the value.
     Write {
-        /// How many bytes count, 1..=4; `None` if only the node knows.
+        /// Number of valid bytes, 1..=4; `None` if only the node knows it.
         size: Option<u8>,
         /// Low byte first.
         data: [u8; 4],
     },
-    /// 80h: nothing more.
+    /// 80h: abort.
     Abort {
-        /// Why.
+        /// Abort code.
         code: u32,
     },
     /// Any other command.
@@ -49,11 +49,11 @@ pub struct SdoAnswer {
     pub index: u16,
     /// Subindex as requested.
     pub subindex: u8,
-    /// What has come of it.
+    /// Outcome of the request.
     pub outcome: SdoOutcome,
 }
 
-/// What has come of a request.
+/// Outcome of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SdoOutcome {
     /// 60h: written.
@@ -62,7 +62,7 @@ pub enum SdoOutcome {
     Value(SdoValue),
     /// 80h: not done. [`AbortCode::decode`] knows the codes of Table 10.
     Aborted {
-        /// Why.
+        /// Abort code.
         code: u32,
     },
 }
@@ -74,7 +74,7 @@ pub struct SdoValue {
     data: [u8; 4],
 }
 
-/// Why a request was not done (Table 10).
+/// Reason why a request was refused (Table 10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum AbortCode {
@@ -114,7 +114,7 @@ impl SdoRequest {
         join(command, self.index, self.subindex, data)
     }
 
-    /// What 8 bytes ask for.
+    /// Decodes a request from 8 bytes.
     pub const fn decode([command, low, high, subindex, a, b, c, d]: [u8; 8]) -> Self {
         let data = [a, b, c, d];
         let action = match command {
@@ -131,7 +131,7 @@ impl SdoRequest {
     }
 }
 
-/// A size that no frame has room for is none.
+/// Command byte of a write; a size that no frame has room for counts as no size.
 const fn write_command(size: Option<u8>) -> u8 {
     match size {
         Some(4) => 0x23,
@@ -153,8 +153,8 @@ impl SdoAnswer {
         join(command, self.index, self.subindex, data)
     }
 
-    /// What 8 bytes answer, or `None` for a command that no answer has. 42h and 47h, which other nodes send for a value without a size and
-    /// for one of three bytes, are understood too.
+    /// Decodes an answer from 8 bytes; `None` for a command that no answer has. 42h and 47h, which other nodes send for a value without a
+    /// size and for one of three bytes, are understood too.
     pub const fn decode([command, low, high, subindex, a, b, c, d]: [u8; 8]) -> Option<Self> {
         let data = [a, b, c, d];
         let outcome = match command {
@@ -187,7 +187,7 @@ impl SdoValue {
         Self { size: 4, data: value.to_le_bytes() }
     }
 
-    /// Bytes that count: 1, 2 or 4, or 3 from other nodes.
+    /// Number of valid bytes: 1, 2 or 4, or 3 from other nodes.
     pub const fn size(self) -> u8 {
         self.size
     }
@@ -227,7 +227,7 @@ impl AbortCode {
         Self::ALL.into_iter().find(|code| *code as u32 == raw)
     }
 
-    /// What it says.
+    /// Meaning of the code in words.
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::CommandUnknown => "command unknown",

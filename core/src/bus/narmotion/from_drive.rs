@@ -1,4 +1,4 @@
-//! What drives send (Figure 14, type 0).
+//! Messages of drives (Figure 14, type 0).
 
 use super::id::{Addresses, MessageId, MessageKind, Opcode};
 use super::measurement::Measurement;
@@ -59,7 +59,7 @@ pub enum FromDrive {
         number: u16,
         /// Raw value that is stored now; 0 for an unknown number.
         value: i32,
-        /// Whether the request was done, or why not.
+        /// Result of the request: done, or the reason why not.
         status: ParameterStatus,
     },
     /// LOG VIRTUAL SCOPE.
@@ -145,7 +145,7 @@ impl FromDrive {
         self.addressless().frame(addresses)
     }
 
-    /// What is sent, whoever sends it to whom.
+    /// Opcode and words of the message, without addresses.
     pub(crate) fn addressless(self) -> Addressless {
         let words = match self {
             Self::BuildInfo { number, modified, date } => {
@@ -173,7 +173,7 @@ impl FromDrive {
         Addressless { opcode: self.opcode(), words }
     }
 
-    /// What a frame says, and from whom to whom.
+    /// Decodes a frame; returns its identifier, with sender and receiver, and its message.
     ///
     /// # Errors
     /// The frame is malformed, or no message of a drive.

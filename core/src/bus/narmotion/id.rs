@@ -9,7 +9,7 @@ use super::words::DecodeError;
 use crate::bus::{Frame, Id};
 use serde::{Deserialize, Serialize};
 
-/// What an identifier says.
+/// Fields of an identifier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct MessageId {
     /// Arbitration priority; receivers ignore it.
@@ -20,7 +20,7 @@ pub struct MessageId {
     pub destination: u8,
     /// Message type.
     pub kind: MessageKind,
-    /// What the message is about.
+    /// Subject of the message.
     pub opcode: Opcode,
 }
 
@@ -30,9 +30,9 @@ pub struct MessageId {
 pub enum Priority {
     /// 0: not used by any printed message.
     Highest = 0,
-    /// 1: what masters send.
+    /// 1: messages of masters.
     High = 1,
-    /// 2: what drives send.
+    /// 2: messages of drives.
     Low = 2,
     /// 3: not used by any printed message.
     Lowest = 3,
@@ -60,9 +60,9 @@ impl Opcode {
     pub const BUILD_INFO: Self = Self(0);
     /// Releases, serial number, address.
     pub const DEVICE_INFO: Self = Self(1);
-    /// What the motor is to do.
+    /// Requested motor mode.
     pub const REQUEST_WORD: Self = Self(2);
-    /// What the motor does.
+    /// Present motor, control and logging state.
     pub const STATUS_WORD: Self = Self(3);
     /// Faults.
     pub const FAULT_WORD: Self = Self(4);
@@ -96,7 +96,7 @@ impl Opcode {
     pub const UPDATE_BEGIN: Self = Self(162);
     /// Programming: a block of the image.
     pub const UPDATE_DATA: Self = Self(163);
-    /// Programming: how far it is.
+    /// Programming: progress.
     pub const UPDATE_STATUS: Self = Self(164);
     /// Programming: the image is complete.
     pub const UPDATE_END: Self = Self(165);
@@ -137,7 +137,7 @@ impl TryFrom<u16> for Opcode {
     }
 }
 
-/// The two ends of the conversation.
+/// Addresses of a drive and its master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Addresses {
     /// Address of the drive (parameter 2).
@@ -150,7 +150,7 @@ impl Addresses {
     /// As Figure 9 and Figure 14 print them: drive 170, master 85.
     pub const FACTORY: Self = Self { drive: 0xAA, master: 0x55 };
 
-    /// Identifier of what the drive sends.
+    /// Identifier of a message from the drive.
     pub const fn from_drive(self, opcode: Opcode) -> MessageId {
         MessageId {
             priority: Priority::Low,
@@ -161,7 +161,7 @@ impl Addresses {
         }
     }
 
-    /// Identifier of what the master sends.
+    /// Identifier of a message from the master.
     pub const fn to_drive(self, kind: MessageKind, opcode: Opcode) -> MessageId {
         MessageId { priority: Priority::High, source: self.master, destination: self.drive, kind, opcode }
     }
@@ -179,7 +179,7 @@ impl MessageId {
         )
     }
 
-    /// What an identifier means.
+    /// Decodes an identifier.
     ///
     /// # Errors
     /// An 11-bit identifier, or type 3.
@@ -204,7 +204,7 @@ impl MessageId {
         Ok(Self { priority, source: (raw >> 19) as u8, destination: (raw >> 11) as u8, kind, opcode })
     }
 
-    /// What the identifier of a frame means.
+    /// Decodes the identifier of a frame.
     ///
     /// # Errors
     /// As [`MessageId::decode`].

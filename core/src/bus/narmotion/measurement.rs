@@ -102,7 +102,7 @@ impl Measurement {
         })
     }
 
-    /// What four words say.
+    /// Decodes a measurement from four words.
     ///
     /// # Errors
     /// Not the opcode of a measurement (206 does not exist), or a digital input that is neither 0 nor 1.

@@ -1,5 +1,5 @@
-//! Every message with its fields: the table that documents, data base files and the drive's description are made from.
-//! Encoders and decoders stand beside it; `tests/protocol/messages.rs` holds both to the same bits.
+//! Every message with its fields. Documents, data base files and the drive's description are made from this table.
+//! Encoders and decoders are written separately; `tests/protocol/messages.rs` checks that both use the same bits.
 
 use super::id::MessageKind::{DataRequest, DataSet, SlaveTx};
 use super::id::{Addresses, MessageId, MessageKind, Opcode};
@@ -22,7 +22,7 @@ pub struct Message {
 /// A part of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// What it is called.
+    /// Name of the field.
     pub name: &'static str,
     /// Place of its first and highest bit: 0 is the highest bit of word 0, 63 the lowest of word 3.
     pub first_bit: u8,
@@ -34,11 +34,11 @@ pub struct Field {
     pub unit: &'static str,
     /// Value = raw * 10^exponent.
     pub exponent: i8,
-    /// What the number stands for.
+    /// Meaning of the number.
     pub meaning: Meaning,
 }
 
-/// What the number of a field stands for.
+/// Meaning of a field's number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// A quantity or a plain number.
@@ -56,7 +56,7 @@ pub enum Meaning {
 /// Values with names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Names {
-    /// What they are values of.
+    /// Quantity that has these values.
     pub of: &'static str,
     /// Value and name; other values are not used.
     pub values: &'static [(u16, &'static str)],
@@ -331,7 +331,7 @@ impl Message {
         MESSAGES.iter().find(|message| (message.kind, message.opcode) == (id.kind, id.opcode))
     }
 
-    /// Its identifier between these two.
+    /// Identifier of the message between these addresses.
     pub const fn id(&self, addresses: Addresses) -> MessageId {
         match self.kind {
             SlaveTx => addresses.from_drive(self.opcode),
@@ -349,7 +349,7 @@ impl Field {
         if self.signed { top as i64 >> unused } else { (top >> unused) as i64 }
     }
 
-    /// Puts a raw number where it belongs in the words of its message, which had 0 there.
+    /// Puts a raw number into its bits of the message's words, which must be 0 before.
     ///
     /// # Errors
     /// The number needs more bits; nothing has changed.

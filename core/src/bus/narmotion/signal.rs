@@ -1,4 +1,4 @@
-//! Scales of the broadcast measurements: the one table that documents and data base files are made from.
+//! Scales of the broadcast measurements. Documents and data base files are made from this one table.
 
 use super::id::Opcode;
 use super::words::{Words, long};

@@ -1,4 +1,4 @@
-//! What masters send (Figure 14, types 1 and 2).
+//! Messages of masters (Figure 14, types 1 and 2).
 
 use super::id::{Addresses, MessageId, MessageKind, Opcode};
 #[cfg(feature = "update")]
@@ -73,9 +73,9 @@ pub struct DigitalOutputs {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u16)]
 pub enum XmlCommand {
-    /// 0: say how long the file is.
+    /// 0: send the length of the file.
     Length = 0,
-    /// 1: send it.
+    /// 1: send the file.
     Start = 1,
 }
 
@@ -128,7 +128,7 @@ impl ToDrive {
         words.frame(addresses.to_drive(kind, opcode))
     }
 
-    /// What a frame says, and from whom to whom.
+    /// Decodes a frame; returns its identifier, with sender and receiver, and its message.
     ///
     /// # Errors
     /// The frame is malformed, or no message of a master.

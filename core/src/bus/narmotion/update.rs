@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Bytes of an image in a frame.
 pub const BLOCK: usize = 6;
 
-/// What a master sends to program the drive.
+/// Request of a master that programs the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpdateRequest {
     /// UPDATE_DEVICE, type 2.
@@ -24,9 +24,9 @@ pub enum UpdateRequest {
     },
     /// UPDATE_DATA, type 1.
     Data {
-        /// Number of the block, modulo 65 536: its first byte is the image's byte 6 times that.
+        /// Number of the block, modulo 65 536. Block n begins at byte 6 n of the image.
         block: u16,
-        /// Bytes of the image. What is behind its end does not count.
+        /// Bytes of the image. Bytes behind its end are ignored.
         data: [u8; BLOCK],
     },
     /// UPDATE_STATUS, type 2.
@@ -42,7 +42,7 @@ pub enum UpdateRequest {
     Confirm,
 }
 
-/// What a drive answers.
+/// Answer of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UpdateAnswer {
     /// UPDATE_DEVICE.
@@ -52,13 +52,13 @@ pub enum UpdateAnswer {
         /// Longest image, bytes.
         room: u32,
     },
-    /// UPDATE_VERSION: that of the running image, zeros for one that was not programmed over the bus.
+    /// UPDATE_VERSION: version of the running image; zeros if it was not programmed over the bus.
     Version(ImageVersion),
     /// UPDATE_STATUS.
     Status(UpdateStatus),
 }
 
-/// Version of an image; its order is the numbers' from left to right.
+/// Version of an image, compared number by number from left to right.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ImageVersion {
     /// Major version.
@@ -71,24 +71,24 @@ pub struct ImageVersion {
     pub build: u16,
 }
 
-/// How far an update is.
+/// Progress of an update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UpdateStatus {
-    /// What the drive is about.
+    /// State of the update.
     pub state: UpdateState,
-    /// Why the last request was refused, or the last update ended; [`UpdateCode::Done`] for neither.
+    /// Reason why the last request was refused, or the last update ended; [`UpdateCode::Done`] for neither.
     pub code: UpdateCode,
-    /// Blocks that it has room for from `offset` on.
+    /// Blocks that the drive has room for, from `offset` on.
     pub window: u16,
     /// Bytes of the image that are erased, received or verified, as the state says.
     pub offset: u32,
 }
 
-/// What a drive is about.
+/// State of an update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum UpdateState {
-    /// 0: nothing.
+    /// 0: no update.
     #[default]
     Idle = 0,
     /// 1: erases the slot.
@@ -103,7 +103,7 @@ pub enum UpdateState {
     Trial = 5,
 }
 
-/// Why a drive does not go on with an update.
+/// Reason why an update does not go on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum UpdateCode {
@@ -118,15 +118,15 @@ pub enum UpdateCode {
     Trial = 3,
     /// 4: the image is for other hardware.
     Hardware = 4,
-    /// 5: the image is longer than the slot or shorter than its header, or not as long as that says.
+    /// 5: the image is longer than the slot, shorter than its header, or not as long as its header says.
     Length = 5,
     /// 6: blocks are missing from the offset on.
     Sequence = 6,
-    /// 7: the flash does not do what it is told.
+    /// 7: the flash failed.
     Flash = 7,
-    /// 8: what was written is not what the CRC is of.
+    /// 8: the written image does not match the CRC.
     Checksum = 8,
-    /// 9: what was written has no header.
+    /// 9: the written image has no header.
     NoImage = 9,
     /// 10: the image is older than the running one.
     Older = 10,
@@ -134,9 +134,9 @@ pub enum UpdateCode {
     TimedOut = 11,
     /// 12: ended by the master.
     Aborted = 12,
-    /// 13: the bootloader has not found the signature right.
+    /// 13: the bootloader rejected the signature.
     Signature = 13,
-    /// 14: the image was on trial, and nobody has confirmed it.
+    /// 14: the image was on trial and was not confirmed.
     Reverted = 14,
 }
 
@@ -170,7 +170,7 @@ impl UpdateRequest {
         }
     }
 
-    /// A Data Set of an opcode that no other message has.
+    /// Decodes a Data Set whose opcode no other message has.
     pub(super) const fn decode_set(
         opcode: Opcode,
         Words([word0, word1, word2, word3]): Words,
@@ -189,7 +189,7 @@ impl UpdateRequest {
         })
     }
 
-    /// A Data Request of an opcode that no other message has.
+    /// Decodes a Data Request whose opcode no other message has.
     pub(super) const fn decode_request(opcode: Opcode) -> Result<Self, DecodeError> {
         Ok(match opcode {
             Opcode::UPDATE_DEVICE => Self::Device,
@@ -223,7 +223,7 @@ impl UpdateAnswer {
         }
     }
 
-    /// What a frame says, if its opcode is one of these.
+    /// Decodes an answer; `None` if the opcode is not that of one.
     pub(super) fn decode(
         opcode: Opcode,
         Words([word0, word1, word2, word3]): Words,

@@ -10,10 +10,10 @@
 
 use super::words::DecodeError;
 
-/// What the master asks for: bits 3..0. Every other bit is sent as 0 and ignored when received.
+/// Request of the master: bits 3..0. Every other bit is sent as 0 and ignored when received.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct RequestWord {
-    /// What the motor is to do; [`MotorMode::Fault`] commands a shutdown.
+    /// Requested motor mode; [`MotorMode::Fault`] commands a shutdown.
     pub mode: MotorMode,
 }
 
@@ -47,12 +47,12 @@ pub enum ControlMode {
     Hall = 3,
 }
 
-/// What the drive does.
+/// Status of the drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct StatusWord {
-    /// What the motor does.
+    /// Present motor mode.
     pub mode: MotorMode,
-    /// How it is controlled.
+    /// Present control mode.
     pub control: ControlMode,
     /// Logging state, 0..=31; Table 8 names 0 to 11.
     pub logging: u8,
@@ -72,7 +72,7 @@ impl RequestWord {
         self.mode as u32
     }
 
-    /// What 32 bits ask for.
+    /// Decodes a request from 32 bits.
     ///
     /// # Errors
     /// Motor modes 4 to 15 do not exist.
@@ -96,7 +96,7 @@ impl StatusWord {
             | (self.erase_enable as u32) << 24
     }
 
-    /// What 32 bits say; reserved ones are ignored.
+    /// Decodes a status from 32 bits; reserved bits are ignored.
     ///
     /// # Errors
     /// A motor or control mode that Table 8 does not list.

@@ -1,4 +1,4 @@
-//! The four words of a frame, and what is wrong with a frame that has none.
+//! The four words of a frame, and the reasons why a frame cannot be decoded.
 
 use super::id::MessageId;
 use crate::bus::Frame;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Words(pub [u16; 4]);
 
-/// Why a frame is no message.
+/// Reason why a frame cannot be decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DecodeError {
     /// An 11-bit identifier.
@@ -18,7 +18,7 @@ pub enum DecodeError {
     Remote,
     /// Not 8 data bytes.
     Length,
-    /// A message type that nobody sends, or not in this direction.
+    /// A message type that does not exist, or not in this direction.
     Kind,
     /// No message of this direction and type has this opcode.
     Opcode,
@@ -59,7 +59,7 @@ pub(super) const fn long(high: u16, low: u16) -> u32 {
 }
 
 impl DecodeError {
-    /// The frame breaks the format, rather than asking for something that the receiver does not do.
+    /// Returns whether the frame breaks the format: one that only has an unknown opcode or value does not.
     pub const fn is_malformed(self) -> bool {
         !matches!(self, Self::Opcode | Self::Value)
     }

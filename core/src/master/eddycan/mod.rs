@@ -1,5 +1,5 @@
-//! The other end of the bus for one TX-Driver: it configures the node, commands it, watches whether it is there, and reads its positions. A pure
-//! state machine: frames and time (microseconds) in, frames out.
+//! Bus master of one TX-Driver: configures the node, commands it, monitors its presence, and reads its
+//! positions. A pure state machine: frames and time (microseconds) in, frames out.
 //!
 //! Call [`TxMaster::handle_frame`] for every frame that arrives, and [`TxMaster::poll_frame`] until it has nothing left, at the latest when
 //! [`TxMaster::next_poll`] says.
@@ -22,23 +22,23 @@ use requests::Requests;
 /// Messages without an answer that may wait.
 const COMMANDS: usize = 4;
 
-/// What a master must know of its node.
+/// Configuration of a master: its node, and times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// Its node-id.
     pub node: NodeId,
-    /// What its PDOs carry; the encoder's part follows the register 2004h when that is read or written here.
+    /// Layout of its PDOs; the encoder part follows register 2004h when this master reads or writes that.
     pub layout: Layout,
-    /// How long an answer may take, microseconds; at least 3000.
+    /// Longest time until an answer, microseconds; at least 3000.
     pub timeout: u64,
-    /// How often a request is sent at most, 1 or more.
+    /// Largest number of times that a request is sent, at least 1.
     pub attempts: u8,
-    /// After how long without a message the node is gone, microseconds.
+    /// Silence after which the node counts as gone, microseconds.
     pub silence: u64,
 }
 
 impl Config {
-    /// 100 ms for an answer, three attempts, and gone after 5 s: two heartbeats may be lost.
+    /// Defaults: 100 ms for an answer, three attempts, and gone after 5 s: two heartbeats may be lost.
     pub const fn new(node: NodeId, layout: Layout) -> Self {
         Self { node, layout, timeout: 100_000, attempts: 3, silence: 5_000_000 }
     }
@@ -54,22 +54,22 @@ pub struct TxMaster {
 }
 
 impl TxMaster {
-    /// A master that sends nothing until it is asked for something.
+    /// Makes a master that sends nothing until it gets a command or a request.
     pub fn new(config: Config) -> Self {
         Self { config, commands: Deque::new(), requests: Requests::default(), report: Report::default() }
     }
 
-    /// What it knows of its node.
+    /// Configuration, with the present layout of the PDOs.
     pub const fn config(&self) -> &Config {
         &self.config
     }
 
-    /// What the node has said.
+    /// The last messages of the node.
     pub const fn report(&self) -> &Report {
         &self.report
     }
 
-    /// Whether the node has said anything lately.
+    /// Whether the node was heard lately.
     pub fn is_present(&self, now: u64) -> bool {
         self.report.heard.is_some_and(|heard| now.saturating_sub(heard) < self.config.silence)
     }
@@ -119,12 +119,12 @@ impl TxMaster {
         self.requests.pop()
     }
 
-    /// The last positions, what has triggered them, and when they came.
+    /// The last positions, their trigger, and the time of their reception, microseconds.
     pub const fn reading(&self) -> Option<(Reading, PdoKind, u64)> {
         self.report.reading
     }
 
-    /// Takes a frame that arrived at `now`. Only messages of this node are heard.
+    /// Takes a frame that arrived at `now`. Only messages of this node are used.
     pub fn handle_frame(&mut self, frame: &Frame, now: u64) {
         let message = match FromNode::decode(frame, self.config.layout) {
             Ok((node, message)) if node == self.config.node => message,
@@ -151,7 +151,7 @@ impl TxMaster {
         Some(ToNode::Sdo { node: self.config.node, request }.encode())
     }
 
-    /// When to poll again at the latest, if no frame arrives and nothing is asked for until then.
+    /// Latest time of the next poll, if no frame arrives and nothing is requested until then.
     pub fn next_poll(&self, now: u64) -> u64 {
         if self.commands.is_empty() { self.requests.deadline(now, self.config.timeout) } else { now }
     }
@@ -160,7 +160,8 @@ impl TxMaster {
         self.commands.push_back(message).map_err(|_| NotTaken::Full)
     }
 
-    /// A frame under an identifier of this node that does not mean anything: most likely its layout is another one.
+    /// Counts a frame under an identifier of this node that cannot be decoded: most likely the node has
+    /// another layout.
     fn note_malformed(&mut self, frame: &Frame, error: DecodeError) {
         let own = !frame.is_remote() && frame.id().raw() & 0x7F == u32::from(self.config.node.raw());
         if own && matches!(error, DecodeError::Length | DecodeError::Value) {

@@ -1,13 +1,13 @@
-//! What the node has said of itself.
+//! Last messages of the node.
 
 use crate::bus::eddycan::{FromNode, NmtState, PdoKind, Reading};
 use crate::dictionary::Decimal;
 use crate::eddycan::Entry;
 
-/// The last of everything, and how often.
+/// Last message of each kind, and counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    /// The state that the last heartbeat told.
+    /// State of the last heartbeat.
     pub state: Option<NmtState>,
     /// When the last message came, microseconds.
     pub heard: Option<u64>,
@@ -15,16 +15,16 @@ pub struct Report {
     pub boots: u32,
     /// Error messages, saturating.
     pub errors: u32,
-    /// Code of the last one; [`crate::bus::eddycan::ErrorCode::decode`] knows those of Table 13.
+    /// Code of the last error; [`crate::bus::eddycan::ErrorCode::decode`] knows those of Table 13.
     pub last_error: Option<u16>,
-    /// Frames of the node that mean nothing, saturating: PDOs of another layout, above all.
+    /// Frames of the node that cannot be decoded, saturating: mostly PDOs of another layout.
     pub malformed: u32,
-    /// What is known of its encoder.
+    /// Known data of its encoder.
     pub encoder: Encoder,
     pub(super) reading: Option<(Reading, PdoKind, u64)>,
 }
 
-/// What a node's encoder is, as far as its entries were read or written here.
+/// Data of a node's encoder, as far as this master has read or written its entries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Encoder {
     /// Rotary, or else linear (bit 1 of 2005h).
@@ -34,7 +34,8 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// Counts with their sign: of a linear encoder two's complement. Unsigned while it is not known to be one.
+    /// Counts of the encoder: two's complement for a linear one, unsigned for a rotary one and while the kind
+    /// is unknown.
     pub const fn counts(&self, reading: &Reading) -> i32 {
         match self.rotary {
             Some(false) => reading.encoder as i16 as i32,
@@ -42,7 +43,8 @@ impl Encoder {
         }
     }
 
-    /// Position of a linear encoder, mm: counts times resolution. `None` of a rotary one, and while 2005h or 2009h is not known.
+    /// Position of a linear encoder, mm: counts times resolution. `None` for a rotary one, and while 2005h or
+    /// 2009h is not known.
     pub const fn position(&self, reading: &Reading) -> Option<Decimal> {
         match (self.rotary, self.resolution) {
             // 10^-6 mm are 1 nm.
@@ -70,7 +72,7 @@ impl Report {
                 self.state = Some(state);
                 if state == NmtState::BootUp {
                     self.boots = self.boots.saturating_add(1);
-                    // What it measured before is of another life.
+                    // A reading from before the boot no longer counts.
                     self.reading = None;
                 }
             }

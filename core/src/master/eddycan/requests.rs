@@ -1,4 +1,5 @@
-//! Entries that are read and written: one request under way, sent again when no answer comes, and answered once.
+//! Requests that read and write entries: one under way at a time, repeated when no answer comes, and answered
+//! once.
 
 use crate::bus::eddycan::{AbortCode, SdoAction, SdoAnswer, SdoOutcome, SdoRequest};
 use crate::eddycan::Entry;
@@ -9,7 +10,7 @@ use core::fmt;
 /// Shortest time-out, microseconds: two of the longest frames and an idle bus at 100 kbit/s.
 const SHORTEST: u64 = 3000;
 
-/// Something that is asked of the node once.
+/// A request to the node, answered once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
     /// Read an entry.
@@ -18,10 +19,10 @@ pub enum Request {
     Write(Entry, u32),
 }
 
-/// A request and what came of it.
+/// A request and its result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// What was asked for.
+    /// The request.
     pub request: Request,
     /// The value that was read or written.
     pub result: Result<u32, RequestError>,
@@ -30,7 +31,7 @@ pub struct Answer {
 /// Why a request was not done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RequestError {
-    /// No answer, however often it was sent. A Stopped node does not answer.
+    /// No answer to any attempt. A Stopped node does not answer.
     NoAnswer,
     /// The node refuses, for a reason of Table 10.
     Refused(AbortCode),
@@ -41,7 +42,7 @@ pub enum RequestError {
     },
 }
 
-/// Requests from the call to the taken answer.
+/// Queue of requests: from the call until the answer is taken.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Requests(Waiting<Request, UnderWay, Answer>);
 
@@ -50,7 +51,7 @@ struct UnderWay {
     request: Request,
     /// When it was last sent, microseconds.
     sent: u64,
-    /// How often it may be sent again.
+    /// Attempts left.
     left: u8,
 }
 
@@ -61,7 +62,7 @@ impl Request {
         }
     }
 
-    /// The message; a write has no size, as the specification's has none.
+    /// Encodes the message; a write states no size, as in the specification.
     fn encode(self) -> SdoRequest {
         let object = self.entry().object();
         let action = match self {
@@ -71,12 +72,13 @@ impl Request {
         SdoRequest { index: object.index, subindex: object.subindex.unwrap_or(0), action }
     }
 
-    /// A second reset of the encoder would make another place 0.
+    /// Attempts of this request: one for a reset of the encoder, because a second one would set another
+    /// position to 0.
     const fn attempts(self, attempts: u8) -> u8 {
         if matches!(self, Self::Write(Entry::ResetEncoder, _)) { 1 } else { attempts }
     }
 
-    /// Whether an answer is about its entry. Where the entry has no subindex, nodes may answer with any.
+    /// Whether an answer is about this entry. If the entry has no subindex, nodes may answer with any.
     fn is_addressed_by(self, answer: SdoAnswer) -> bool {
         let object = self.entry().object();
         answer.index == object.index && object.subindex.is_none_or(|own| own == answer.subindex)
@@ -92,7 +94,7 @@ impl Requests {
         self.0.pop()
     }
 
-    /// What to send now: the next request, or again the one that got no answer.
+    /// Returns the message to send now: the next request, or a repetition of the one that got no answer.
     pub(super) fn poll(&mut self, now: u64, timeout: u64, attempts: u8) -> Option<SdoRequest> {
         if let Some(under_way) = &mut self.0.current {
             if now < under_way.sent.saturating_add(timeout.max(SHORTEST)) {
@@ -111,7 +113,7 @@ impl Requests {
         Some(request.encode())
     }
 
-    /// When time brings something.
+    /// Time of the next message or time-out, microseconds; `u64::MAX` if there is none.
     pub(super) fn deadline(&self, now: u64, timeout: u64) -> u64 {
         match self.0.current {
             Some(under_way) => under_way.sent.saturating_add(timeout.max(SHORTEST)).max(now),
@@ -120,7 +122,8 @@ impl Requests {
         }
     }
 
-    /// Takes an answer of the node: the entry and its value, if that is what was asked for and it was done.
+    /// Takes an answer of the node; returns the entry and its value, if the answer completes the request
+    /// without an error.
     pub(super) fn take(&mut self, answer: SdoAnswer) -> Option<(Entry, u32)> {
         let request = self.0.current?.request;
         if !request.is_addressed_by(answer) {
@@ -133,7 +136,8 @@ impl Requests {
                 Some(code) => RequestError::Refused(code),
                 None => RequestError::RefusedOtherwise { code },
             }),
-            // The late answer to an earlier request of the same entry; one of the same kind cannot be told from its own.
+            // A late answer to an earlier request of the same entry; one of the same kind cannot be
+            // distinguished.
             (SdoOutcome::Value(_), Request::Write(..)) | (SdoOutcome::Written, Request::Read(_)) => {
                 return None;
             }
@@ -143,7 +147,7 @@ impl Requests {
     }
 }
 
-/// Bits of the entry's type: some nodes answer everything with four bytes.
+/// Mask of the bits of the entry's type: some nodes answer everything with four bytes.
 fn mask(entry: Entry) -> u32 {
     let bits = 8 * u32::from(entry.object().kind.size());
     u32::MAX >> (32 - bits)

@@ -1,4 +1,4 @@
-//! What a shell does with the drive's node.
+//! Transcripts of the drive's node: its set-up and the shell's calls.
 
 use super::{Answers, Transcribable};
 use crate::bus::{BusState, Frame};
@@ -12,11 +12,11 @@ use crate::recording::{Kind, ReplayError};
 use crate::{scope, storage};
 use serde::{Deserialize, Serialize};
 
-/// What a node is powered up with.
+/// Set-up of a node at power-up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NodeSetup {
-    /// Features of the build by which its answers differ: 1 accelerometer, 2 description, 4 log, 8 scope, 16 recorder. Programming (`update`) is not among them: a node without
-    /// slots takes no part in it, but its description lists the messages of its build.
+    /// Features of the build that change its answers: 1 accelerometer, 2 description, 4 log, 8 scope, 16 recorder. Programming (`update`)
+    /// is not among them: a node without slots takes no part in it, but its description lists the messages of its build.
     pub features: u8,
     /// Firmware and board.
     pub identity: Identity,
@@ -26,7 +26,7 @@ pub struct NodeSetup {
     pub parameters: Parameters,
 }
 
-/// Those of this build.
+/// Features of this build.
 const FEATURES: u8 = cfg!(feature = "accelerometer") as u8
     | (cfg!(feature = "description") as u8) << 1
     | (cfg!(feature = "log") as u8) << 2
@@ -34,13 +34,13 @@ const FEATURES: u8 = cfg!(feature = "accelerometer") as u8
     | (cfg!(feature = "recorder") as u8) << 4;
 
 impl NodeSetup {
-    /// For a node of this build.
+    /// Set-up of a node of this build.
     pub const fn new(identity: Identity, board: Board, parameters: Parameters) -> Self {
         Self { features: FEATURES, identity, board, parameters }
     }
 }
 
-/// What a shell does with a node: see [`Node`]. Those that ask are written down where there was an answer.
+/// Call of a shell to a node: see [`Node`]. A call that asks for an answer is recorded only if there was one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(clippy::large_enum_variant, reason = "a set is told rarely, and there is no heap")]
 #[allow(missing_docs, reason = "each is the call of the same name")]
@@ -55,7 +55,7 @@ pub enum NodeCall {
     AttachStorage(storage::Opened),
     Storage(storage::Report),
     Scope(scope::Report),
-    /// `poll`, so many ticks after the last one.
+    /// `poll`, this many ticks after the last one.
     Poll(u64),
     PollFrame,
     PollBulkFrame,
@@ -63,7 +63,7 @@ pub enum NodeCall {
     PollStorage,
     PollScope,
     PollAction,
-    /// Levels that are other ones than before.
+    /// Levels that differ from those before.
     Outputs,
     #[cfg(feature = "update")]
     AttachUpdate(update::Slots),
@@ -117,7 +117,7 @@ impl Transcribable for Node {
         }
     }
 
-    /// Every parameter as a master would read it, and the lines.
+    /// Notes every parameter as a master would read it, and the lines.
     fn show(&self, answers: &mut Answers) {
         for row in Dictionary::rows() {
             answers.note(&self.read_parameter(row.number));

@@ -1,5 +1,5 @@
-//! Record what a device on the bus was told and asked, in order, and run it again to the same answers: the node of the drive
-//! (kind 2) and the TX-Driver (kind 3), which know neither a clock nor a bus of their own.
+//! Records the calls to a device on the bus, in order, and replays them to the same answers. The devices are the node of the
+//! drive (kind 2) and the TX-Driver (kind 3), which have neither a clock nor a bus of their own.
 //!
 //! ```text
 //!  shell ──calls──> Transcriber ──> bytes ──> Transcript ──> replay ──> the same answers
@@ -37,35 +37,35 @@ use serde::de::DeserializeOwned;
 #[allow(unused_imports, reason = "for the documentation")]
 use super::CHUNK_BYTES;
 
-/// Version of the calls: what the chunks `S` and `C` mean.
+/// Version of the calls: the meaning of the chunks `S` and `C`.
 pub const CALLS_VERSION: u16 = 1;
 
 /// Stands before the number of repetitions. No call begins with it.
 const AGAIN: u8 = 0xff;
 
-/// A device that is told things and asked things by its shell, and nothing else.
+/// A device whose only inputs and outputs are the calls of its shell.
 pub trait Transcribable: Sized {
     /// Kind of its transcripts.
     const KIND: Kind;
-    /// What it is powered up with.
+    /// Set-up at power-up.
     type Setup: Serialize + DeserializeOwned;
-    /// What a shell may do with it.
+    /// Call of a shell.
     type Call: Serialize + DeserializeOwned + PartialEq;
 
-    /// Powers it up.
+    /// Powers up the device.
     ///
     /// # Errors
     /// The device that was recorded has other features than this build.
     fn power_up(setup: Self::Setup) -> Result<Self, ReplayError>;
 
-    /// Does what the shell did, and notes what the device answers. `clock` is the last time that it was told.
+    /// Repeats a call of the shell and notes the device's answer. `clock` is the last time that the device was passed.
     fn call(&mut self, call: &Self::Call, clock: &mut u64, answers: &mut Answers);
 
-    /// Notes what can be seen of it.
+    /// Notes the visible state of the device.
     fn show(&self, answers: &mut Answers);
 }
 
-/// The digest of what a device has answered.
+/// Digest of a device's answers.
 #[derive(Clone)]
 pub struct Answers(Check);
 
@@ -82,13 +82,13 @@ impl core::fmt::Debug for Answers {
 }
 
 impl Answers {
-    /// Takes in something that was said.
+    /// Adds a call or an answer.
     pub fn note(&mut self, said: &impl Serialize) {
-        // Nobody declines a byte.
+        // The digest accepts every byte.
         let _ = postcard::serialize_with_flavor(said, Sum(&mut self.0));
     }
 
-    /// A call and its answer.
+    /// Adds a call and its answer.
     pub(super) fn answer(&mut self, call: &impl Serialize, answer: &impl Serialize) {
         self.note(call);
         self.note(answer);

@@ -1,4 +1,4 @@
-//! Reading a transcript and running it again: every chunk is checked before anything in it is believed.
+//! Reads a transcript and replays it: every chunk is checked before anything in it is used.
 
 use super::{AGAIN, Answers, CALLS_VERSION, Transcribable};
 use crate::recording::bytes::Cursor;
@@ -15,7 +15,7 @@ pub struct Transcript<'a> {
 }
 
 impl<'a> Transcript<'a> {
-    /// Reads the header and what the device was powered up with.
+    /// Reads the header and the set-up of the device.
     ///
     /// # Errors
     /// The bytes are no recording, or one of a drive's ticks.
@@ -31,7 +31,7 @@ impl<'a> Transcript<'a> {
         Ok(Self { header, setup, body })
     }
 
-    /// What it says of itself.
+    /// Header of the transcript.
     pub const fn header(&self) -> &Header<'a> {
         &self.header
     }
@@ -49,7 +49,7 @@ impl<'a> Transcript<'a> {
         }
     }
 
-    /// The device as it was powered up.
+    /// Powers up the device as recorded.
     ///
     /// # Errors
     /// It is another device, or one of a build with other features.
@@ -77,7 +77,7 @@ pub struct Calls<'a, D: Transcribable> {
 }
 
 impl<D: Transcribable> Calls<'_, D> {
-    /// The next call; `None` after the last one, and then the end record is there.
+    /// Reads the next call; `None` after the last one, when the end record has been read.
     ///
     /// # Errors
     /// The transcript is damaged here.
@@ -132,7 +132,7 @@ impl<D: Transcribable> Calls<'_, D> {
     }
 }
 
-/// A device that is told and asked what a transcript holds.
+/// Replays the calls of a transcript to a device.
 struct Player<'a, D: Transcribable> {
     device: D,
     calls: Calls<'a, D>,
@@ -146,21 +146,21 @@ impl<'a, D: Transcribable> Player<'a, D> {
         Ok(Self { device, calls, clock: 0, answers: Answers::default() })
     }
 
-    /// One call; false after the last one.
+    /// Replays one call; false after the last one.
     fn step(&mut self) -> Result<bool, ReplayError> {
         let Some(call) = self.calls.read()? else { return Ok(false) };
         self.device.call(call, &mut self.clock, &mut self.answers);
         Ok(true)
     }
 
-    /// The digest, with what is to be seen of the device now.
+    /// The digest, including the device's visible state now.
     fn digest(mut self) -> u64 {
         self.device.show(&mut self.answers);
         self.answers.value()
     }
 }
 
-/// Powers up a device as the transcript says, and tells and asks it what stands there. Of the outcome, `ticks` are calls.
+/// Powers up a device as recorded and repeats the calls of the transcript. In the outcome, `ticks` are calls.
 ///
 /// # Errors
 /// The transcript cannot be read, is one of another device, or needs features that this build does not have.
@@ -177,7 +177,7 @@ pub fn replay<D: Transcribable>(transcript: &Transcript<'_>) -> Result<Outcome, 
     })
 }
 
-/// The same for the first `calls` of it: two targets whose digests differ are told apart by bisection.
+/// Replays the first `calls` calls of a transcript: bisection finds the call in which two targets differ.
 ///
 /// # Errors
 /// As [`replay`], for as much as is read.

@@ -1,4 +1,4 @@
-//! What a shell does with a TX-Driver.
+//! Transcripts of a TX-Driver: its set-up and the shell's calls.
 
 use super::{Answers, Transcribable};
 use crate::bus::{BusState, Frame};
@@ -6,16 +6,17 @@ use crate::eddycan::{Configuration, Sample, TxDriver, Variant};
 use crate::recording::{Kind, ReplayError};
 use serde::{Deserialize, Serialize};
 
-/// What a TX-Driver is powered up with.
+/// Set-up of a TX-Driver at power-up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TxDriverSetup {
-    /// What it is made of.
+    /// Hardware and firmware of the driver.
     pub variant: Variant,
     /// The configuration that was stored.
     pub configuration: Configuration,
 }
 
-/// What a shell does with a TX-Driver: see [`TxDriver`]. Times are microseconds after the last that was told; those that ask are written down where there was an answer.
+/// Call of a shell to a TX-Driver: see [`TxDriver`]. Times are microseconds after the last time that was passed in. A call that asks for an
+/// answer is recorded only if there was one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "each is the call of the same name")]
 pub enum TxDriverCall {
@@ -24,12 +25,12 @@ pub enum TxDriverCall {
     Sample(Sample),
     Store(bool),
     Poll(i64),
-    /// A sample, and `poll` at once: what a driver does 40 000 times a second.
+    /// A sample, and `poll` at once: a driver gets these 40 000 times a second.
     SampleAndPoll(Sample, i64),
     PollFrame,
     PollStore,
     TakeReset,
-    /// Levels that are other ones than before.
+    /// Levels that differ from those before.
     Outputs,
 }
 
@@ -64,7 +65,7 @@ impl Transcribable for TxDriver {
         }
     }
 
-    /// Its configuration, state and lines.
+    /// Notes its configuration, state and lines.
     fn show(&self, answers: &mut Answers) {
         answers.note(self.configuration());
         answers.note(&(self.state() as u8));

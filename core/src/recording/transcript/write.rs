@@ -6,16 +6,16 @@ use crate::recording::write::{Output, Sink};
 use crate::recording::{BEHAVIOUR_VERSION, Header, RecordError, tag};
 use serde::Serialize;
 
-/// Room for what a device is powered up with, bytes: a parameter set above all.
+/// Room for the set-up of a device, bytes; most of it is a parameter set.
 const SETUP_MAX: usize = 1024;
 
-/// Writes down what a shell does with a device: [`new`](Self::new) at power-up, [`told`](Self::told) and [`asked`](Self::asked) for every call,
+/// Records the calls of a shell to a device: [`new`](Self::new) at power-up, [`told`](Self::told) or [`asked`](Self::asked) for every call,
 /// [`finish`](Self::finish).
 #[derive(Debug)]
 pub struct Transcriber<D: Transcribable, S> {
     output: Output<S>,
     payload: Payload,
-    /// The last call, and how many times more it was made.
+    /// The last call, and the number of its repetitions.
     last: Option<D::Call>,
     again: u64,
     calls: u64,
@@ -60,7 +60,7 @@ impl<D: Transcribable, S: Sink> Transcriber<D, S> {
         Ok(Self { output, payload, last: None, again: 0, calls: 0, answers: Answers::default() })
     }
 
-    /// A call without an answer.
+    /// Records a call without an answer.
     ///
     /// # Errors
     /// The call is too long, or the sink refuses.
@@ -81,7 +81,7 @@ impl<D: Transcribable, S: Sink> Transcriber<D, S> {
         Ok(())
     }
 
-    /// A call and what the device answered.
+    /// Records a call and the device's answer.
     ///
     /// # Errors
     /// As [`told`](Self::told).
@@ -106,7 +106,7 @@ impl<D: Transcribable, S: Sink> Transcriber<D, S> {
         self.output.end(self.calls, self.answers.value())
     }
 
-    /// Writes down how often the last call was made again.
+    /// Writes the number of repetitions of the last call.
     fn repeat(&mut self) -> Result<(), RecordError<S::Error>> {
         if self.again == 0 {
             return Ok(());
@@ -132,7 +132,7 @@ impl<D: Transcribable, S: Sink> Transcriber<D, S> {
 /// Appends a call; false, with nothing changed, when it does not fit.
 fn append(payload: &mut Payload, call: &impl Serialize) -> bool {
     let mark = payload.len();
-    // What is read back is what was written: the room is zeroed once for each call.
+    // Filling up to the capacity cannot fail. The room is zeroed once for each call; only the written bytes are kept.
     let _ = payload.resize(payload.capacity(), 0);
     let room = payload.get_mut(mark..).unwrap_or_default();
     let written = postcard::to_slice(call, room).ok().map(|bytes| bytes.len());

@@ -5,9 +5,11 @@
 //!  | first           | its twin          | older or blank    | older or blank    |
 //! ```
 //!
-//! Two pages hold the same words. A store appends what has changed and a commit to the first, and only then copies that to its twin; where there is no
-//! room, or a word does not come out right, everything in force goes into the next page that is neither. So a power cut strikes one page at most, a damaged
-//! page is made anew from its twin, and pages are erased in turn. Nothing here waits: each [`step`](CodeFlash::step) erases one page at most.
+//! Two pages hold the same words. A store appends the changed values and a commit to the first, and only then
+//! copies them to its twin. If there is no room, or a word reads back wrong, everything in force is written
+//! into the next page that is neither. So a power cut damages one page at most, a damaged page is made anew
+//! from its twin, and pages are erased in turn. Nothing here waits: each [`step`](CodeFlash::step) erases one
+//! page at most.
 
 mod page;
 
@@ -21,28 +23,28 @@ use page::{COMMIT, HEAD, Page};
 /// Two pages with the parameters, and one to move to.
 const PAGES_MIN: u32 = 3;
 
-/// The flash does not do what it is told.
+/// An operation of the flash has failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Failed;
 
-/// Serves a node's requests on such a flash. There is no log: its requests fail.
+/// Serves a node's requests on the flash that the code runs from. There is no log: requests for it fail.
 #[derive(Clone, Debug)]
 pub struct CodeFlash<F> {
     flash: F,
     request: Option<Request>,
-    /// It has been looked at, and has the size for it.
+    /// The flash was scanned, and is large enough.
     is_open: bool,
     /// The newest page that is whole.
     first: Option<Page>,
-    /// The same once more, or what is there of it.
+    /// The copy of the first page; its last words may still be missing.
     twin: Option<Page>,
     /// Count of the last store that was committed anywhere.
     count: u32,
     /// A stored value did not fit its parameter: the next store writes both parts.
     unfit: bool,
-    /// How far the request has come.
+    /// Stage of the request.
     stage: Stage,
-    /// Places that have been tried in this stage.
+    /// Attempts that have failed in this stage.
     tries: u32,
     repaired: bool,
 }
@@ -57,7 +59,7 @@ enum Stage {
 type Table = [Option<i32>; PARAMETER_COUNT];
 
 impl<F> CodeFlash<F> {
-    /// Nothing is looked at before the first request, which is [`Request::Open`].
+    /// Makes the storage; the flash is not read before the first request, which is [`Request::Open`].
     pub const fn new(flash: F) -> Self {
         Self {
             flash,
@@ -83,14 +85,14 @@ impl<F> CodeFlash<F> {
         &mut self.flash
     }
 
-    /// Takes a request; [`step`](Self::step) does it. One at a time, as a node asks.
+    /// Takes a request, which [`step`](Self::step) executes. One at a time, as a node sends them.
     pub fn begin(&mut self, request: Request) {
         (self.request, self.stage, self.tries, self.repaired) = (Some(request), Stage::Begin, 0, false);
     }
 }
 
 impl<F: NorFlash> CodeFlash<F> {
-    /// Goes on with the request by one page; a report once it is done.
+    /// Continues the request by one page; returns a report once it is done.
     pub fn step(&mut self) -> Option<Report> {
         let request = self.request.take()?;
         match self.advance(&request) {
@@ -124,7 +126,7 @@ impl<F: NorFlash> CodeFlash<F> {
         Ok(None)
     }
 
-    /// The next stage, or another place.
+    /// Goes to the next stage, or prepares another attempt.
     fn go_on(&mut self, is_done: bool) -> Result<(), Failed> {
         self.tries = if is_done { 0 } else { self.tries + 1 };
         if is_done {
@@ -151,7 +153,8 @@ impl<F: NorFlash> CodeFlash<F> {
         }
     }
 
-    /// Finds the newest page and its twin. Where the newest commit stands in no page that is whole, what was stored last is lost, and nothing older is brought back for it.
+    /// Finds the newest page and its twin. If no whole page has the newest commit, the last store is lost,
+    /// and no older page is used in its place.
     fn look(&mut self) -> Result<(), Failed> {
         let room = page::words::<F>() as usize;
         if pages(&self.flash) < PAGES_MIN || room < Dictionary::STORED_COUNT + 2 {
@@ -178,7 +181,7 @@ impl<F: NorFlash> CodeFlash<F> {
         Ok(())
     }
 
-    /// The twin is not the first page's equal.
+    /// Whether the first page has no equal twin.
     fn is_alone(&self) -> bool {
         !matches!((self.first, self.twin), (Some(first), Some(twin)) if twin.is_equal(&first))
     }
@@ -203,7 +206,7 @@ impl<F: NorFlash> CodeFlash<F> {
         Ok(opened)
     }
 
-    /// What the first page says. Of a form to come nothing is known.
+    /// Reads the values of the first page; none if its format is newer than this firmware's.
     fn table(&mut self) -> Result<Table, Failed> {
         let mut table = [None; PARAMETER_COUNT];
         if let Some(first) = self.first.filter(|page| page.form <= FORMAT) {
@@ -216,7 +219,8 @@ impl<F: NorFlash> CodeFlash<F> {
         Ok(table)
     }
 
-    /// Writes what is new behind the first page's words; everything in force into the next page if there is no room, and where nothing is known.
+    /// Appends the changed values to the first page. Writes everything in force into the next page if that
+    /// has failed, for example for lack of room, or if there is no first page of this format.
     fn write(&mut self, parameters: &Parameters, part: Part) -> Result<(), Failed> {
         let table = self.table()?;
         let both = self.first.is_none() || self.unfit;
@@ -254,7 +258,8 @@ impl<F: NorFlash> CodeFlash<F> {
         Ok(())
     }
 
-    /// Makes the twin equal: the words that it lacks, or all of them in the next page.
+    /// Makes the twin equal to the first page: copies the words that it lacks, or all of them into the next
+    /// page.
     fn copy(&mut self) -> Result<(), Failed> {
         let first = self.first.ok_or(Failed)?;
         let (index, from) = match self.twin.take() {
@@ -270,7 +275,7 @@ impl<F: NorFlash> CodeFlash<F> {
         if self.twin.is_some() { Ok(()) } else { Err(Failed) }
     }
 
-    /// Erases the page behind the first that is neither it nor its twin; later tries take later ones.
+    /// Erases the next page behind the first that is not the twin; later attempts take later pages.
     fn begin_page(&mut self) -> Result<u32, Failed> {
         let pages = pages(&self.flash);
         let mut index = self.first.map_or(pages - 1, |first| first.index);

@@ -6,22 +6,24 @@
 //!  page   head: form, release | record | record | ... | commit: count of stores | record | commit | blank ...
 //! ```
 //!
-//! What follows the last commit was cut off. A page counts if every word of it is right and it ends with a commit: then nothing of it has to be guessed.
+//! Records behind the last commit belong to a store that was cut off. A page counts if every word of it is
+//! right and it ends with a commit: then nothing of it has to be guessed.
 
 use super::Failed;
 use crc::{CRC_16_IBM_3740, Crc, NoTable};
 use embedded_storage::nor_flash::NorFlash;
 
-/// Bytes of a word: what the flash of an STM32G4 programs at once.
+/// Bytes of a word, which the flash of an STM32G4 programs at once.
 pub(super) const WORD: u32 = 8;
-/// Numbers that no parameter has: the first word of a page, and what ends a store. `FFFFh` is a blank word's.
+/// Numbers that no parameter has: of the first word of a page, and of the commit that ends a store. `FFFFh`
+/// is that of a blank word.
 pub(super) const HEAD: u16 = 0xFFFD;
 pub(super) const COMMIT: u16 = 0xFFFE;
 
-/// Without a table: half a kilobyte of flash is more than the time that it saves.
+/// Without a table: half a kilobyte of flash is worth more than the time that a table saves.
 static CRC16: Crc<u16, NoTable> = Crc::<u16, NoTable>::new(&CRC_16_IBM_3740);
 
-/// What a word says.
+/// Content of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Word {
     Blank,
@@ -47,10 +49,10 @@ impl Word {
     }
 }
 
-/// What a page holds.
+/// State of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Page {
-    /// Which page of the flash.
+    /// Index of the page in the flash.
     pub(super) index: u32,
     /// Words that are not blank.
     pub(super) end: u32,
@@ -114,7 +116,7 @@ pub(super) fn erase<F: NorFlash>(flash: &mut F, index: u32) -> Result<(), Failed
     flash.erase(address::<F>(index, 0), address::<F>(index + 1, 0)).map_err(|_| Failed)
 }
 
-/// Looks through a page; every record, later ones of a number last, goes to `each`.
+/// Scans a page and passes every record to `each`, in order: the last one of a number counts.
 pub(super) fn scan<F: NorFlash>(
     flash: &mut F,
     index: u32,
@@ -127,7 +129,7 @@ pub(super) fn scan<F: NorFlash>(
         if word == Word::Blank {
             continue;
         }
-        // Nothing stands behind a blank word, and a head nowhere but in front.
+        // A right page has no word behind a blank one, and a head in front and nowhere else.
         is_right &= page.end == place && (place == 0) == matches!(word, Word::Record(HEAD, _));
         page.end = place + 1;
         page.is_whole = false;

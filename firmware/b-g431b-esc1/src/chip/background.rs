@@ -15,25 +15,25 @@ use narx_core::node::{Outputs, ResetCause, SelfTests, SlowInputs};
 use narx_firmware::board::BackgroundSide;
 use stm32_metapac::VREFINTCAL;
 
-/// What the background owns.
+/// State that the background owns.
 pub struct Loop {
     /// From the interrupt.
     pub arriving: Consumer<'static, Frame>,
-    /// Why the chip began anew.
+    /// Cause of the chip's last reset.
     pub cause: ResetCause,
     /// Tests that go on; without any nothing fails.
     pub tests: Option<Tests>,
     /// Writes the slot of the bootloader.
     #[cfg(feature = "slots")]
     pub server: Server<Region>,
-    /// When the LED changes next, ticks.
+    /// Time at which the LED changes next, ticks.
     pub blink_due: u64,
 }
 
-/// The LED changes so often, ticks: half a second, after a reset by the watchdog a tenth, until power-up or REBOOT.
+/// Time between two changes of the LED, ticks: half a second, after a reset by the watchdog a tenth, until power-up or REBOOT.
 const BLINK: u64 = 5_000;
 const BLINK_AFTER_WATCHDOG: u64 = 1_000;
-/// A reboot waits so long for the last frames, ticks: 10 ms.
+/// Time that a reboot waits for the last frames, ticks: 10 ms.
 const LAST_FRAMES: u64 = 100;
 
 impl BackgroundSide for Loop {

@@ -71,12 +71,12 @@ pub(super) fn room() -> usize {
     usize::from(FDCAN1.txfqs().read().tffl())
 }
 
-/// Whether nothing waits to be sent.
+/// Returns whether no frame waits to be sent.
 pub(super) fn is_idle() -> bool {
     FDCAN1.txbrp().read().0 & ALL == 0
 }
 
-/// Whether at most one frame waits, the one on the bus.
+/// Returns whether at most one frame waits, the one on the bus.
 pub(super) fn has_room_for_bulk() -> bool {
     (FDCAN1.txbrp().read().0 & ALL).count_ones() <= 1
 }

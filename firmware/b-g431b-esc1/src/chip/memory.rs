@@ -14,7 +14,7 @@ pub struct Region {
     range: Range<u32>,
 }
 
-/// What the flash did not do.
+/// Reason why the flash did not do what it was told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Error {
     /// Beyond the region, or not on the border of a page or word.

@@ -31,7 +31,8 @@ pub fn start() {
     fdcan::start();
 }
 
-/// What a bootloader needs: the watchdog, which goes on into the application, and the LED. The clock stays the internal one of 16 MHz, which cannot fail.
+/// Starts what a bootloader needs: the watchdog, which goes on into the application, and the LED. The clock stays the internal one of 16 MHz, which
+/// cannot fail.
 pub fn start_for_boot() {
     watchdog::start_slow();
     ports::start_led();

@@ -117,7 +117,7 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// What the legs are told now.
+    /// Returns the commands to the legs' gates that are in force now.
     pub const fn gates(&self) -> [Gates; 3] {
         self.gates
     }
@@ -128,7 +128,7 @@ impl Bridge {
         self.rested = REARM_TICKS;
     }
 
-    /// Whether a break has turned the outputs off.
+    /// Returns whether a break has turned the outputs off.
     pub fn is_broken(&self) -> bool {
         self.armed && !TIM1.bdtr().read().moe()
     }

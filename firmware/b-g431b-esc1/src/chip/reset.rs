@@ -1,4 +1,4 @@
-//! How the chip ends and begins: panic, faults, cause of the last reset, its number.
+//! Resets of the chip: on request, by a panic or a fault; cause of the last reset; the chip's own number.
 
 use super::power_stage;
 use core::panic::PanicInfo;
@@ -9,10 +9,10 @@ use stm32_metapac::rcc::regs::Csr;
 use stm32_metapac::tamp::regs::Bkpr;
 use stm32_metapac::{FLASH, Interrupt, PWR, RCC, TAMP, UID};
 
-/// What stands in a register that outlives a reset when the program has come to where it must not.
+/// Note in a backup register, which outlives a reset: the program has come to where it must not.
 const PROGRAM: u32 = u32::from_be_bytes(*b"fail");
 
-/// Why the chip began anew (RM0440, section 7.4.28; bits as in ST's stm32g431xx.h); the next call does not know.
+/// Returns the cause of the last reset (RM0440, section 7.4.28; bits as in ST's stm32g431xx.h) and clears it, so that the next call does not know it.
 pub fn cause() -> ResetCause {
     let flags = RCC.csr().read();
     RCC.csr().write_value({
@@ -58,7 +58,7 @@ pub fn reset() -> ! {
     SCB::sys_reset()
 }
 
-/// The same because the program cannot go on; the next start tells so.
+/// Resets the chip with the gates off, because the program cannot go on; notes it, so that the next start reports it.
 pub fn fail() -> ! {
     power_stage::off();
     open_note();

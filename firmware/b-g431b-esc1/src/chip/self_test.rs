@@ -1,4 +1,4 @@
-//! What the board tests of itself: RAM at boot, and all the time its program, the end of its stack, and control ticks against the oscillator of 32 kHz,
+//! Self-tests of the board: RAM at boot, and all the time its program, the end of its stack, and control ticks against the oscillator of 32 kHz,
 //! which has nothing in common with the crystal.
 
 use narx_core::node::SelfTests;

@@ -24,14 +24,14 @@ pub(super) fn now() -> u64 {
 const ZERO_TICKS: u16 = 1 << ZERO_SHIFT;
 const ZERO_SHIFT: u32 = 10;
 
-/// What the control interrupt owns.
+/// State that the control interrupt owns.
 #[derive(Debug, Default)]
 pub struct Tick {
     number: u64,
     /// Count of TIM4 at the boundary of the present period.
     start: u16,
     edges: Edges,
-    /// What the last command has put in force.
+    /// Duty that the last command has put in force.
     duty: Duty,
     mode: SampleMode,
     zeros: Zeros,
@@ -64,7 +64,7 @@ impl Zeros {
         self.sums.map(|sum| (sum >> ZERO_SHIFT) as i32)
     }
 
-    /// Whether shunts and amplifiers can be as they should.
+    /// Returns whether all zeros are within the tolerance, so that shunts and amplifiers can be intact.
     fn are_credible(&self) -> bool {
         let near = |code: i32| code.abs_diff(SHUNT_ZERO.into()) <= u32::from(SHUNT_ZERO_TOLERANCE);
         self.codes().into_iter().all(near)

@@ -132,7 +132,7 @@ fn report(cause: ResetCause, trouble: Option<Trouble>) -> Option<Trouble> {
     None
 }
 
-/// What the flash holds. One that holds nothing, as after power-up, becomes that of a commissioned drive.
+/// Reads what the flash holds. A flash that holds nothing valid, as after power-up, first becomes that of a commissioned drive.
 fn open(storage: &mut Storage<Chip>, commissioning: &Commissioning) -> Option<Opened> {
     let look = |storage: &mut Storage<Chip>| match finish(storage.execute(Request::Open)) {
         Some(Report::Opened(opened)) => Some(opened),
@@ -177,7 +177,7 @@ unsafe fn NonMaskableInt() -> ! {
     }
 }
 
-/// What the image says of itself.
+/// Identity of this image.
 const IDENTITY: Identity = Identity {
     build_number: 1,
     source_modified: false,
@@ -186,7 +186,7 @@ const IDENTITY: Identity = Identity {
     software_release: 0x0001,
 };
 
-/// What the arguments say.
+/// Options from the arguments.
 struct Options {
     preset: &'static Preset,
     /// V.
@@ -195,7 +195,7 @@ struct Options {
     trouble: Option<Trouble>,
 }
 
-/// Nothing, and a word why, if the arguments are none.
+/// Parses the arguments; prints the reason and returns `None` if they are not understood.
 fn choose<'a>(mut arguments: impl Iterator<Item = &'a str>) -> Option<Options> {
     let mut motor = MOTOR;
     let mut supply = None;

@@ -1,5 +1,5 @@
-//! What outlives a reset: the adapter is a device of its own, and its channel stays open when the drive reboots; and why there was a reset,
-//! for which this machine has no register. It stands in a page of RAM that no image occupies, whichever version it is.
+//! State that outlives a reset: the settings of the adapter, which is a device of its own and whose channel stays open when the drive reboots; and the
+//! cause of the reset, for which this machine has no register. It is kept in a page of RAM that no image occupies, whichever version it is.
 
 use super::register::Register;
 use narx_core::node::ResetCause;
@@ -31,7 +31,7 @@ pub(super) fn keep(settings: Settings) {
     KEPT.write(bits);
 }
 
-/// What was kept before the reset, or the settings of power-up.
+/// Returns the settings that were kept before the reset, or those of power-up.
 pub fn settings() -> Settings {
     let bits = KEPT.read();
     let bitrate = bits & BITRATE_MASK;
@@ -57,7 +57,7 @@ pub fn note_cause(cause: ResetCause) {
     CAUSE.write(CAUSE_MARK | index as u32);
 }
 
-/// Why the program started; asked once. Without a note in RAM it had no power before.
+/// Returns the cause of the program's start and forgets it: to be called once. Without a note in RAM the machine had no power before.
 pub fn take_cause() -> ResetCause {
     let bits = CAUSE.read();
     note_cause(ResetCause::Unknown);

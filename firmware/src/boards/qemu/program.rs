@@ -1,4 +1,4 @@
-//! Where the image's own program stands.
+//! Location of the image's own program.
 
 use super::slots;
 use core::ptr;
@@ -7,7 +7,7 @@ unsafe extern "C" {
     static __vector_table: u32;
 }
 
-/// Whether a bootloader has entered it: it stands in its slot.
+/// Returns whether a bootloader has entered the program: its vector table lies in the slot then.
 pub fn is_in_slot() -> bool {
     (&raw const __vector_table) as usize >= slots::START
 }

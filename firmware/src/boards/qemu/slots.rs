@@ -21,7 +21,7 @@ pub struct Slots(());
 /// A word is programmed that was not erased.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlotsError {
-    /// What `embedded_storage` checks.
+    /// A request that the checks of `embedded_storage` reject.
     Request(NorFlashErrorKind),
     /// A word was programmed before.
     NotErased,

@@ -1,4 +1,4 @@
-//! How much of the stack is used: by what was painted, and nobody has written since.
+//! Stack usage: start-up paints the stack, and what still has the paint was never used.
 
 use core::ptr;
 

@@ -2,18 +2,18 @@
 
 use super::{kept, pace};
 
-/// What hangs or breaks.
+/// Part of the drive that hangs or breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
     /// The control interrupt comes no more.
     NoControl,
     /// The control interrupt never ends.
     Control,
-    /// Whoever sends and receives frames.
+    /// The task that sends and receives frames.
     Can,
-    /// Whoever reads the slow inputs.
+    /// The task that reads the slow inputs.
     Background,
-    /// Whoever serves the flash.
+    /// The task that serves the flash.
     Flash,
     /// A bit of the program flips.
     Program,
@@ -37,7 +37,7 @@ impl Task {
     }
 }
 
-/// What, and from which control tick on.
+/// Trouble to be caused: the task, and the control tick from which on.
 #[derive(Clone, Copy, Debug)]
 pub struct Trouble {
     /// The task.
@@ -47,7 +47,7 @@ pub struct Trouble {
 }
 
 impl Trouble {
-    /// Whether it is the turn of `task` at this tick; the first time, time is counted from here on.
+    /// Returns whether `task` is to be in trouble at this tick; from the first time on, the time that it hangs is counted.
     pub fn has(self, task: Task, tick: u64) -> bool {
         let hangs = self.task == task && tick >= self.after;
         if hangs {

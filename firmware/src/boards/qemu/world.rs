@@ -24,7 +24,7 @@ use narx_sim::plant::Plant;
 
 /// Bit rate of the drive's bus, bit/s (Table 2). An adapter set to another hears and says nothing.
 const BITRATE: u32 = 500_000;
-/// What a frame occupies the bus at least, whole ticks: 131 bits of a 29-bit frame with 8 bytes.
+/// Shortest time for which a frame occupies the bus, whole ticks: 131 bits of a 29-bit frame with 8 bytes.
 const FRAME_TICKS: u64 = 3;
 /// Control ticks a millisecond.
 const TICKS_PER_MS: u64 = 10;
@@ -70,7 +70,7 @@ pub struct World {
     pub commands: Consumer<'static, PwmCommand>,
     /// Line to the host.
     pub uart: Uart,
-    /// What speaks on it.
+    /// Adapter that speaks on the line.
     pub adapter: Adapter,
     /// Holds time back.
     pub pace: Pace,
@@ -78,7 +78,7 @@ pub struct World {
     pub watchdog: Watchdog,
     /// Most of the stack that was seen used, bytes.
     pub stack: usize,
-    /// When a bus would have taken what was sent, ticks: the serial line is faster than one.
+    /// Time at which a real bus would have taken all frames sent so far, ticks: the serial line is faster than a bus.
     pub bus_free_at: u64,
     /// Tests that go on.
     pub tests: Tests,
@@ -88,8 +88,8 @@ pub struct World {
     pub server: Option<Server<Slots>>,
 }
 
-/// What this board tests of itself. It has no second clock: all that count in the emulator count the same time, so there is no test of clocks at boot; and
-/// as a busy host may slow the motor down, control ticks are watched for being too fast only.
+/// Self-tests of this board. It has no second clock: all clocks in the emulator count the same time, so there is no test of clocks at boot; and as a
+/// busy host may slow the motor down, control ticks are watched for being too fast only.
 pub struct Tests {
     failed: SelfTests,
     walk: Walk,

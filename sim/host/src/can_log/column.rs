@@ -1,6 +1,6 @@
 //! Tables of decoded messages: a column for each signal, a row for each message.
 
-/// What a column is called and what its values mean.
+/// Name and unit of a column, and the names of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
     /// Name as the tables of the protocol have it.

@@ -15,7 +15,7 @@ pub struct Ends {
     pub monitor: Option<u8>,
 }
 
-/// What a field becomes.
+/// Conversion of a field to a value of a column.
 enum Cell {
     /// Raw number divided by this power of ten.
     Divided(f64),
@@ -25,7 +25,7 @@ enum Cell {
     Parameter,
 }
 
-/// How every message is read.
+/// Decoding plans of all messages.
 pub(super) struct Plans {
     ends: Ends,
     plans: Vec<Vec<(Field, Cell)>>,

@@ -1,6 +1,6 @@
 //! Frames as they stand in a log, as columns.
 
-/// What a frame is, beside identifier and data: a bit each.
+/// Flags of a frame, beside identifier and data: a bit each.
 pub mod flag {
     /// 29-bit identifier.
     pub const EXTENDED: u8 = 1;

@@ -21,7 +21,7 @@ use narx_core::bus::narmotion::MESSAGES;
 use narx_core::bus::{Frame, Id};
 use std::sync::Arc;
 
-/// How a log is decoded.
+/// Settings for decoding a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// The drive and its master.
@@ -30,7 +30,7 @@ pub struct Config {
     pub encoders: u128,
 }
 
-/// What a frame is that stands in no table.
+/// Kind of a frame that stands in no table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
@@ -116,13 +116,13 @@ impl CanLog {
         Ok(place)
     }
 
-    /// What was read, moved out; the log is empty then.
+    /// Moves out all that was read; the log is empty then.
     pub fn take(&mut self) -> Self {
         let empty = Self::with(self.config, self.plans.clone());
         core::mem::replace(self, empty)
     }
 
-    /// What comes after it in the same log.
+    /// Appends the part that comes after it in the same log.
     fn append(&mut self, other: Self) {
         self.frames.append(other.frames);
         self.tables.iter_mut().zip(other.tables).for_each(|(table, others)| table.append(others));

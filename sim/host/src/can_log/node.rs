@@ -45,7 +45,7 @@ const HEARTBEAT: usize = 9;
 const ACTIONS: [&str; 4] = ["read", "write", "abort", "unknown"];
 const OUTCOMES: [&str; 3] = ["written", "value", "abort"];
 
-/// What is in a message: its place in [`MESSAGES`], and the values in the order of its signals.
+/// Content of a message: its place in [`MESSAGES`], and the values in the order of its signals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decoded {
     /// Which one.
@@ -108,7 +108,8 @@ fn columns(place: usize) -> Vec<(Signal, Values)> {
     }
 }
 
-/// What a frame says. PDOs tell by their length what they carry, but for those of 8 bytes: `encoder` says whether a node's have one.
+/// Decodes a frame. The length of a PDO tells what it carries, but for those of 8 bytes: `encoder` says whether those of the node
+/// carry an encoder's position.
 ///
 /// # Errors
 /// The frame is no message of this protocol, or a malformed one.

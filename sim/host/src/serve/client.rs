@@ -20,7 +20,7 @@ const BYTES_A_TICK: usize = 100;
 /// Bytes that a writer puts together at most.
 const BATCH: usize = 4096;
 
-/// What comes from a client.
+/// Input from a client.
 #[derive(Debug)]
 pub(super) enum FromClient {
     /// Of any length, cut anywhere.
@@ -39,7 +39,7 @@ pub(super) struct Connection {
     pub(super) outgoing: SyncSender<slcan::Line>,
 }
 
-/// What did not fit.
+/// Numbers of lines and frames that did not fit and were dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Dropped {
     /// Lines to the client: it does not read.
@@ -118,7 +118,7 @@ impl Client {
         true
     }
 
-    /// What its next frame competes with: identifier, then age.
+    /// Returns the keys by which its next frame competes for the bus: identifier, then age.
     pub(super) fn wants(&self) -> Option<(u32, u64)> {
         self.waiting.front().map(|next| (narx_sim::can::arbitration_field(&next.frame), next.order))
     }

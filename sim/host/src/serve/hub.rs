@@ -85,12 +85,12 @@ impl Hub {
         self.bench.now_ns()
     }
 
-    /// How long the bus was busy, ns.
+    /// Time that the bus was busy, ns.
     pub(super) fn busy_ns(&self) -> u64 {
         self.bench.bus_statistics().busy_ns
     }
 
-    /// Who came and went since the last call.
+    /// Returns the news since the last call: clients that came and left.
     pub(super) fn take_news(&mut self) -> Vec<String> {
         std::mem::take(&mut self.news)
     }

@@ -30,7 +30,7 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long to sleep when simulated time has come as far as it may: a tenth of that is a control tick.
+/// Time to sleep when simulated time has come as far as it may: a tenth of it is a control tick.
 const SLEEP: Duration = Duration::from_millis(1);
 /// Ticks between two looks at the clock and for new clients: 10 ms of simulated time.
 const TICKS: u32 = 100;
@@ -127,7 +127,7 @@ impl Server {
     }
 }
 
-/// How a client of python-can opens a door.
+/// Returns the call with which a client of python-can opens a channel.
 pub fn call(channel: &str) -> String {
     format!("can.Bus(interface=\"slcan\", channel=\"{channel}\", bitrate=500000)")
 }

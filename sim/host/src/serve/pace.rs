@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-/// How fast simulated time passes.
+/// Speed of simulated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
-    /// So many times as fast as the clock.
+    /// This many times as fast as the clock.
     Times(f64),
     /// As fast as it can.
     Unbound,
@@ -21,12 +21,12 @@ impl Speed {
 /// Catching up is this much faster than the speed asked for. A master that commands every 50 ms is then heard every 100 ms of the
 /// drive's time, well within its time-out of 250 ms.
 const CATCH_UP: f64 = 2.0;
-/// What may be saved for a later burst, ns of real time.
+/// Time that may be saved for a later burst, ns of real time.
 const SAVED: f64 = 5e6;
 /// Further behind than this nobody waits for, ns of real time: a notebook that slept.
 const BEHIND_MAX: f64 = 10e9;
 
-/// How far the simulation may go now.
+/// Limits up to which the simulation may go now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Limits {
     /// Simulated time, ns.
@@ -42,9 +42,9 @@ pub(super) struct Pace {
     looked: Duration,
     /// Where simulated time should be.
     target: f64,
-    /// How far catching up may go.
+    /// Simulated time up to which catching up may go.
     allowed: f64,
-    /// How long the bus may have been busy: never more than the bus of a real drive could have been.
+    /// Time that the bus may have been busy: never more than the bus of a real drive could have been.
     busy: f64,
 }
 
@@ -65,7 +65,7 @@ impl Pace {
         Limits { time: self.target.min(self.allowed) as u64, busy: self.busy as u64 }
     }
 
-    /// How far simulated time is behind, ns.
+    /// Returns how far simulated time is behind its target, ns.
     pub(super) fn behind_ns(&self, time: u64) -> u64 {
         (self.target - time as f64).max(0.0) as u64
     }

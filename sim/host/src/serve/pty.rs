@@ -13,7 +13,7 @@ use std::sync::mpsc::sync_channel;
 use std::thread;
 use std::time::Duration;
 
-/// How long a terminal that nobody has opened is left alone.
+/// Time for which a terminal that nobody has opened is left alone.
 const PAUSE: Duration = Duration::from_millis(20);
 
 /// The terminal's path. A link to it goes with it.
@@ -68,7 +68,7 @@ impl Terminal {
         Ok(Self { path, link: link.map(Path::to_owned) })
     }
 
-    /// What a client opens.
+    /// Returns the path that a client opens.
     pub(super) fn path(&self) -> &Path {
         self.link.as_deref().unwrap_or(&self.path)
     }

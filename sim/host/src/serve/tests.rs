@@ -71,7 +71,7 @@ impl Far {
         self.from.try_iter().map(|line| String::from_utf8(line.to_vec()).unwrap()).collect()
     }
 
-    /// What it has heard, without answers to its own commands.
+    /// Frames that it has heard, without answers to its own commands.
     fn heard(&self) -> Vec<Frame> {
         self.from.try_iter().filter_map(|line| Some(decode_frame(line.strip_suffix(b"\r")?)?.0)).collect()
     }
@@ -180,7 +180,7 @@ fn what_the_bus_cannot_take_is_refused() {
     assert_eq!(heard, yes, "what was accepted is sent");
 }
 
-/// The same drive with and without somebody who shouts: to the bit and to the millisecond the same.
+/// A client that sends rubbish changes nothing of what another one hears: neither a bit nor a millisecond.
 #[test]
 fn rubbish_disturbs_nobody() {
     let listen = |shouts: bool| {

@@ -9,7 +9,7 @@ use narx_sim::tx_driver::TxDriverConfig;
 /// the shaft, whose counts are the factory's.
 ///
 /// # Errors
-/// What the list must be, in words.
+/// Description of a valid list, in words.
 pub fn parse(list: &str) -> Result<Vec<TxDriverConfig>, &'static str> {
     let mut drivers: Vec<TxDriverConfig> = Vec::new();
     for text in list.split(',') {

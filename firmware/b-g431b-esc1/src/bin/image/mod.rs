@@ -84,7 +84,7 @@ fn main() -> ! {
     ))
 }
 
-/// What the flash holds. A board that still has the number of the factory set is numbered by its chip.
+/// Reads what the flash holds. A board that still has the device number of the factory set is numbered by its chip.
 fn open(storage: &mut CodeFlash<Region>) -> Option<Opened> {
     storage.begin(Request::Open);
     let report = loop {
@@ -116,7 +116,7 @@ fn FDCAN1_IT0() {
     fdcan::interrupt();
 }
 
-/// What the image says of itself.
+/// Identity of this image.
 const IDENTITY: Identity = Identity {
     build_number: 1,
     source_modified: false,
