@@ -427,7 +427,7 @@ impl Drive {
         self.rotor.speed(&self.coefficients, self.now)
     }
 
-    /// [`signed_speed`](Self::signed_speed) counted in the direction of torque, 0 if the rotor turns backward.
+    /// [`speed`](Self::speed) counted in the direction of torque, 0 if the rotor turns backward.
     #[inline]
     fn speed_forward(&self) -> i32 {
         self.machine.direction().signed(self.speed()).max(0)

@@ -6,7 +6,7 @@ use crate::eddycan::TxDriver;
 use crate::motor::Drive;
 use crate::node::Node;
 
-/// Replays a recording of a drive, its node or a TX-Driver. For a [transcript](super::transcript), `ticks` are calls.
+/// Replays a recording of a drive, its node or a TX-Driver. For a [transcript], `ticks` are calls.
 ///
 /// # Errors
 /// The file cannot be read, or is not of this build.
