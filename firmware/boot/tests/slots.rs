@@ -146,7 +146,7 @@ fn a_bad_candidate_is_never_swapped_in() {
     }
 }
 
-/// The same version may be sent again, to repair; so may any higher one, whichever of its numbers is higher.
+/// An update is accepted with the running version, as a repair, or with a higher one, whichever of its numbers is higher.
 #[test]
 fn versions_that_may_follow() {
     let higher = [OLD, version(1, 2, 3, 5), version(1, 2, 4, 0), version(1, 3, 0, 0), version(2, 0, 0, 0)];
