@@ -1087,7 +1087,7 @@ typedef uint8_t narx_sample_mode_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// How the current of a switched leg freewheels while its high side is off.
+// Freewheeling of a switched leg's current while its high side is off.
 enum narx_rectification_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint8_t
@@ -1137,7 +1137,7 @@ typedef uint8_t narx_state_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What the bus current reading is.
+// The meaning of the bus current's reading.
 enum narx_current_mode_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint8_t
