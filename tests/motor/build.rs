@@ -44,7 +44,7 @@ const ROWS: [Row; 31] = [
     row(number::OPEN_LOOP_DUTY, 10.0, |c| fixed(c.open_loop.level), 4.0),
     row(number::OPEN_LOOP_SPEED, 600.0, |c| fixed(c.open_loop.speed), 50.0),
     // 50 rev/s in 2500 ticks.
-    row(number::OPEN_LOOP_RAMP, 0.25, |c| extended(c.open_loop.rate), 50.0 / 2500.0),
+    row(number::OPEN_LOOP_RAMP, 0.25, |c| extended(c.open_loop.rate), 50.0 / 250.0),
     row(number::LOCK_DUTY, 8.0, |c| fixed(c.machine.lock_level), 3.2),
     row(number::LOCK_DURATION, 0.2, |c| f64::from(c.machine.lock), 2000.0),
     row(number::OPEN_LOOP_DURATION, 0.7, |c| f64::from(c.machine.open_loop), 7000.0),

@@ -14,14 +14,15 @@ fn known(now: Instant, mut machine: Machine) -> Memory {
     as_of(now, memory(&machine))
 }
 
-/// No row of the table holds in a tick in which the machine rests; and it rests in every state. The drive wakes a machine whose health has changed.
+/// No row of the table holds in a tick in which the machine rests; and it rests in every state. The drive wakes a machine whose health has changed, or whose
+/// calibration has a result.
 #[test]
 fn a_machine_that_rests_has_no_row_that_holds() {
     let c = coefficients(7);
     let mut states = HashSet::new();
     let now = start().next();
     for before in reached() {
-        for inputs in (0..64).map(inputs).filter(|inputs| !inputs.unhealthy) {
+        for inputs in (0..64).map(inputs).filter(|inputs| !inputs.unhealthy && !inputs.calibrated) {
             let rested = machine(before);
             if !rested.rests(now, inputs.critical, inputs.stopped) {
                 continue;
@@ -36,7 +37,7 @@ fn a_machine_that_rests_has_no_row_that_holds() {
     assert_eq!(states, HashSet::from(State::ALL));
 }
 
-/// A machine that is asked only when it is due, or when the drive has to (a critical fault, a rotor that stands), changes as one that looks at its table
+/// A machine that is asked only when it is due, or when the drive has to (a critical fault, a rotor that stands, a calibration that has its result), changes as one that looks at its table
 /// in every tick: to the same state, by the same row, in the same tick.
 #[test]
 fn a_machine_that_is_asked_when_it_is_due_changes_as_one_that_looks() {
@@ -49,6 +50,9 @@ fn a_machine_that_is_asked_when_it_is_due_changes_as_one_that_looks() {
             // Longer than the longest time.
             for tick in 1..=6 {
                 now = now.next();
+                if inputs.calibrated && sleeps.calibrating() {
+                    sleeps.wake(now);
+                }
                 let news =
                     inputs.critical || (inputs.stopped && sleeps.state() == State::SensorlessClosedLoop);
                 let is_asked = news || sleeps.due().is_due(now);

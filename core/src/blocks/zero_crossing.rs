@@ -204,9 +204,13 @@ impl ZeroCrossing {
 
     /// Evaluates a tick with the bridge off.
     fn listen(&mut self, samples: &Samples, applied: &PwmCommand) {
-        self.back_emf = BackEmf::default();
+        if !self.back_emf.coasts() {
+            self.back_emf = BackEmf::default();
+            self.listening.reset(self.now);
+        }
         self.estimator.begin_coasting(self.now);
         if self.mode == Mode::Starting {
+            self.listening.reset(self.now);
             return;
         }
         let heard =
@@ -220,11 +224,13 @@ impl ZeroCrossing {
 
     /// Evaluates a tick with the bridge on; returns the age of a crossing that the estimator accepts.
     fn observe(&mut self, samples: &Samples, applied: &PwmCommand, torque: Direction) -> Option<i32> {
-        self.listening.reset(self.now);
         let bus_voltage = self.bus_voltage.convert(samples.bus_voltage);
         let (now, c) = (self.now, &self.coefficients);
         let mut end = End::Seen;
         if !self.back_emf.goes_on(applied) {
+            if self.back_emf.coasts() {
+                self.listening.reset(now);
+            }
             let point = OperatingPoint { torque, interval: self.estimator.expected() };
             end = self.back_emf.follow(c, now, samples, applied, &point);
         }

@@ -25,12 +25,6 @@ impl Band {
         if self.is_empty() { self } else { Self::new(self.low.max(low), last.min(high)) }
     }
 
-    /// The part of this band above `least`.
-    pub const fn above(self, least: i32) -> Self {
-        let last = self.low.wrapping_add(self.count.wrapping_sub(1) as i32);
-        if self.is_empty() || self.low > least { self } else { Self::new(least.saturating_add(1), last) }
-    }
-
     /// `value` lies in it.
     #[inline]
     pub const fn contains(self, value: i32) -> bool {

@@ -5,7 +5,6 @@ use super::control::limits::LimitCoefficients;
 use super::control::pi::PiGains;
 use super::control::{ControlCoefficients, ModeCoefficients};
 use super::gain::Gain;
-use super::guard::open_phase::OpenPhaseCoefficients;
 use super::guard::protection::{ProtectionCoefficients, Thresholds};
 use super::guard::rails::RailCoefficients;
 use super::machine::MachineCoefficients;
@@ -39,8 +38,6 @@ pub struct Coefficients {
     pub sensorless: SensorlessCoefficients,
     /// Fault logic.
     pub protection: ProtectionCoefficients,
-    /// Open phase detector.
-    pub open_phase: OpenPhaseCoefficients,
     /// State machine.
     pub machine: MachineCoefficients,
     /// Loops and limits.
@@ -116,7 +113,6 @@ impl Coefficients {
                 }),
             sensorless: b.only_if(b.is_set(number::SENSORLESS_ENABLE), |b| b.sensorless(lock_level)),
             protection: b.protection(),
-            open_phase: OpenPhaseCoefficients { at_rest: b.ticks(100).min(u16::MAX as u32) as u16 },
             machine: b.machine(lock_level),
             control: b.control(),
             commutator: CommutatorCoefficients {
@@ -139,6 +135,8 @@ impl Coefficients {
 const TICKS_A_REVOLUTION_MIN: i64 = 12;
 /// Time in which the level rises that finds the rotor of a motor without sensors, ms.
 const KICK: i64 = 200;
+/// Nothing heard of the terminals for this long is a rotor at rest, ms.
+const REST: i64 = 5;
 /// 2 pi x 10^9.
 const TWO_PI_E9: i64 = 6_283_185_307;
 /// The bus may rise to this much below its over-voltage threshold before rectification turns to diodes.
@@ -375,7 +373,7 @@ impl Builder<'_> {
         let climb = speed.max(1 << 16);
         OpenLoopCoefficients {
             speed,
-            rate: rise_a_tick(climb, self.duration(number::OPEN_LOOP_RAMP)),
+            rate: rise_a_ms(climb, self.wide(number::OPEN_LOOP_RAMP)),
             level_start,
             level,
             slope: self.ratio(number::OPEN_LOOP_DUTY, rise, (speed as i64).max(1)),
@@ -419,9 +417,8 @@ impl Builder<'_> {
         let back_emf = self.back_emf();
         let (emf, ohm) = (number::BACK_EMF_CONSTANT, number::WINDING_RESISTANCE);
         let kick_level = self.level(number::OPEN_LOOP_DUTY);
-        let lock = self.duration(number::LOCK_DURATION);
-        let rest = self.ticks(5);
-        let align = lock.saturating_sub(rest + self.ticks(2)).max(self.ticks(20));
+        // Both locks together leave the rest before them and 2 ms of rotor lock's duration.
+        let align = (self.wide(number::LOCK_DURATION) - REST - 2).max(20);
         // E = k f <= R I: the current of shorted windings, raw rev/s. It has no ripple, for which the mean limit leaves room: a tenth more.
         let fall =
             quotient(self.wide(ohm) * self.wide(number::PHASE_CURRENT_MAX) * 11, 10) * self.pole_pairs();
@@ -430,11 +427,11 @@ impl Builder<'_> {
             back_emf,
             rails: self.rails(back_emf.back_emf),
             timeout: (self.wide(number::ZC_PERIOD_MAX) << 16).min(u32::MAX as i64 / 2) as u32,
-            rest,
-            align,
-            align_rate: rise_a_tick(lock_level, align / 4),
+            rest: self.ticks(REST),
+            align: self.ticks(align),
+            align_rate: rise_a_ms(lock_level, align / 4),
             align_level: lock_level,
-            kick_rate: rise_a_tick(kick_level, self.ticks(KICK)),
+            kick_rate: rise_a_ms(kick_level, KICK),
             kick_level,
             kick_patience: self.ticks(50),
             kick_limit: self.duration(number::OPEN_LOOP_DURATION).max(self.ticks(1000)),
@@ -451,7 +448,7 @@ impl Builder<'_> {
             boot: self.ticks(500),
             lock,
             lock_level,
-            lock_rate: rise_a_tick(lock_level, lock / 4),
+            lock_rate: rise_a_ms(lock_level, self.wide(number::LOCK_DURATION) / 4),
             open_loop: self.duration(number::OPEN_LOOP_DURATION),
             auto_restart: self.ticks(2_000),
             fault_wait: self.duration(number::FAULT_WAIT),
@@ -544,8 +541,8 @@ impl Builder<'_> {
     }
 }
 
-/// Step a tick of a ramp that reaches a raw `level` in so many `ticks`, 16 extra bits.
+/// Step a millisecond of a ramp that reaches a raw `level` in so many `milliseconds`, 16 extra bits.
 #[inline(never)]
-fn rise_a_tick(level: i32, ticks: u32) -> i64 {
-    quotient((level as i64) << 16, (ticks as i64).max(1))
+fn rise_a_ms(level: i32, milliseconds: i64) -> i64 {
+    quotient((level as i64) << 16, milliseconds.max(1))
 }

@@ -49,7 +49,7 @@ pub struct Drive {
     quiet: Quiet,
     /// For now the fault logic and the state machine are asked in every tick: a fault qualifies, or the rotor may stand.
     watchful: bool,
-    /// For now the pattern is chosen anew in every tick: a start, a field that changes its speed, sensors in doubt.
+    /// For now the pattern is chosen anew in every tick: a hall calibration, or sensors in doubt.
     steers: bool,
     /// `watchful` and `steers` may no longer hold; `look_out` finds out.
     stale: bool,
@@ -219,13 +219,13 @@ impl Drive {
         self.asked = now;
         let hall = self.sense_halls(samples);
         let turned = hall.sectors != 0 || sensed;
-        let watched = self.watchful
-            || self.protection.due().is_due(now)
+        let concerns_faults = self.protection.due().is_due(now)
             || !self.is_electrically_quiet(samples, current)
-            || self.concerns_faults(hall)
-            || self.overspeeds(turned);
-        if watched {
-            self.protect(samples, current, hall);
+            || self.is_irregular(hall)
+            || (turned && self.overspeeds())
+            || (self.watchful && self.has_fault());
+        if concerns_faults {
+            self.judge(samples, current, hall);
         }
         let critical = self.protection.is_critical();
         let moved = (critical || self.watchful || self.machine.due().is_due(now))
@@ -235,7 +235,7 @@ impl Drive {
         } else {
             self.go_on();
         }
-        if watched || moved || self.stale {
+        if concerns_faults || moved || self.watchful || self.stale {
             self.look_out(samples);
         }
         self.rotor.sensorless.note(&self.applied);
@@ -271,15 +271,13 @@ impl Drive {
         }
         let state = self.machine.state();
         let halls = state == State::HallClosedLoop;
-        self.watchful = self.open_phase.is_resting()
-            || self.open_phase.is_found(&self.coefficients.open_phase)
+        self.watchful = self.open_phase.is_found()
             || self.rotor.fault().is_some()
             || ((halls || state == State::SensorlessClosedLoop) && self.rotor.may_stand())
             || (halls && self.rotor.hall.is_mute());
         let idles = self.machine.calibrating() || (halls && self.pattern.demand == Demand::Off);
-        let waits = !idles && self.rotor.waits(&self.coefficients, !self.machine.reversing());
-        self.steers = state.is_driving() && !waits;
-        self.stale = self.steers;
+        self.steers = state.is_driving() && idles;
+        self.stale = false;
     }
 
     /// Repeats the present step, without a commutation.
@@ -353,38 +351,34 @@ impl Drive {
         self.rotor.count_commutation(self.commutator.sector(), backward);
     }
 
-    /// `ask` comes here for anything that may be a fault, or that the detector of an open phase has to see; here it is decided whether the whole fault logic runs.
+    /// The rotor shows a fault: an open phase, too many episodes that ended, or a stall of the hall sensors.
     #[inline(never)]
-    fn protect(&mut self, samples: &Samples, current: Amps, hall: HallEvents) {
-        let mut open_phase = false;
-        if self.machine.state().is_driving() && !self.machine.calibrating() {
-            self.open_phase.rest(self.applied.step, self.applied.duty, current, self.rotor.may_stand());
-            open_phase = self.open_phase.is_found(&self.coefficients.open_phase);
-        }
-        let concerned = open_phase
-            || self.protection.due().is_due(self.now)
-            || !self.quiet.allows(samples, self.measurement.bus_voltage())
-            || current.abs().to_bits() > self.coefficients.protection.over_current.trip
-            || self.concerns_faults(hall)
-            || self.overspeeds(true)
+    fn has_fault(&self) -> bool {
+        self.has_open_phase()
             || self.rotor.fault().is_some()
-            || (self.machine.state() == State::HallClosedLoop && self.rotor.may_stand());
-        if concerned {
-            self.judge(samples, current, hall, open_phase);
-        }
+            || (self.machine.state() == State::HallClosedLoop && self.rotor.may_stand())
+    }
+
+    /// In a calibration no phase is judged: its steps are too short.
+    #[inline]
+    fn has_open_phase(&self) -> bool {
+        self.open_phase.is_found() && self.detects_open_phases()
+    }
+
+    #[inline]
+    fn detects_open_phases(&self) -> bool {
+        self.machine.state().is_driving() && !self.machine.calibrating()
     }
 
     /// The rotor has shown that it turns too fast.
     #[inline]
-    fn overspeeds(&self, turned: bool) -> bool {
-        turned
-            && self.rotor.turns().unsigned_abs() > self.quiet.overspeed
-            && self.machine.state().is_driving()
+    fn overspeeds(&self) -> bool {
+        self.rotor.turns().unsigned_abs() > self.quiet.overspeed && self.machine.state().is_driving()
     }
 
     /// The fault logic must see these events of the hall sensors: all but a plain edge forward.
     #[inline]
-    fn concerns_faults(&self, hall: HallEvents) -> bool {
+    fn is_irregular(&self, hall: HallEvents) -> bool {
         if !hall.happened() || self.machine.state() != State::HallClosedLoop {
             return false;
         }
@@ -394,7 +388,7 @@ impl Drive {
     }
 
     #[inline(never)]
-    fn judge(&mut self, samples: &Samples, current: Amps, hall: HallEvents, open_phase: bool) {
+    fn judge(&mut self, samples: &Samples, current: Amps, hall: HallEvents) {
         let state = self.machine.state();
         let evidence = Evidence {
             measured: self.measurement.measured(current),
@@ -409,13 +403,13 @@ impl Drive {
             driving: state.is_driving() || self.machine.starting(),
             torque: self.applied.step != Step::Coast,
             torque_sign: self.machine.direction().sign() as i8,
-            open_phase,
+            open_phase: self.has_open_phase(),
             sensorless: self.rotor.fault(),
         };
         let before = self.protection.word();
         let c = &self.coefficients.protection;
         self.protection.step(c, self.now, &evidence);
-        self.quiet.stay_within(&self.protection, c, state, samples.lines);
+        self.quiet.stay_within(&self.protection, c, samples.lines);
         self.reports.stirred |= self.protection.word() != before;
         let overspeed = self.protection.overspeed_trip();
         self.quiet.overspeed = self.coefficients.open_loop.turns.apply32(overspeed).unsigned_abs();

@@ -66,7 +66,7 @@ pub struct MachineCoefficients {
     pub lock: u32,
     /// Rotor lock level (parameter 89).
     pub lock_level: i32,
-    /// Its rise a tick with 16 extra bits: a quarter of the lock.
+    /// Its rise a millisecond with 16 extra bits: a quarter of the lock.
     pub lock_rate: i64,
     /// Open loop before sensorless (T34).
     pub open_loop: u32,
@@ -202,10 +202,12 @@ impl Machine {
             State::Standby if self.wants_to_run() && self.refusal == Refusal::None => 1,
             State::Fault if self.acknowledged => c.fault_wait.saturating_sub(self.age).max(1),
             State::Standby | State::Fault => u32::MAX,
-            _ if self.calibrating() || !self.wants_to_run() || self.reversing() => 1,
+            _ if !self.wants_to_run() || self.reversing() => 1,
             _ => {
-                let silent = c.command_timeout.saturating_sub(self.command_age);
-                silent.min(self.duration(c).saturating_sub(self.age)).max(1)
+                // A duration that has elapsed was looked at just now, and no row fired: time changes nothing more.
+                let elapses =
+                    self.duration(c).checked_sub(self.age).filter(|left| *left > 0).unwrap_or(u32::MAX);
+                elapses.min(c.command_timeout.saturating_sub(self.command_age)).max(1)
             }
         };
         self.at.after(left)

@@ -22,6 +22,14 @@ impl Ramp {
         self.value()
     }
 
+    /// [`step`](Self::step); true if the value has changed.
+    #[inline]
+    pub fn advance(&mut self, target: i32, rate: i64) -> bool {
+        let moves = !self.rests_at(target);
+        self.step(target, rate);
+        moves
+    }
+
     /// Continues from `value` (raw I16F16).
     #[inline]
     pub fn set(&mut self, value: i32) {

@@ -174,12 +174,13 @@ impl Rotor {
         if self.source == Source::Terminals { self.sensorless.fault() } else { None }
     }
 
-    /// Until a deadline the rotor and what leads it change by nothing but what the sensors show. `run`: open loop keeps its speed.
-    pub fn waits(&self, c: &Coefficients, run: bool) -> bool {
+    /// Once a millisecond: the level of a start without sensors and the field of open loop go on. `run`: the field goes to its set speed, not to standstill.
+    /// True if either has changed.
+    pub fn advance(&mut self, c: &Coefficients, now: Instant, torque: Direction, run: bool) -> bool {
         match self.source {
-            Source::Both | Source::Halls => true,
-            Source::Terminals => self.sensorless.waits(&c.sensorless),
-            Source::Field => self.field.is_steady(&c.open_loop, run),
+            Source::Both | Source::Halls => false,
+            Source::Terminals => self.sensorless.advance(&c.sensorless, now),
+            Source::Field => self.field.advance(&c.open_loop, now, torque, run),
         }
     }
 

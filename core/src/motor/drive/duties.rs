@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// The duties of a millisecond in their order; the last one is rails and report.
 const RATINGS: u32 = 0;
-const SPEED_LOOP: u32 = 1;
+const RAMPS: u32 = 1;
 /// Number of duties.
 const DUTIES: u32 = 3;
 
@@ -54,7 +54,7 @@ impl Drive {
         self.duties.next = next + 1;
         match next {
             RATINGS => self.rate(current),
-            SPEED_LOOP => self.run_speed_loop(current),
+            RAMPS => self.run_ramps(current),
             _ => {
                 let end = self.duties.end;
                 let next_end = end.after(self.coefficients.control.ticks_per_ms.into());
@@ -70,7 +70,7 @@ impl Drive {
     fn do_all(&mut self, ticks: u32, samples: &Samples, current: Amps) {
         self.duties.due = self.now.after(ticks);
         self.rate(current);
-        self.run_speed_loop(current);
+        self.run_ramps(current);
         self.check_rails();
         self.make_due(samples);
     }
@@ -80,16 +80,35 @@ impl Drive {
         if matches!(self.machine.state(), State::Initialization | State::Standby) {
             self.measurement.find_zero(&self.coefficients.measurement, current);
         }
+        if self.detects_open_phases()
+            && self.open_phase.rest(self.applied.step, self.applied.duty, self.rotor.may_stand())
+        {
+            (self.due, self.watchful) = (self.now, true);
+        }
         let stands = matches!(self.pattern.demand, Demand::Speed(_)) && self.duties.speed == 0;
         let temperature = self.slow.temperature;
         self.control.rate(&self.coefficients.control, &self.measurement, temperature, !stands);
     }
 
+    /// The speed loop of a closed loop, or the level and the field of a start.
+    #[inline(never)]
+    fn run_ramps(&mut self, current: Amps) {
+        if let Demand::Speed(_) = self.pattern.demand {
+            return self.run_speed_loop(current);
+        }
+        let (c, torque, run) = (&self.coefficients, self.machine.direction(), !self.machine.reversing());
+        let mut changed = self.rotor.advance(c, self.now, torque, run);
+        if self.machine.state() == State::RotorLock && self.machine.calibrating() {
+            changed |= self.lock.advance(c.machine.lock_level, c.machine.lock_rate);
+        }
+        if changed {
+            // The next tick applies it.
+            (self.due, self.pattern_due) = (self.now, self.now);
+        }
+    }
+
     #[inline(never)]
     fn run_speed_loop(&mut self, current: Amps) {
-        if !matches!(self.pattern.demand, Demand::Speed(_)) {
-            return;
-        }
         let speed = self.speed_forward();
         self.duties.speed = speed;
         let c = &self.coefficients;
@@ -97,8 +116,8 @@ impl Drive {
         // A rotor that is found late, or has leapt ahead, comes to the ramp of open loop at twice its rate.
         let rises = self.machine.state() == State::OpenLoop && !self.rotor.sensorless.is_caught();
         let (wanted, rate) = if rises {
-            let rate = c.open_loop.rate.saturating_mul(2 * i64::from(c.control.ticks_per_ms));
-            (c.open_loop.setpoint(self.machine.age(self.now)), rate)
+            let milliseconds = self.machine.age(self.now) / u32::from(c.control.ticks_per_ms.max(1));
+            (c.open_loop.setpoint(milliseconds), c.open_loop.rate.saturating_mul(2))
         } else {
             let commanded = self.machine.command().speed.to_bits();
             (commanded.min(mode.speed_max).max(mode.speed_min), c.control.speed_rate)

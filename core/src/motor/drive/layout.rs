@@ -4,10 +4,10 @@ use super::Drive;
 use postcard::ser_flavors::Flavor;
 
 /// Layout of the serialised [`Drive`] and of [`Event`](crate::motor::Event): changes with any field of theirs.
-pub const LAYOUT_VERSION: u16 = 9;
+pub const LAYOUT_VERSION: u16 = 10;
 
 /// Version of the drive's answers to its inputs: rises with every change that moves a digest.
-pub const BEHAVIOUR_VERSION: u16 = 9;
+pub const BEHAVIOUR_VERSION: u16 = 10;
 
 impl Drive {
     /// Hands its serialised state (postcard) to `each` byte by byte, until that declines one. There is this one way, because all that

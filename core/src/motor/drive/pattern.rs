@@ -4,6 +4,7 @@ use super::Drive;
 use crate::motor::commutate::commutation::Step;
 use crate::motor::commutate::pwm::{Commutations, Rectification};
 use crate::motor::control::Demand;
+use crate::motor::machine::event::HallCalibration;
 use crate::motor::machine::state::State;
 use crate::motor::rotor::hall_calibration::HallCalibrator;
 use crate::motor::rotor::sensorless::Plan;
@@ -110,7 +111,7 @@ impl Drive {
     /// of the second.
     fn calibration_lock(&mut self) -> Pattern {
         let c = &self.coefficients.machine;
-        let level = self.lock.step(c.lock_level, c.lock_rate);
+        let level = self.lock.value();
         let second = self.machine.age(self.now) >= c.lock / 2;
         Pattern::hold(Demand::Level(level), if second { HallCalibrator::LOCK } else { Step::LockB })
     }
@@ -119,17 +120,18 @@ impl Drive {
     fn hall_calibration(&mut self, samples: &Samples) -> Pattern {
         let c = &self.coefficients.hall_calibration;
         let (step, calibration) = self.calibrator.step(c, samples.hall);
+        if calibration != HallCalibration::Running {
+            self.machine.wake(self.now);
+        }
         self.calibration = calibration;
         Pattern::hold(Demand::Level(c.level), step)
     }
 
-    #[inline(never)]
+    #[inline]
     fn open_loop(&mut self) -> Option<Position> {
-        let direction = self.machine.direction();
-        let run = !self.machine.reversing();
-        let field = self.rotor.field.step(&self.coefficients.open_loop, self.now, direction, run);
-        self.want(Demand::Level(field.level));
-        Some(Position { angle: field.angle, speed: field.speed })
+        let (field, now) = (self.rotor.field, self.now);
+        self.want(Demand::Level(field.level()));
+        Some(Position { angle: field.angle(now), speed: field.speed() })
     }
 
     /// A rotor that turns the other way at speed is left to coast: torque now would brake it through the bridge,

@@ -3,9 +3,7 @@
 use super::Drive;
 use crate::motor::band::Band;
 use crate::motor::clock::Instant;
-use crate::motor::guard::open_phase::OpenPhase;
 use crate::motor::guard::protection::{Protection, ProtectionCoefficients};
-use crate::motor::machine::state::State;
 use crate::motor::sense::samples::{Lines, Samples};
 use crate::units::Amps;
 use serde::{Deserialize, Serialize};
@@ -15,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Quiet {
     /// Bus voltages that change nothing, raw I16F16.
     voltage: Band,
-    /// Bus currents that change nothing, raw I16F16; in states that hold a winding, those that show it connected.
+    /// Bus currents that change nothing, raw I16F16.
     current: Band,
     /// Digital inputs that are looked at, and those of them that were asserted.
     watched: Lines,
@@ -27,17 +25,9 @@ pub(super) struct Quiet {
 }
 
 impl Quiet {
-    /// Takes the bands of the fault logic in `state`, and the digital inputs that it has seen.
-    pub(super) fn stay_within(
-        &mut self,
-        protection: &Protection,
-        c: &ProtectionCoefficients,
-        state: State,
-        lines: Lines,
-    ) {
-        let holds = matches!(state, State::RotorLock | State::OpenLoop | State::SensorlessAutoRestart);
-        let currents = c.bus_current();
-        self.current = if holds { OpenPhase::carrying(currents) } else { currents };
+    /// Takes the bands of the fault logic, and the digital inputs that it has seen.
+    pub(super) fn stay_within(&mut self, protection: &Protection, c: &ProtectionCoefficients, lines: Lines) {
+        self.current = c.bus_current();
         self.voltage = protection.calm_voltages(c);
         (self.watched, self.asserted) = (c.lines(), lines.intersection(c.lines()));
     }

@@ -94,7 +94,7 @@ impl Drive {
                 if self.machine.calibrating() {
                     self.calibrator.start(samples.hall);
                 } else {
-                    self.rotor.field.start(self.now, 0, direction);
+                    self.rotor.field.start(&c.open_loop, self.now, 0, direction);
                     self.control.start(&c.control, 0, bus);
                 }
             }

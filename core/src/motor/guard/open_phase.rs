@@ -3,7 +3,6 @@
 //! Phase X takes part in four of the six steps. With X open these four carry nothing and the other two do; with the motor
 //! at rest a step that includes X carries nothing at a voltage that must drive a current.
 
-use crate::motor::band::Band;
 use crate::motor::commutate::commutation::Step;
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
@@ -13,27 +12,26 @@ const NONE: i32 = 65_536 * 60 / 1000;
 /// Duty from which a healthy winding at rest must carry current: 20 %.
 const DUTY_AT_REST: u16 = 32_768 / 5;
 
-/// Coefficients of the detector.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct OpenPhaseCoefficients {
-    /// Ticks at rest without current until it counts: 100 ms.
-    pub at_rest: u16,
-}
-
 /// State of the detector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OpenPhase {
     step: Step,
-    /// Ticks in this step, and those of them with current.
+    /// Ticks in this step.
     ticks: u32,
+    /// Ticks with current, wrapping; as of the beginning of this step, and of the last millisecond.
     carrying: u32,
+    carried_before: u32,
+    carried_at_rest: u32,
     /// Per phase: consecutive steps that fit "this phase is open".
     evidence: [u8; 3],
-    resting: u16,
+    /// Milliseconds at rest under voltage without any current.
+    resting: u8,
     /// The evidence of a phase has reached [`EVIDENCE`].
     found: bool,
 }
 
+/// Milliseconds at rest without current until it counts.
+const AT_REST: u8 = 100;
 /// Consecutive steps, three electrical revolutions.
 const EVIDENCE: u8 = 18;
 /// Fewer counted ticks in a step prove nothing. The current dips at every commutation, and in steps of 2 1/3 ticks a single sample falls into the dip of
@@ -51,11 +49,12 @@ impl OpenPhase {
         }
     }
 
-    /// The rotor is at rest (`stopped`), or not known to turn: a voltage must drive a current. Once a tick.
-    pub fn rest(&mut self, applied: Step, duty: Duty, current: Amps, stopped: bool) {
-        let pressing =
-            stopped && current.to_bits() <= NONE && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
+    /// Once a millisecond: the rotor is at rest (`stopped`), or not known to turn: a voltage must drive a current. True if a phase is open.
+    pub fn rest(&mut self, applied: Step, duty: Duty, stopped: bool) -> bool {
+        let silent = self.carrying == core::mem::replace(&mut self.carried_at_rest, self.carrying);
+        let pressing = stopped && silent && duty.to_bits() >= DUTY_AT_REST && applied != Step::Coast;
         self.resting = if pressing { self.resting.saturating_add(1) } else { 0 };
+        self.is_found()
     }
 
     /// From the next tick on `step` is applied: what has been seen of the one before is judged. True if a phase is open.
@@ -63,25 +62,15 @@ impl OpenPhase {
     pub fn change(&mut self, step: Step) -> bool {
         if step != self.step {
             self.judge();
-            (self.step, self.ticks, self.carrying) = (step, 0, 0);
+            (self.step, self.ticks, self.carried_before) = (step, 0, self.carrying);
         }
         self.found
     }
 
-    /// Of bus currents (raw I16F16), those that a winding at rest carries.
-    pub const fn carrying(currents: Band) -> Band {
-        currents.above(NONE)
-    }
-
-    /// A winding at rest seems to carry none.
-    pub const fn is_resting(&self) -> bool {
-        self.resting > 0
-    }
-
     /// A phase is open.
     #[inline]
-    pub const fn is_found(&self, c: &OpenPhaseCoefficients) -> bool {
-        self.found || self.resting >= c.at_rest
+    pub const fn is_found(&self) -> bool {
+        self.found || self.resting >= AT_REST
     }
 
     /// Forgets everything: the bridge is off.
@@ -94,13 +83,14 @@ impl OpenPhase {
     fn judge(&mut self) {
         let Some(floating) = self.step.floating() else { return };
         let counted = self.ticks.saturating_sub(1);
+        let carrying = self.carrying.wrapping_sub(self.carried_before);
         let (quarter, without) = (counted / 4, 1_u8 << floating);
         // Bit by bit the phases that may be open.
         let suspects = if counted < COUNTED_MIN {
             0
-        } else if self.carrying >= counted - quarter {
+        } else if carrying >= counted - quarter {
             without
-        } else if self.carrying <= quarter {
+        } else if carrying <= quarter {
             !without
         } else {
             0

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct OpenLoopCoefficients {
     /// Speed at the end of the ramp, electrical rev/s, raw I16F16 (parameter 88).
     pub speed: i32,
-    /// Rise per tick, raw I16F16 with 16 extra bits (parameters 88 and 109).
+    /// Rise a millisecond, raw I16F16 with 16 extra bits (parameters 88 and 109).
     pub rate: i64,
     /// Level while the field stands still (rotor lock level, but no more than the open-loop level). Levels as in
     /// [`ControlCoefficients::initial_level`](crate::motor::control::ControlCoefficients::initial_level).
@@ -32,64 +32,65 @@ pub struct OpenLoop {
     /// 2^-32 turn a tick, signed.
     speed: i32,
     ramp: Ramp,
-}
-
-/// The field in one tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Field {
-    /// Rotor angle that the field is commutated for, u32 turn.
-    pub angle: u32,
-    /// 2^-32 turn a tick, signed.
-    pub speed: i32,
-    /// Electrical rev/s, raw I16F16, signed.
-    pub frequency: i32,
-    /// Level.
-    pub level: i32,
+    level: i32,
 }
 
 impl OpenLoopCoefficients {
-    /// The speed that the ramp has reached so many `ticks` after standstill, raw I16F16 electrical rev/s.
-    pub fn setpoint(&self, ticks: u32) -> i32 {
-        let risen = self.rate.saturating_mul(ticks.into()) >> 16;
+    /// The speed that the ramp has reached so many `milliseconds` after standstill, raw I16F16 electrical rev/s.
+    pub fn setpoint(&self, milliseconds: u32) -> i32 {
+        let risen = self.rate.saturating_mul(milliseconds.into()) >> 16;
         risen.min(self.speed.into()) as i32
+    }
+
+    /// Level at `frequency` (raw I16F16 electrical rev/s).
+    fn level_at(&self, frequency: i32) -> i32 {
+        self.level_start.saturating_add(self.slope.apply32(frequency)).min(self.level).max(0)
     }
 }
 
 impl OpenLoop {
     /// Starts from standstill with the rotor resting at `angle` (u32 turn): a quarter turn behind it, where the field's pull is 0 and grows as it turns.
-    pub fn start(&mut self, now: Instant, angle: u32, direction: Direction) {
+    pub fn start(&mut self, c: &OpenLoopCoefficients, now: Instant, angle: u32, direction: Direction) {
         const QUARTER: u32 = 1 << 30;
         let angle = match direction {
             Direction::Forward => angle.wrapping_sub(QUARTER),
             Direction::Reverse => angle.wrapping_add(QUARTER),
         };
-        *self = Self { angle, at: now, ..Self::default() };
+        *self = Self { angle, at: now, level: c.level_at(0), ..Self::default() };
     }
 
-    /// One tick towards the set speed, or towards standstill.
-    pub fn step(&mut self, c: &OpenLoopCoefficients, now: Instant, direction: Direction, run: bool) -> Field {
-        let frequency = self.ramp.step(if run { c.speed } else { 0 }, c.rate);
-        let speed = c.turns.apply32(frequency) * direction.sign();
-        // Until now it has turned on by its speed of before.
-        self.angle = self.angle(now).wrapping_add(speed.wrapping_sub(self.speed) as u32);
-        (self.speed, self.at) = (speed, now);
-        let level = c.level_start.saturating_add(c.slope.apply32(frequency));
-        Field {
-            angle: self.angle,
-            speed,
-            frequency: frequency * direction.sign(),
-            level: level.min(c.level).max(0),
+    /// Once a millisecond: towards the set speed, or towards standstill. True if the field has changed.
+    pub fn advance(
+        &mut self,
+        c: &OpenLoopCoefficients,
+        now: Instant,
+        direction: Direction,
+        run: bool,
+    ) -> bool {
+        let target = if run { c.speed } else { 0 };
+        if self.ramp.rests_at(target) {
+            return false;
         }
-    }
-
-    /// It turns on at the speed that it has.
-    pub fn is_steady(&self, c: &OpenLoopCoefficients, run: bool) -> bool {
-        self.ramp.rests_at(if run { c.speed } else { 0 })
+        let frequency = self.ramp.step(target, c.rate);
+        (self.angle, self.at) = (self.angle(now), now);
+        self.speed = c.turns.apply32(frequency) * direction.sign();
+        self.level = c.level_at(frequency);
+        true
     }
 
     /// Rotor angle that the field is commutated for, u32 turn.
     pub const fn angle(&self, now: Instant) -> u32 {
         self.angle.wrapping_add((self.speed as u32).wrapping_mul(now.since(self.at)))
+    }
+
+    /// 2^-32 turn a tick, signed.
+    pub const fn speed(&self) -> i32 {
+        self.speed
+    }
+
+    /// Level of the field.
+    pub const fn level(&self) -> i32 {
+        self.level
     }
 
     /// Magnitude, electrical rev/s, raw I16F16.

@@ -35,11 +35,11 @@ pub struct SensorlessCoefficients {
     pub rest: u32,
     /// Two locks together.
     pub align: u32,
-    /// Rise of the lock level a tick, 16 extra bits.
+    /// Rise of the lock level a millisecond, 16 extra bits.
     pub align_rate: i64,
     /// Level of the locks (parameter 89).
     pub align_level: i32,
-    /// Rise of the kick a tick, 16 extra bits.
+    /// Rise of the kick a millisecond, 16 extra bits.
     pub kick_rate: i64,
     /// Level at which the kick ends (parameter 87).
     pub kick_level: i32,
@@ -119,6 +119,8 @@ pub struct Sensorless {
 /// Number of rest times (5 ms each) after which a highest terminal that stays the same means standstill: a rotor at 333 electrical rpm would have shown another, and
 /// what is slower is brought to rest by the locks.
 const STILL: u32 = 12;
+/// Ticks for which a rotor that turns backward is braked before it is listened to again.
+const LISTEN_AGAIN: u32 = 64;
 /// Where the second lock leaves the rotor: 120 degrees, the middle of an odd sector, whose crossing rises and shows in the off-time too.
 const ALIGNED_AT: u32 = (u32::MAX / 3) + 1;
 
@@ -313,22 +315,31 @@ impl Sensorless {
         self.due
     }
 
-    /// The sequence changes nothing before it is [due](Self::due).
-    pub const fn waits(&self, c: &SensorlessCoefficients) -> bool {
+    /// When the phase has to go on by time alone.
+    fn deadline(&self, c: &SensorlessCoefficients, now: Instant) -> Instant {
+        let began = self.since;
         match self.phase {
-            Phase::Run => true,
-            Phase::Align => self.level.value() == c.align_level,
-            Phase::Listen | Phase::Brake | Phase::Kick => false,
+            Phase::Listen => {
+                self.listening.settles(c.rest, began, STILL * c.rest).earlier(self.rotor.silent_at(c.timeout))
+            }
+            Phase::Brake => began.after(LISTEN_AGAIN + 1),
+            Phase::Align => {
+                let half = began.after(c.align / 2 + 1);
+                if half.is_due(now) { began.after(c.align + 1) } else { half }
+            }
+            Phase::Kick if now.since(began) < c.rest => began.after(c.rest),
+            Phase::Kick if self.level.value() < c.kick_level => began.after(c.kick_limit + 1),
+            Phase::Kick => began.after(c.kick_limit + 1).earlier(self.seen.after(c.kick_patience + 1)),
+            Phase::Run => self.rotor.silent_at(c.timeout),
         }
     }
 
-    fn deadline(&self, c: &SensorlessCoefficients, now: Instant) -> Instant {
+    /// Once a millisecond: the level of the lock, or of the kick. True if it has changed.
+    pub fn advance(&mut self, c: &SensorlessCoefficients, now: Instant) -> bool {
         match self.phase {
-            Phase::Align => {
-                let half = self.since.after(c.align / 2 + 1);
-                if half.is_due(now) { self.since.after(c.align + 1) } else { half }
-            }
-            Phase::Listen | Phase::Brake | Phase::Kick | Phase::Run => now.next(),
+            Phase::Align => self.level.advance(c.align_level, c.align_rate),
+            Phase::Kick if now.since(self.since) >= c.rest => self.level.advance(c.kick_level, c.kick_rate),
+            Phase::Listen | Phase::Brake | Phase::Kick | Phase::Run => false,
         }
     }
 
@@ -369,12 +380,10 @@ impl Sensorless {
     ) -> Plan {
         // In rotor lock the rotor is not yet turned.
         let released = state != State::RotorLock;
-        if self.phase == Phase::Run {
-            self.due = self.rotor.silent_at(c.timeout);
-            return self.run(c, now);
-        }
-        let plan = self.lead(c, now, released, torque);
-        self.due = self.deadline(c, now);
+        let before = self.phase;
+        let plan = if before == Phase::Run { self.run(c, now) } else { self.lead(c, now, released, torque) };
+        // Another phase has its first say in the next tick.
+        self.due = if self.phase == before { self.deadline(c, now) } else { now.next() };
         plan
     }
 
@@ -418,7 +427,6 @@ impl Sensorless {
     /// A rotor that turns backward: shorted where that gives no more than the phase current limit, else left to coast. Nothing is
     /// returned to the bus either way. What is slow enough is brought to rest by the locks.
     fn brake(&mut self, c: &SensorlessCoefficients, now: Instant) -> Plan {
-        const LISTEN_AGAIN: u32 = 64;
         let speed = self.rotor.speed().saturating_abs();
         if now.since(self.since) > LISTEN_AGAIN {
             self.go(now, Phase::Listen);
@@ -429,7 +437,7 @@ impl Sensorless {
     /// Two locks, 60 degrees apart, the second from the side that the rotor is to turn to: one that rests on the dead point of the
     /// first is off that of the second. Three-phase, which damps the swing.
     fn align(&mut self, c: &SensorlessCoefficients, now: Instant, torque: Direction) -> Plan {
-        let level = self.level.step(c.align_level, c.align_rate);
+        let level = self.level.value();
         let step = match torque {
             _ if now.since(self.since) > c.align / 2 => Step::LockCA,
             Direction::Forward => Step::LockC,
@@ -440,6 +448,7 @@ impl Sensorless {
 
     fn kick_off(&mut self, c: &SensorlessCoefficients, now: Instant, torque: Direction) -> Plan {
         self.go(now, Phase::Kick);
+        self.seen = now.after(c.rest);
         self.rotor.start(now, ALIGNED_AT, torque);
         self.kick(c, now)
     }
@@ -448,10 +457,9 @@ impl Sensorless {
         let age = now.since(self.since);
         // The locks' current dies away first.
         if age < c.rest {
-            self.seen = now;
             return Plan::Coast;
         }
-        let level = self.level.step(c.kick_level, c.kick_rate);
+        let level = self.level.value();
         if self.rotor.is_prepared() {
             self.go(now, Phase::Run);
             self.begun = Some(false);
