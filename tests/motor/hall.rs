@@ -380,3 +380,20 @@ fn a_station_that_is_stepped_when_due_is_one_that_looks_in_every_tick() {
         );
     }
 }
+
+/// Sensors that show nothing, or the same code for days, need no look: not even after the farthest deadline, 2^30 ticks.
+#[test]
+fn sensors_that_stand_are_asked_once_in_30_hours() {
+    let c = coefficients(false).hall;
+    for code in [0b000, 0b001] {
+        let (mut station, samples) = (Station::default(), level(code));
+        for _ in 0..100_000 {
+            station.next(&c, &samples);
+        }
+        for _ in 0..5 {
+            assert!(!station.hall.due().is_due(station.now.after(1_000_000_000)), "code {code:03b}");
+            station.now = station.now.after(u32::MAX);
+            station.next(&c, &samples);
+        }
+    }
+}

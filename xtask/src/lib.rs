@@ -36,6 +36,7 @@ pub mod plot;
 pub mod proof;
 pub mod qemu;
 pub mod quality;
+pub mod readme;
 pub mod running;
 pub mod setup;
 pub mod sign;

@@ -25,6 +25,7 @@ use xtask::mutants;
 use xtask::parity;
 use xtask::proof;
 use xtask::quality;
+use xtask::readme;
 use xtask::sign;
 use xtask::steps::{Outcome, Step, finish, run, run_all};
 use xtask::test::{self, Target};
@@ -222,6 +223,7 @@ fn generate(root: &Path) -> ExitCode {
         Step::new("evidence", move || evidence::regenerate(root, false)),
         Step::new("CAN database", move || dbc::regenerate(root, false)),
         Step::new("EDS", move || eds::regenerate(root, false)),
+        Step::new("pictures", move || readme::regenerate(root, false)),
         Step::new("C header", move || header::regenerate(root, false)),
         Step::new("images", move || firmware::build(root).and_then(|_| firmware::emulator())),
         Step::new("instructions", move || instructions::regenerate(root, false)),

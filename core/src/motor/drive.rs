@@ -1,11 +1,27 @@
 //! The control tick: samples in, PWM command out, one road.
+//!
+//! Most ticks ask no station. A station that was asked answers with its next *deadline*, the tick by which it has to be
+//! asked again although its inputs stay the same, and with the *band* of inputs within which it would answer the same.
+//!
+//! The law: before its deadline and within its bands, asking a station changes nothing. So a deadline may be early and a
+//! band narrow, but never late or wide. From the law follows:
+//!
+//! * Stations keep instants and not counters, unless they are due in every tick while the counter counts.
+//! * Whoever changes an input of a station behind its back makes it due: [`Drive::wake`] for all of them, and
+//!   `choose_next` and `watch_next` for the pattern and the state machine.
+//! * At the end of a tick `due` is no later than any station's deadline.
+//!
+//! The hall calibration alone counts its ticks, so `steers` holds while it runs.
+//!
+//! A new station needs: a deadline in `deadline`, a line in `wake`, a guard in `ask`, and a band in [`quiet`] if its
+//! inputs are samples. A check that may wait for a millisecond is simpler: it is a line of a task (`tasks.rs`).
 
-mod duties;
 mod layout;
 mod pattern;
 mod quiet;
 mod reports;
 mod signals;
+mod tasks;
 mod transitions;
 
 use super::band::Band;
@@ -28,12 +44,12 @@ use super::sense::measurement::Measurement;
 use super::sense::samples::{SampleMode, Samples};
 use crate::units::Amps;
 use core::borrow::Borrow;
-use duties::Duties;
 pub use layout::{BEHAVIOUR_VERSION, LAYOUT_VERSION};
 use pattern::Pattern;
 use quiet::Quiet;
 use reports::Reports;
 use serde::{Deserialize, Serialize};
+use tasks::Tasks;
 
 /// The drive: everything that the control tick owns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,11 +63,12 @@ pub struct Drive {
     pattern_due: Instant,
     /// Samples that concern no station.
     quiet: Quiet,
-    /// For now the fault logic and the state machine are asked in every tick: a fault qualifies, or the rotor may stand.
+    /// For now the state machine is asked in every tick, and the fault logic if `has_fault`: a fault of the rotor or an open phase is present, the rotor of
+    /// a closed loop may stand, or its hall sensors are mute.
     watchful: bool,
     /// For now the pattern is chosen anew in every tick: a hall calibration, or sensors in doubt.
     steers: bool,
-    /// `watchful` and `steers` may no longer hold; `look_out` finds out.
+    /// The demand or the step has changed within this tick, so `watchful` and `steers` may no longer hold.
     stale: bool,
     /// The last tick that asked the stations.
     asked: Instant,
@@ -70,7 +87,7 @@ pub struct Drive {
     calibration: HallCalibration,
     /// Duty from which the on-time is sampled, and below which the off-time is, raw U1F15.
     on_time: (u16, u16),
-    duties: Duties,
+    tasks: Tasks,
     /// The demand and step that are repeated until the stations are asked again.
     pattern: Pattern,
     /// The command of the last tick.
@@ -106,7 +123,7 @@ impl Drive {
             calibrator: HallCalibrator::default(),
             calibration: HallCalibration::None,
             on_time: (0, 0),
-            duties: Duties::default(),
+            tasks: Tasks::default(),
             pattern: Pattern::OFF,
             applied: PwmCommand::default(),
             reports: Reports::default(),
@@ -119,7 +136,7 @@ impl Drive {
         self
     }
 
-    /// Computes what depends on state and coefficients alone, so that the tick need not.
+    /// After a change of state (and after `enter`) or of the coefficients: the source of the rotor, and what depends on both alone.
     fn refresh(&mut self) {
         self.rotor.follow(self.now, self.source());
         self.on_time = self.sampling_limits();
@@ -173,15 +190,25 @@ impl Drive {
         }
     }
 
-    /// Makes everything due: the next tick asks every station and every limit. Asking one that has nothing to do changes nothing, so this changes no answer.
+    /// Makes everything due: the next tick asks every station and every limit. By the law of the tick this changes no answer.
     pub fn wake(&mut self) {
         let now = self.now;
         (self.due, self.pattern_due) = (now, now);
-        (self.watchful, self.steers, self.stale) = (true, true, true);
+        (self.watchful, self.steers) = (true, true);
         self.rotor.wake(now);
         self.protection.wake(now);
         self.machine.wake(now);
         self.control.beware();
+    }
+
+    /// The next tick chooses the pattern anew.
+    const fn choose_next(&mut self) {
+        (self.due, self.pattern_due) = (self.now, self.now);
+    }
+
+    /// The next tick asks the state machine, and the fault logic if the rotor shows a fault.
+    const fn watch_next(&mut self) {
+        (self.due, self.watchful) = (self.now, true);
     }
 
     /// One control tick.
@@ -197,8 +224,8 @@ impl Drive {
         } else {
             self.ask(samples, current, sensed)
         };
-        if self.duties.are_due(self.now) {
-            self.do_duty(busy, samples, current);
+        if self.tasks.are_due(self.now) {
+            self.do_task(busy, samples, current);
         }
         self.apply(current);
         self.applied
@@ -235,8 +262,11 @@ impl Drive {
         } else {
             self.go_on();
         }
+        if self.reports.stirred {
+            self.find_change(samples);
+        }
         if concerns_faults || moved || self.watchful || self.stale {
-            self.look_out(samples);
+            self.look_ahead();
         }
         self.rotor.sensorless.note(&self.applied);
         self.due = self.deadline();
@@ -253,22 +283,19 @@ impl Drive {
         self.quiet.hall = samples.hall;
         let events = self.rotor.sense_halls(&self.coefficients, self.now, samples);
         if self.rotor.hall.is_mute() {
-            // From here on the commutation counts the sectors, so the pattern is chosen in this tick.
+            // From here on the commutation counts the sectors, and it does so only where the pattern is chosen.
             self.pattern_due = self.now;
         }
         if events.sectors == 0 && self.machine.state() == State::HallClosedLoop {
             // The sensors were asked and no sector has passed: a code was lost, there is a doubt, or a deadline has come.
-            (self.pattern_due, self.watchful, self.stale) = (self.now, true, true);
+            (self.pattern_due, self.watchful) = (self.now, true);
         }
         events
     }
 
-    /// Finds out whether the fault logic and the state machine, or the pattern, have to be asked in every tick from now on.
+    /// Decides whether the state machine, or the pattern, has to be asked in every tick from now on.
     #[inline(never)]
-    fn look_out(&mut self, samples: &Samples) {
-        if self.reports.stirred {
-            self.find_change(samples);
-        }
+    fn look_ahead(&mut self) {
         let state = self.machine.state();
         let halls = state == State::HallClosedLoop;
         self.watchful = self.open_phase.is_found()
@@ -351,7 +378,8 @@ impl Drive {
         self.rotor.count_commutation(self.commutator.sector(), backward);
     }
 
-    /// The rotor shows a fault: an open phase, too many episodes that ended, or a stall of the hall sensors.
+    /// The rotor shows a fault: an open phase, too many episodes that ended, or a stall of the hall sensors. The fault logic
+    /// need not see them go: the first two cannot be masked, and a stall keeps it due.
     #[inline(never)]
     fn has_fault(&self) -> bool {
         self.has_open_phase()

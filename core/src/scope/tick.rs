@@ -188,7 +188,7 @@ impl Memory {
         let left = half.saturating_sub(now.words.into());
         self.count();
         if left < NEAR
-            && (left < inputs::WORDS_MAX || drive.has_rested())
+            && (left < inputs::WORDS_MAX || drive.has_time_to_spare())
             && self.progress.phase != Phase::Done
         {
             self.turn_over(drive, samples);
@@ -208,7 +208,7 @@ impl Memory {
             self.progress.left = 1;
         }
         match course.patience.checked_sub(1) {
-            Some(left) if !drive.has_rested() => course.patience = left,
+            Some(left) if !drive.has_time_to_spare() => course.patience = left,
             _ => self.begin_half(0, drive, samples),
         }
     }

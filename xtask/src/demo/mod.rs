@@ -53,6 +53,24 @@ pub fn session(arguments: &[&str]) -> Result<(SessionConfig, i32), String> {
     Ok((request.session, request.rpm))
 }
 
+/// The picture of the demonstration with these arguments, as `run.svg` has it.
+///
+/// # Errors
+/// Arguments that cannot be, or a run that cannot be drawn, in one line.
+pub fn picture(arguments: &[&str]) -> Result<String, String> {
+    let arguments = Arguments::read(arguments).map_err(|error| error.to_string())?;
+    let request = Request::new(&arguments).map_err(|refused| refused.to_string())?;
+    let mut session = Session::new(&request.session).map_err(|error| error.to_string())?;
+    while session.bench().time() < request.seconds {
+        if session.bench().time() >= START && session.master().setpoint() == 0 {
+            session.master().start(request.rpm);
+        }
+        session.step();
+    }
+    let caption = Caption { title: &request.title(), subtitle: &request.subtitle() };
+    plot::svg(&session.bench().trace(), None, &caption).map_err(|error| error.to_string())
+}
+
 /// When the master asks for Drive, s: after boot (0.5 s) and two of its periods of Standby.
 const START: f64 = 0.6;
 

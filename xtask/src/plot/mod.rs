@@ -98,6 +98,14 @@ pub fn svg(trace: &Trace, displacements: Option<&Trace>, caption: &Caption<'_>) 
     Ok(text.replacen(&large, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1))
 }
 
+/// The same picture for a page with a dark background.
+pub fn dark(svg: &str) -> String {
+    // Background, text, grid and the one curve whose colour is too dark.
+    let colours =
+        [("#FFFFFF", "#0D1117"), ("#222222", "#E6EDF3"), ("#000000", "#E6EDF3"), ("#0072B2", "#58A6FF")];
+    colours.iter().fold(svg.to_owned(), |text, (light, dark)| text.replace(light, dark))
+}
+
 fn draw_title(area: &Area<'_>, caption: &Caption<'_>) -> Result<(), panel::DrawError> {
     let left = px(panel::LEFT) as i32;
     let title = ("sans-serif", px(21), FontStyle::Bold, &colour::BLACK).into_text_style(area);

@@ -1,7 +1,7 @@
 //! The core and the bench on this machine, the build for a target without std, and what other tools make of our files.
 
 use crate::steps::Step;
-use crate::{callgrind, coverage, dbc, eds, install, interop, vectors};
+use crate::{callgrind, coverage, dbc, eds, install, interop, readme, vectors};
 use std::path::Path;
 
 /// A Cortex-M4 with floating point, as on the boards.
@@ -43,6 +43,7 @@ pub fn steps(root: &Path) -> Vec<Step<'_>> {
         Step::new("coverage", move || coverage::regenerate(root, true)),
         Step::new("CAN database", move || dbc::regenerate(root, true)),
         Step::new("EDS", move || eds::regenerate(root, true)),
+        Step::new("pictures", move || readme::regenerate(root, true)),
         Step::new("callgrind", move || callgrind::regenerate(root, true)),
         Step::new("interoperability", move || interop::run(root)),
     ]

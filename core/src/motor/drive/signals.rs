@@ -24,8 +24,8 @@ impl Drive {
         self.sample(signal, shaft, samples) as i16
     }
 
-    /// The last step asked no station.
-    pub(crate) fn has_rested(&self) -> bool {
+    /// The last step asked no station, or the bridge is off: there is time for other work in this tick.
+    pub(crate) fn has_time_to_spare(&self) -> bool {
         !self.machine.state().is_driving() || self.asked != self.now
     }
 

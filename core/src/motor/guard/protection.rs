@@ -275,7 +275,7 @@ impl Protection {
         self.overspeed_trip
     }
 
-    /// No edge backward is remembered, which one forward would make up for.
+    /// No edge backward is counted. While one is, an edge forward takes it back, so the fault logic has to see that, too.
     #[inline]
     pub const fn goes_forward(&self) -> bool {
         self.hall.backwards == 0

@@ -157,8 +157,8 @@ const INVALID_RUN_MAX: u8 = 3;
 const CONVINCING: u8 = 2;
 
 impl Hall {
-    /// One tick: takes the edges of the period that ended and the present level. Between deadlines a tick with the level of the last one and no edge
-    /// need not be told.
+    /// One tick: takes the edges of the period that ended and the present level. Between deadlines a tick with the level of the last one and no edge changes
+    /// nothing. Mute sensors answer `invalid` in every tick, so whoever counts that asks in every tick.
     #[inline]
     pub fn step(&mut self, c: &HallCoefficients, now: Instant, samples: &Samples) -> HallEvents {
         let level = c.sectors[(samples.hall & 7) as usize];
@@ -213,8 +213,13 @@ impl Hall {
             if self.still { u32::MAX } else { c.timeout.saturating_sub(self.age).div_ceil(TICK) };
         let passed = self.angle.wrapping_sub(self.from);
         let room = if self.interpolated < 0 { passed } else { self.span.saturating_sub(passed) };
-        let clamped = room.checked_div(self.interpolated.unsigned_abs()).unwrap_or(u32::MAX);
-        self.entered.after(standstill.min(clamped.saturating_add(1)))
+        let clamped =
+            room.checked_div(self.interpolated.unsigned_abs()).unwrap_or(u32::MAX).saturating_add(1);
+        match standstill.min(clamped) {
+            // Nothing is left to expire. Counted from the last edge the farthest deadline would come, and stay.
+            u32::MAX => now.after(u32::MAX),
+            left => self.entered.after(left),
+        }
     }
 
     /// Time since the last edge, 1/65 536 tick, saturating.

@@ -146,6 +146,7 @@ impl Listening {
 
     /// When a rotor of which nothing more is heard is at rest: after `rest` ticks without a sound, or `still` ticks since `began` with the same highest terminal.
     pub fn settles(&self, rest: u32, began: Instant, still: u32) -> Instant {
+        // The later of the two.
         let last = if self.changed.is_due(began) { began } else { self.changed };
         self.loud.after(rest).earlier(last.after(still))
     }

@@ -315,7 +315,7 @@ impl Sensorless {
         self.due
     }
 
-    /// When the phase has to go on by time alone.
+    /// When a phase before closed loop has to go on by time alone.
     fn deadline(&self, c: &SensorlessCoefficients, now: Instant) -> Instant {
         let began = self.since;
         match self.phase {
@@ -360,7 +360,8 @@ impl Sensorless {
     }
 
     fn go(&mut self, now: Instant, phase: Phase) {
-        (self.phase, self.since, self.seen) = (phase, now, now);
+        // A phase that another one ends in its step goes on in the next tick.
+        (self.phase, self.since, self.seen, self.due) = (phase, now, now, now.next());
         self.wake();
         if !self.back_emf.coasts() {
             self.listening.reset(now);
@@ -378,13 +379,14 @@ impl Sensorless {
         state: State,
         torque: Direction,
     ) -> Plan {
+        if self.phase == Phase::Run {
+            self.due = self.rotor.silent_at(c.timeout);
+            return self.run(c, now);
+        }
+        // Before the phase acts: what it changes of its own deadline (`go`, or a forced step) only makes it earlier.
+        self.due = self.deadline(c, now);
         // In rotor lock the rotor is not yet turned.
-        let released = state != State::RotorLock;
-        let before = self.phase;
-        let plan = if before == Phase::Run { self.run(c, now) } else { self.lead(c, now, released, torque) };
-        // Another phase has its first say in the next tick.
-        self.due = if self.phase == before { self.deadline(c, now) } else { now.next() };
-        plan
+        self.lead(c, now, state != State::RotorLock, torque)
     }
 
     /// The sequence up to closed loop.

@@ -1,4 +1,5 @@
-//! The duties of each millisecond, one a tick. A tick that brings an edge, a crossing or a commutation leaves its duty to a later one.
+//! The tasks of each millisecond, one a tick. A tick with an edge, a crossing or a commutation leaves its task to a
+//! later one.
 
 use super::Drive;
 use crate::motor::clock::Instant;
@@ -9,16 +10,16 @@ use crate::motor::sense::samples::Samples;
 use crate::units::{Amps, Duty};
 use serde::{Deserialize, Serialize};
 
-/// The duties of a millisecond in their order; the last one is rails and report.
+/// The tasks of a millisecond in their order; the last one checks the rails and makes the report due.
 const RATINGS: u32 = 0;
 const RAMPS: u32 = 1;
-/// Number of duties.
-const DUTIES: u32 = 3;
+/// Number of tasks.
+const TASKS: u32 = 3;
 
-/// Progress of this millisecond's duties.
+/// Progress within this millisecond.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Duties {
-    /// The tick of the next duty.
+pub(super) struct Tasks {
+    /// The tick of the next task.
     due: Instant,
     next: u32,
     /// The first tick of the next millisecond.
@@ -27,7 +28,7 @@ pub(super) struct Duties {
     speed: i32,
 }
 
-impl Duties {
+impl Tasks {
     #[inline]
     pub(super) const fn are_due(&self, now: Instant) -> bool {
         self.due.is_due(now)
@@ -35,40 +36,40 @@ impl Duties {
 }
 
 impl Drive {
-    /// The next duty. A `busy` tick leaves it to a later one while the millisecond has more ticks than duties.
+    /// Does the next task. A `busy` tick leaves it to a later one while the millisecond has more ticks than tasks.
     #[inline(never)]
-    pub(super) fn do_duty(&mut self, busy: bool, samples: &Samples, current: Amps) {
-        let (now, next) = (self.now, self.duties.next);
-        self.duties.due = now.next();
+    pub(super) fn do_task(&mut self, busy: bool, samples: &Samples, current: Amps) {
+        let (now, next) = (self.now, self.tasks.next);
+        self.tasks.due = now.next();
         if next == RATINGS {
             let ticks = self.coefficients.control.ticks_per_ms.into();
-            if ticks < DUTIES {
+            if ticks < TASKS {
                 return self.do_all(ticks, samples, current);
             }
         }
-        // The first millisecond after power-up has no end yet; nothing turns then, so no tick is busy.
-        let ticks_left = self.duties.end.since(now);
-        if busy && ticks_left > DUTIES - next {
+        // The first round after power-up has no end yet, so a second one follows at once; nothing turns then, and no tick is busy.
+        let ticks_left = self.tasks.end.since(now);
+        if busy && ticks_left > TASKS - next {
             return;
         }
-        self.duties.next = next + 1;
+        self.tasks.next = next + 1;
         match next {
             RATINGS => self.rate(current),
             RAMPS => self.run_ramps(current),
             _ => {
-                let end = self.duties.end;
+                let end = self.tasks.end;
                 let next_end = end.after(self.coefficients.control.ticks_per_ms.into());
-                self.duties = Duties { due: end, next: RATINGS, end: next_end, speed: self.duties.speed };
+                self.tasks = Tasks { due: end, next: RATINGS, end: next_end, speed: self.tasks.speed };
                 self.check_rails();
                 self.make_due(samples);
             }
         }
     }
 
-    /// A board with fewer ticks than duties in a millisecond does all in its first.
+    /// Does all tasks in one tick, on a board whose millisecond has fewer ticks than tasks.
     #[inline(never)]
     fn do_all(&mut self, ticks: u32, samples: &Samples, current: Amps) {
-        self.duties.due = self.now.after(ticks);
+        self.tasks.due = self.now.after(ticks);
         self.rate(current);
         self.run_ramps(current);
         self.check_rails();
@@ -83,9 +84,9 @@ impl Drive {
         if self.detects_open_phases()
             && self.open_phase.rest(self.applied.step, self.applied.duty, self.rotor.may_stand())
         {
-            (self.due, self.watchful) = (self.now, true);
+            self.watch_next();
         }
-        let stands = matches!(self.pattern.demand, Demand::Speed(_)) && self.duties.speed == 0;
+        let stands = matches!(self.pattern.demand, Demand::Speed(_)) && self.tasks.speed == 0;
         let temperature = self.slow.temperature;
         self.control.rate(&self.coefficients.control, &self.measurement, temperature, !stands);
     }
@@ -102,15 +103,14 @@ impl Drive {
             changed |= self.lock.advance(c.machine.lock_level, c.machine.lock_rate);
         }
         if changed {
-            // The next tick applies it.
-            (self.due, self.pattern_due) = (self.now, self.now);
+            self.choose_next();
         }
     }
 
     #[inline(never)]
     fn run_speed_loop(&mut self, current: Amps) {
         let speed = self.speed_forward();
-        self.duties.speed = speed;
+        self.tasks.speed = speed;
         let c = &self.coefficients;
         let mode = c.mode(self.machine.state());
         // A rotor that is found late, or has leapt ahead, comes to the ramp of open loop at twice its rate.
@@ -135,11 +135,12 @@ impl Drive {
         let driven = self.applied.duty != Duty::ZERO;
         let applied = self.control.applied(&c.control, self.measurement.bus_voltage());
         let current = self.control.phase_current();
-        let speed = self.duties.speed;
+        let speed = self.tasks.speed;
         self.rotor.sensorless.check(&c.sensorless, self.now, driven, applied, current, speed);
-        // The check may have ended the episode: the next tick asks.
+        // The check may have ended the episode.
         if !self.rotor.sensorless.is_running() {
-            (self.due, self.watchful, self.steers) = (self.now, true, true);
+            self.watch_next();
+            self.choose_next();
         }
     }
 }
