@@ -1,7 +1,8 @@
 # find_package(narx): the target narx::narx, header and static library.
 #
-#   NARX_TARGET    which library, by Rust's name of its target: a folder of lib/. Without it, what CMAKE_SYSTEM_PROCESSOR says: cortex-m0 and
-#                  cortex-m0plus, cortex-m4 and cortex-m7 (with floating point in hardware), or this machine.
+#   NARX_TARGET    selects the library by Rust's name of its target: a folder of lib/. Without it
+#                  CMAKE_SYSTEM_PROCESSOR selects: cortex-m0 and cortex-m0plus, cortex-m4 and cortex-m7 (with
+#                  floating point in hardware), or this machine.
 
 get_filename_component(_narx_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 
@@ -31,7 +32,7 @@ if(NOT TARGET narx::narx)
     set_target_properties(narx::narx PROPERTIES
         IMPORTED_LOCATION "${_narx_library}"
         INTERFACE_INCLUDE_DIRECTORIES "${_narx_prefix}/include")
-    # On a host the library brings Rust's standard library, for its panic handler alone.
+    # On a host the library contains Rust's standard library, but uses only its panic handler.
     if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
         set_property(TARGET narx::narx PROPERTY INTERFACE_LINK_LIBRARIES pthread dl m)
     endif()

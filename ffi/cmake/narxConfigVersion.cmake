@@ -1,4 +1,4 @@
-# Before version 1 every minor version may change the interface.
+# Before version 1 every new minor version may change the interface.
 set(PACKAGE_VERSION "@VERSION@")
 string(REGEX REPLACE "\\.[0-9]+$" "" _narx_minor "${PACKAGE_VERSION}")
 if(PACKAGE_FIND_VERSION STREQUAL PACKAGE_VERSION)

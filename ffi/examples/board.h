@@ -1,4 +1,4 @@
-/* What examples/drive.c needs of a board: write these for yours. */
+/* Functions of the board that examples/drive.c calls: write them for yours. */
 
 #ifndef BOARD_H
 #define BOARD_H
@@ -11,16 +11,16 @@ void board_sample(narx_samples_t *samples);
 /* Writes duty, sampling instant and switch patterns to the timer; called from the control interrupt. */
 void board_apply(const narx_pwm_command_t *command);
 
-/* The next frame that the CAN controller has received: 1, or 0 for none. */
+/* Takes the next frame that the CAN controller has received: returns 1, or 0 for none. */
 int board_receive(narx_frame_t *frame);
 
-/* Gives the CAN controller a frame. */
+/* Passes a frame to the CAN controller. */
 void board_send(const narx_frame_t *frame);
 
-/* Temperatures, rails and the other slow inputs. */
+/* Reads temperatures, rails and the other slow inputs. */
 void board_slow_inputs(narx_slow_inputs_t *inputs);
 
-/* Number of PWM periods since power-up. */
+/* Returns the number of PWM periods since power-up. */
 uint64_t board_ticks(void);
 
 /* Restarts the processor. */

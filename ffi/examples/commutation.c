@@ -1,4 +1,4 @@
-/* The commutation table alone, for a driver that knows its sector. What stood here:
+/* The commutation table alone, for a driver that knows its sector. It replaces a table such as:
  *
  *     static const uint8_t table[6] = {0x21, 0x24, 0x0C, 0x12, ...};      which bit was phase B low?
  */
@@ -25,7 +25,7 @@ int main(void)
                 return 1;
             }
             printf("sector %u  %s  %s  %s\n", (unsigned)sector, names[legs[0]], names[legs[1]], names[legs[2]]);
-            /* One leg switched, one low, one off; the other direction changes the first two. */
+            /* One leg is switched, one is low, one is off; the other direction exchanges the first two. */
             sum += legs[0] != legs[1] && legs[1] != legs[2] && legs[2] != legs[0];
         }
     }

@@ -1,4 +1,4 @@
-/* A whole drive: what a control interrupt and a main loop have to do. `board.h` is the board's. */
+/* A whole drive: its control interrupt and its main loop. `board.h` declares the functions of the board. */
 
 #include "board.h"
 #include "drive.h"
@@ -8,7 +8,7 @@
 static narx_drive_t drive;
 static narx_scope_t scope;
 
-/* At power-up, with interrupts off: `count` parameters that your store holds. */
+/* Call it at power-up, with interrupts off. `stored` holds the `count` parameters of your store. */
 narx_status_t drive_init(const narx_board_t *board, const narx_stored_t *stored, size_t count)
 {
     const narx_status_t status = narx_drive_init_stored(&drive, sizeof drive, board, NULL, stored, count);
@@ -16,7 +16,8 @@ narx_status_t drive_init(const narx_board_t *board, const narx_stored_t *stored,
     return status != NARX_OK ? status : narx_drive_attach_scope(&drive, &scope, sizeof scope);
 }
 
-/* The control interrupt, once a PWM period. It may strike anywhere in drive_loop. An error is answered with coast. */
+/* The control interrupt, once a PWM period. It may interrupt drive_loop at any instruction. On an error the
+ * command is coast. */
 void drive_interrupt(void)
 {
     narx_samples_t samples;

@@ -1,4 +1,5 @@
-/* Limits that qualify, latch and say why. What stood here tripped on one noisy sample, and forgot which:
+/* Limits that qualify a fault, latch it and keep its cause. They replace code that tripped on one noisy
+ * sample and did not record the cause:
  *
  *     if (adc_bus > OVER_VOLTAGE) { pwm_off(); fault = 1; }
  */
@@ -31,7 +32,7 @@ int main(void)
     evidence.torque = 1;
     evidence.temperature = 25 * NARX_Q16_ONE;
     for (tick = 0; tick < 1000; tick++) {
-        /* 24 V; one noisy sample; from tick 200 on a brake that feeds the bus. */
+        /* 24 V; one noisy sample; from tick 200 on a brake that feeds energy into the bus. */
         evidence.bus_voltage = (tick == 100 || tick >= 200 ? 61 : 48) * NARX_Q16_ONE / 2;
         if (narx_fault_step(&fault, &evidence, &faults) != NARX_OK) {
             return 1;
@@ -41,7 +42,7 @@ int main(void)
         }
     }
     printf("tripped in tick %d by cause %04Xh\n", tripped, (unsigned)faults.cause);
-    /* 30.5 V count once they have held for 10 ms. */
+    /* 30.5 V are a fault once they have held for 10 ms. */
     if (tripped < 290 || tripped > 310 || faults.cause != NARX_CAUSE_OVER_VOLTAGE
         || narx_fault_acknowledge(&fault) != NARX_ERROR_WRONG_STATE) {
         return 1;

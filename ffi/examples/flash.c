@@ -1,5 +1,6 @@
-/* Parameters that outlive the power, and the log: a drive on a serial NOR flash. Replaces a hand-written settings page with its check sum. The chip
- * here is memory; on a board the three calls send the commands of yours (03h, 06h 02h, 06h 20h) and wait for its busy bit. */
+/* Parameters that survive a power cut, and the log: a drive on a serial NOR flash. It replaces a hand-written
+ * settings page with a check sum. The chip here is memory. On a board the three functions send your chip's
+ * commands (03h, 06h 02h, 06h 20h) and wait for its busy bit. */
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +20,7 @@ static int32_t chip_read(void *context, uint32_t address, uint8_t *bytes, size_t
     return 0;
 }
 
-/* Within one page. */
+/* Programs within one page. */
 static int32_t chip_program(void *context, uint32_t address, const uint8_t *bytes, size_t length)
 {
     uint8_t *to = context;
@@ -31,7 +32,7 @@ static int32_t chip_program(void *context, uint32_t address, const uint8_t *byte
     return 0;
 }
 
-/* Whole subsectors. */
+/* Erases whole subsectors. */
 static int32_t chip_erase(void *context, uint32_t from, uint32_t to)
 {
     uint8_t *bytes = context;
@@ -52,7 +53,7 @@ static void power_up(void)
     }
 }
 
-/* The control interrupt and the main loop, up to tick `end`. */
+/* Runs the control interrupt and the main loop up to tick `end`. */
 static void run(uint64_t *now, uint64_t end)
 {
     narx_samples_t samples;
@@ -83,7 +84,7 @@ int main(void)
     (void)narx_drive_set_parameter(&drive, NARX_PARAMETER_STORE, 1);
     run(&now, 7000);
 
-    /* The power goes and comes. */
+    /* A power cut, and the next power-up. */
     power_up();
     (void)narx_drive_get_parameter(&drive, NARX_PARAMETER_MOTOR_POLE_PAIRS, &pole_pairs);
     printf("%ld pole pairs after the power came back\n", (long)pole_pairs);

@@ -1,8 +1,9 @@
-/* Speed, angle and commutation from hall sensors. What stood here commutated in the interrupt of each edge, by a table of codes, and had no speed
- * before the third edge nor any idea of an edge that does not come.
+/* Speed, angle and commutation from hall sensors. It replaces a driver that commutated in the interrupt of
+ * each edge, by a table of codes. Such a driver has no speed before the third edge, and does not notice an
+ * edge that does not come.
  *
- * Here the lines and their captured edges are given to narx_hall_step once a PWM period, and narx_commutation_step says which legs to switch, and
- * when within the period.
+ * Here narx_hall_step takes the lines and their captured edges once a PWM period. narx_commutation_step
+ * returns the legs to switch, and the instants within the period.
  */
 
 #include <stdio.h>
@@ -40,7 +41,7 @@ int main(void)
         narx_edge_t edge = {0, NARX_EDGE_SOURCE_HALL, 0};
         const size_t edges = tick % TICKS_A_SECTOR == 0 && tick != 0 ? 1 : 0;
 
-        /* Captured in the middle of the period before. */
+        /* Captured in the middle of the previous period. */
         edge.instant = 0x8000;
         edge.code = code;
         if (narx_hall_step(&hall, code, &edge, edges, &reading) != NARX_OK

@@ -1,5 +1,6 @@
-/* The other end of the bus: another board that commands a drive, reads what it measures and sets its parameters. Replaces a hand-written sender of
- * REQUEST_WORD with its table of identifiers. Here drive and master talk over a wire of one loop; on a board the frames go through your controller. */
+/* The master: another board that commands a drive, reads its measurements and sets its parameters. It
+ * replaces a hand-written sender of REQUEST_WORD with its table of identifiers. Here a loop exchanges the
+ * frames of drive and master; on a board they pass through your CAN controller. */
 
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +11,8 @@ static narx_master_t master;
 static narx_drive_t drive;
 static uint64_t tick;
 
-/* Control ticks of 100 us of a drive at rest on 24 V, its master beside it. Both take time as an argument. */
+/* Runs control ticks of 100 us of a drive at rest on 24 V, and its master. Both take the time as an
+ * argument. */
 static void run(int ticks)
 {
     narx_samples_t samples;
@@ -46,7 +48,8 @@ int main(void)
     if (narx_drive_init(&drive, sizeof drive, NULL) != NARX_OK || narx_master_init(&master, sizeof master, NULL) != NARX_OK) {
         return 1;
     }
-    /* Standby is asked for, and repeated: the drive sends its words and measurements as long as it hears that. */
+    /* Requests Standby and repeats it: the drive sends its words and measurements as long as it receives
+     * set-points. */
     (void)narx_master_stop(&master);
     run(10000);
     if (narx_master_report(&master, tick * 100u, &report) != NARX_OK || report.state != NARX_STATE_STANDBY
@@ -55,7 +58,7 @@ int main(void)
     }
     printf("Standby at %ld of 0.01 V\n", (long)measured.fields.measurement_2.hv_voltage);
 
-    /* A request has exactly one answer: done, refused for a reason, or none in time. */
+    /* A request has exactly one answer: done, refused with a reason, or not answered in time. */
     (void)narx_master_request(&master, &request);
     run(200);
     if (narx_master_poll_answer(&master, &answer) != NARX_OK || answer.status != NARX_OK) {

@@ -1,4 +1,5 @@
-/* The protocol alone, for a board that only has to talk: a set-point on its way to a drive, and what comes back. */
+/* The messages alone, for a board that only communicates: a set-point for a drive, and a frame from the
+ * drive. */
 
 #include <stdio.h>
 #include <string.h>

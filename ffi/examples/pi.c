@@ -1,4 +1,4 @@
-/* A speed loop of an old drive, with its PI replaced by narx_pi_t. What stood here:
+/* A speed loop of an old drive with narx_pi_t in place of its own PI controller, which was:
  *
  *     integral += (ki * error) >> 15;
  *     if (integral > LIMIT) integral = LIMIT;              the integrator winds up behind its own limit
@@ -14,7 +14,7 @@
 
 enum { STEPS_A_SECOND = 1000 };
 
-/* A motor that takes 100 ms to follow its voltage: rev/s for V, both Q16. */
+/* A motor whose speed follows its voltage with a time constant of 100 ms: rev/s for V, both Q16. */
 static int32_t motor(int32_t *speed, int32_t voltage)
 {
     *speed = narx_q16_add(*speed, narx_q16_subtract(narx_q16_multiply(voltage, 2 * NARX_Q16_ONE), *speed) / 100);
@@ -53,6 +53,7 @@ int main(void)
         highest = speed > highest ? speed : highest;
     }
     printf("%ld mrev/s of 10000, at most %ld\n", (long)narx_milli_from_q16(speed), (long)narx_milli_from_q16(highest));
-    /* Reached, and hardly overshot, although the voltage was at its limit for a long time. */
+    /* The target is reached with hardly any overshoot, although the voltage was at its limit for a long
+     * time. */
     return speed > target - 66 && speed < target + 66 && highest < target + target / 20 ? 0 : 1;
 }

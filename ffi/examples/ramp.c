@@ -1,4 +1,5 @@
-/* A set-point that must not jump. What stood here moved by whole counts, so that slow ramps stood still:
+/* A set-point that must not jump. It replaces code that moved by whole counts, so that slow ramps did not
+ * move at all:
  *
  *     if (setpoint < target) setpoint += RATE / STEPS_A_SECOND;
  */
@@ -28,7 +29,7 @@ int main(void)
     if (narx_milli_from_q16(value) != 500) {
         return 1;
     }
-    /* What something else has brought about is where it goes on from. */
+    /* The ramp continues from a value that something else has set. */
     if (narx_ramp_set(&ramp, 20 * NARX_Q16_ONE) != NARX_OK || narx_ramp_step(&ramp, 0, &value) != NARX_OK) {
         return 1;
     }

@@ -1,6 +1,5 @@
-/* The eight states of a drive, for a driver whose `switch` has grown over ten years. The machine says what changes; what each state does with
- * bridge and set-points stays yours.
- */
+/* The eight states of a drive, for a driver whose `switch` has grown over ten years. The machine reports each
+ * change of state; your code sets bridge and set-points in each state. */
 
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +9,7 @@
 static narx_state_machine_t machine;
 static narx_state_inputs_t inputs;
 
-/* Ticks until the next change, at most a second: the state after it. */
+/* Runs ticks until the next change, at most a second; returns the state after it. */
 static int next(void)
 {
     narx_change_t change;
@@ -26,7 +25,7 @@ static int next(void)
         if (status != NARX_NOTHING) {
             return -1;
         }
-        /* A master that keeps asking. */
+        /* The master repeats its request. */
         if (tick % 500 == 0 && inputs.stopped == 0) {
             (void)narx_state_handle_command(&machine, 1, 50 * NARX_Q16_ONE);
         }
@@ -50,7 +49,8 @@ int main(void)
     if (next() != NARX_STATE_STANDBY) {
         return 1;
     }
-    /* A start needs a Standby before it: a master that was left at Drive starts nothing. */
+    /* A start needs a Standby before it: a Drive request that has lasted since power-up does not start the
+     * motor. */
     if (narx_state_handle_command(&machine, 0, 0) != NARX_OK
         || narx_state_handle_command(&machine, 2, 50 * NARX_Q16_ONE) != NARX_OK || next() != NARX_STATE_HALL_CLOSED_LOOP) {
         return 1;
@@ -58,7 +58,7 @@ int main(void)
     if (narx_state_report(&machine, &report) != NARX_OK || report.direction != 1) {
         return 1;
     }
-    /* A master that falls silent is a fault. */
+    /* A master that stops sending is a fault. */
     if (next() != NARX_STATE_FAULT) {
         return 1;
     }

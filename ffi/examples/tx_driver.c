@@ -1,5 +1,6 @@
-/* A TX-Driver and its master: a node with eddy-current sensors on eddyCAN, and whoever reads the shaft's displacement from it. The loop here is the
- * wire; `displacement` is the converter. */
+/* A TX-Driver and its master: a node with eddy-current sensors on eddyCAN, and the device that reads the
+ * shaft's displacement from it. The loop here exchanges their frames; `displacement` replaces the
+ * converter. */
 
 #include <stdio.h>
 
@@ -18,7 +19,8 @@ static int32_t displacement(uint64_t now)
     return ((place < 0 ? -place : place) - 900) * (20 * micrometre / 900);
 }
 
-/* Samples of the sensor every 100 us. Answers the largest and the smallest position that the master has heard. */
+/* Samples the sensor every 100 us. Writes the smallest and the largest position that the master has received
+ * to `least` and `most`. */
 static void run(uint64_t *now, uint64_t end, int32_t *least, int32_t *most)
 {
     narx_tx_node_report_t heard;

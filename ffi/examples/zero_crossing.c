@@ -1,7 +1,8 @@
-/* A motor that still turns when the drive is switched on: caught by the back-EMF at its terminals, with the bridge off. What stood here waited until it
- * had stopped.
+/* A motor that still turns when the drive is switched on: its speed and angle are found from the back-EMF at
+ * its terminals, with the bridge off. It replaces a driver that waited until the motor had stopped.
  *
- * With the bridge on the same call finds the zero crossings of the floating phase, and says when to commutate next (reading.commutation).
+ * With the bridge on the same call finds the zero crossings of the floating phase, and the instant of the
+ * next commutation (reading.commutation).
  */
 
 #include <stdio.h>
@@ -11,7 +12,8 @@
 
 enum { TICKS_A_SECOND = 10000 };
 
-/* Back-EMF of one phase, converter codes, at `angle` (2^16 a turn): a trapezoid with flat tops of 120 degrees, 0 and rising at 0. */
+/* Back-EMF of one phase, converter codes, at `angle` (2^16 a turn): a trapezoid with flat tops of
+ * 120 degrees; at angle 0 it is 0 and rises. */
 static int32_t emf(uint16_t angle)
 {
     const int32_t x = angle < 32768 ? angle : angle - 32768; /* half a turn */
@@ -42,7 +44,8 @@ int main(void)
     memset(&samples, 0, sizeof samples);
     samples.bus_voltage = 1229;
     for (tick = 0; tick < TICKS_A_SECOND; tick++) {
-        /* 50 electrical revolutions a second, sampled at 3/4 of each period; the star point floats at 300 codes. */
+        /* 50 electrical revolutions a second, sampled at 3/4 of each period; the star point floats at 300
+         * codes. */
         const uint32_t turned = (uint32_t)tick * 65536u / 200u + 65536u * 3u / 4u / 200u;
         int phase;
 
@@ -58,6 +61,6 @@ int main(void)
         }
     }
     printf("caught in tick %d: %ld mrev/s\n", caught, (long)narx_milli_from_q16(reading.speed));
-    /* Within two revolutions, and to a per cent. */
+    /* The motor is found within two revolutions, its speed to one per cent. */
     return caught > 0 && caught < 600 && narx_milli_from_q16(reading.speed) > 49500 && narx_milli_from_q16(reading.speed) < 50500 ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-//! The board's constants that the control core must know.
+//! Constants of the board that the control core needs.
 
 use crate::pointer;
 use crate::status::narx_status_t;
@@ -14,25 +14,27 @@ pub struct narx_channel_t {
     pub micro_per_code: i32,
 }
 
-/// What a board promises the control core.
+/// Constants of a board.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_board_t {
     /// Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
     pub tick_rate: u32,
-    /// First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
-    /// narx_drive_step has returned.
+    /// First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken
+    /// and narx_drive_step has returned.
     pub earliest: u16,
-    /// Both switches of a leg stay off this long between one and the other, ns.
+    /// Time for which both switches of a leg stay off between one and the other, ns.
     pub dead_time_ns: u16,
-    /// Resistance of the two switches that conduct in a step, milliohm: what the drive knows of its losses (output power, Table 1).
+    /// Resistance of the two switches that conduct in a step, milliohm; the drive computes its losses from it
+    /// (output power, Table 1).
     pub bridge_milliohm: u16,
     /// Not 0: the hall lines have time-stamping input captures.
     pub hall_capture: u8,
     /// Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
     pub comparator_capture: u8,
-    /// Parts that the board has; the drive refuses what needs another. Sum of 1 external temperature sensor, 2 switch for the supply of
-    /// the hall sensors, 4 DSIO1 and DSIO2 as inputs, 8 as outputs, 16 accelerometer, 32 pressure input, 64 memory of the log.
+    /// Parts that the board has; the drive refuses a parameter value that needs another one. Sum of 1
+    /// external temperature sensor, 2 switch for the supply of the hall sensors, 4 DSIO1 and DSIO2 as inputs,
+    /// 8 as outputs, 16 accelerometer, 32 pressure input, 64 memory of the log.
     pub equipment: u8,
     /// Bus voltage, uV per code.
     pub bus_voltage: narx_channel_t,
@@ -42,8 +44,8 @@ pub struct narx_board_t {
     pub bus_current: narx_channel_t,
 }
 
-/// The default board, to change what differs on yours: 10 kHz, a tick that takes at most 12.5 us, 500 ns dead time, 12-bit
-/// converters to 80 V and +-16.4 A.
+/// Writes the default board, as a start for your own: 10 kHz, a tick that takes at most 12.5 us, 500 ns dead
+/// time, 12-bit converters to 80 V and +-16.4 A.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_board_default(board: *mut narx_board_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.

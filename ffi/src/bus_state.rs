@@ -1,4 +1,4 @@
-//! What a CAN controller tells of itself.
+//! State of a CAN controller.
 
 use crate::status::narx_status_t::{self, *};
 use narx_core::bus::{BusState, ErrorState};

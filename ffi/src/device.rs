@@ -1,7 +1,9 @@
-//! A drive in the caller's memory: the tick half and the background half side by side, joined by their queues.
+//! A drive in the caller's memory: the tick half and the background half side by side, joined by their
+//! queues.
 //!
-//! Whoever calls holds one pointer to all of it, and one call may interrupt another. So no reference to the whole is
-//! ever made: [`tick`] and [`background`] make one to their own part only, and the mark, which both read, is an atomic.
+//! The caller has one pointer to the whole drive, and one call may interrupt another. Therefore no reference
+//! to the whole is ever made: [`tick`] and [`background`] make one to their own part only. Both read the
+//! mark, which is an atomic.
 
 use crate::board::narx_board_t;
 use crate::frame::narx_frame_t;
@@ -20,11 +22,11 @@ use narx_core::node::{Identity, Node};
 /// 64-bit words of a drive on any processor.
 pub const NARX_DRIVE_WORDS: usize = 800;
 
-/// Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
+/// Bytes of a drive on any processor; narx_drive_size returns the bytes that it needs on this one.
 pub const NARX_DRIVE_SIZE: usize = NARX_DRIVE_WORDS * 8;
 
-/// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is the library's own. It must
-/// neither move nor be copied after narx_drive_init; to end a drive, stop calling it.
+/// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is private to the
+/// library. It must neither move nor be copied after narx_drive_init. To end a drive, stop calling it.
 #[repr(C)]
 pub struct narx_drive_t {
     /// Private.
@@ -35,13 +37,13 @@ pub struct narx_drive_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_stored_t {
-    /// Its number: a NARX_PARAMETER_*.
+    /// Number of the parameter: a NARX_PARAMETER_*.
     pub number: u16,
-    /// Its raw value.
+    /// Raw value.
     pub value: i32,
 }
 
-/// What firmware and board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
+/// Identity of firmware and board (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_identity_t {
@@ -57,10 +59,10 @@ pub struct narx_identity_t {
     pub source_modified: u8,
 }
 
-/// What stands in a `narx_drive_t`.
+/// Content of a `narx_drive_t`.
 #[repr(C)]
 struct Device {
-    /// Says that the rest is there, and that it was made here.
+    /// Value of [`mark_of`] once the other fields are initialised at this address.
     mark: AtomicU32,
     queues: Queues<'static>,
     tick: ControlTick<'static, 'static>,
@@ -70,24 +72,24 @@ struct Device {
 const _: () = assert!(size_of::<Device>() <= size_of::<narx_drive_t>());
 const _: () = assert!(align_of::<Device>() <= align_of::<narx_drive_t>());
 
-/// Bytes that a drive needs on this processor: at most NARX_DRIVE_SIZE. Any context.
+/// Returns the bytes that a drive needs on this processor: at most NARX_DRIVE_SIZE. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_drive_size() -> usize {
     size_of::<Device>()
 }
 
-/// Alignment that a drive needs on this processor: at most that of narx_drive_t. Any context.
+/// Returns the alignment that a drive needs on this processor: at most that of narx_drive_t. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_drive_align() -> usize {
     align_of::<Device>()
 }
 
 /// Makes a drive at power-up, with factory parameters, in `size` bytes of memory (sizeof(narx_drive_t), or
-/// narx_drive_size() in memory of your own). `board` is NULL for the default board. What stood in the memory before is lost, a drive
-/// included: this is its reboot.
+/// narx_drive_size() in memory of your own). `board` is NULL for the default board. The previous content of
+/// the memory is lost. If it was a drive, this reboots it.
 ///
-/// Call it before any other use, not during another call for the same drive. A narx_drive_step that interrupts it
-/// answers NARX_ERROR_UNINITIALISED and coast.
+/// Call it before any other use, not during another call for the same drive. A narx_drive_step that
+/// interrupts it returns NARX_ERROR_UNINITIALISED and writes a coast command.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_init(
     drive: *mut narx_drive_t,
@@ -98,9 +100,11 @@ pub unsafe extern "C" fn narx_drive_init(
     pointer::status(unsafe { init(drive, size, board, Identity::default(), Parameters::new()) })
 }
 
-/// The same with what you have stored and who you are: `count` parameters, which may be NULL for none, and `identity`, which may be NULL.
-/// A set as a whole is taken or, for NARX_ERROR_UNKNOWN_PARAMETER and NARX_ERROR_OUT_OF_RANGE, refused: the memory is as it was. A set that is taken and
-/// does not build leaves a drive that refuses to start: NARX_PARAMETER_REJECTED_PARAMETER says for which parameter.
+/// Makes a drive as narx_drive_init does, with stored parameters and an identity. `stored` has `count`
+/// parameters and may be NULL if `count` is 0; `identity` may be NULL. A set is accepted or rejected as a
+/// whole: with NARX_ERROR_UNKNOWN_PARAMETER or NARX_ERROR_OUT_OF_RANGE the memory is unchanged. If no working
+/// controller can be built from an accepted set, the drive refuses to start;
+/// NARX_PARAMETER_REJECTED_PARAMETER holds the number of the parameter.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_init_stored(
     drive: *mut narx_drive_t,
@@ -124,11 +128,12 @@ pub unsafe extern "C" fn narx_drive_init_stored(
     pointer::status(run())
 }
 
-/// One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
-/// interrupt, once a PWM period; it may interrupt every other call for the same drive but narx_drive_init and itself.
+/// Runs one control tick: takes the samples of this period and writes the command to apply. Tick half: call
+/// it from the control interrupt, once a PWM period. It may interrupt every other call for the same drive
+/// except narx_drive_init and itself.
 ///
-/// On an error the command, if there is one to write, is coast at duty 0: a caller who overlooks the status turns the
-/// bridge off.
+/// On an error the command, if `command` is a valid pointer, is coast at duty 0: a caller that ignores the
+/// status still turns the bridge off.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_step(
     drive: *mut narx_drive_t,
@@ -152,8 +157,8 @@ pub unsafe extern "C" fn narx_drive_step(
     }
 }
 
-/// Takes a frame that has arrived. Frames that are not for this drive, or not well formed, are counted or ignored as
-/// PROTOCOL.md says. Background half.
+/// Takes a frame that has arrived. Frames that are not for this drive, or not well formed, are counted or
+/// ignored (PROTOCOL.md). Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_handle_frame(
     drive: *mut narx_drive_t,
@@ -168,16 +173,17 @@ pub unsafe extern "C" fn narx_drive_handle_frame(
     pointer::status(run())
 }
 
-/// Advances the drive's background to the control tick `now` and passes on what has come from the tick and what goes
-/// there. Call it once a period or more seldom, after narx_drive_handle_frame and before narx_drive_poll_frame.
-/// Background half.
+/// Advances the drive's background to the control tick `now` and exchanges data with the tick half. Call it
+/// once a period or less often, after narx_drive_handle_frame and before narx_drive_poll_frame. Background
+/// half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_run(drive: *mut narx_drive_t, now: u64) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { background(drive) }.map(|background| background.run(now)))
 }
 
-/// The next frame to send, or NARX_NOTHING. Call it until there is nothing. Background half.
+/// Writes the next frame to send, or returns NARX_NOTHING. Call it until it returns NARX_NOTHING. Background
+/// half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_poll_frame(
     drive: *mut narx_drive_t,
@@ -187,9 +193,10 @@ pub unsafe extern "C" fn narx_drive_poll_frame(
     unsafe { poll(drive, frame, Node::poll_frame) }
 }
 
-/// The next frame of a download that the master has asked for, or NARX_NOTHING; nothing while narx_drive_poll_frame has
-/// frames. Call it when no more than one frame is in the controller, the one that is on the bus: more would delay what
-/// the drive has to say next. A program that never calls it serves no downloads. Background half.
+/// Writes the next frame of a download that the master has requested, or returns NARX_NOTHING, as it does
+/// while narx_drive_poll_frame has frames. Call it when no more than one frame is in the controller, the one
+/// that is on the bus: more would delay the drive's other messages. A program that never calls it serves no
+/// downloads. Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_poll_bulk_frame(
     drive: *mut narx_drive_t,
@@ -199,9 +206,9 @@ pub unsafe extern "C" fn narx_drive_poll_bulk_frame(
     unsafe { poll(drive, frame, Node::poll_bulk_frame) }
 }
 
-/// Writes a parameter as the master does: number, access, range and state are checked, then it acts as PROTOCOL.md
-/// says. `value` is the raw value: its unit and scale stand there, too; a 32-bit unsigned one is passed as its bits.
-/// Background half.
+/// Writes a parameter as the master does: number, access, range and state are checked, then it takes effect
+/// as described in PROTOCOL.md. `value` is the raw value, with the unit and scale of PROTOCOL.md; a 32-bit
+/// unsigned value is passed as its bits. Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_set_parameter(
     drive: *mut narx_drive_t,
@@ -215,7 +222,7 @@ pub unsafe extern "C" fn narx_drive_set_parameter(
     }
 }
 
-/// Reads a parameter, raw as in narx_drive_set_parameter, live ones included. Background half.
+/// Reads a parameter, raw as in narx_drive_set_parameter, measured values included. Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_get_parameter(
     drive: *mut narx_drive_t,
@@ -231,7 +238,7 @@ pub unsafe extern "C" fn narx_drive_get_parameter(
 }
 
 /// # Safety
-/// As the calls that it is the body of.
+/// The conditions of the function that calls it.
 unsafe fn poll(
     drive: *mut narx_drive_t,
     frame: *mut narx_frame_t,
@@ -240,7 +247,7 @@ unsafe fn poll(
     // SAFETY: the caller's promise.
     let run = || unsafe {
         let background = background(drive)?;
-        // A frame that cannot be handed out stays.
+        // Checked first, so that a frame which cannot be written to the caller is not lost.
         pointer::check(frame)?;
         let sent = next(background.node()).ok_or(NARX_NOTHING)?;
         pointer::write(frame, sent.into())
@@ -249,7 +256,7 @@ unsafe fn poll(
 }
 
 /// # Safety
-/// `drive` and `board` are NULL or valid, and nobody else uses the drive.
+/// `drive` and `board` are NULL or valid, and nothing else uses the drive.
 pub(crate) unsafe fn init(
     drive: *mut narx_drive_t,
     size: usize,
@@ -264,12 +271,12 @@ pub(crate) unsafe fn init(
     }
     // SAFETY: the caller's promise.
     let board = if board.is_null() { Board::BENCH } else { unsafe { pointer::read(board)? }.into() };
-    // With the factory's parameters a controller can be built for any board that can be.
+    // A plausible board must give a controller with the factory parameters.
     if !board.is_plausible() || Coefficients::build(&Parameters::new(), &board).is_err() {
         return Err(NARX_ERROR_BOARD);
     }
-    // SAFETY: aligned and large enough, as just checked; each part is written before a reference to it is made, and the
-    // reference to the queues goes to the two halves for as long as the mark stands.
+    // SAFETY: aligned and large enough, as just checked. Each part is written before a reference to it is
+    // made. The two halves hold the reference to the queues for as long as the mark is valid.
     unsafe {
         mark(device).store(0, Ordering::SeqCst);
         let queues = &raw mut (*device).queues;
@@ -282,17 +289,17 @@ pub(crate) unsafe fn init(
     Ok(())
 }
 
-/// The tick half.
+/// Returns the tick half.
 ///
 /// # Safety
 /// `drive` is NULL or valid, and no other reference to the tick half lives.
 unsafe fn tick<'a>(drive: *mut narx_drive_t) -> Result<&'a mut ControlTick<'static, 'static>, narx_status_t> {
     let device = initialised(drive)?;
-    // SAFETY: the mark says that it was written; a reference to this part only.
+    // SAFETY: the mark shows that it was written; a reference to this part only.
     Ok(unsafe { &mut (*device).tick })
 }
 
-/// The background half.
+/// Returns the background half.
 ///
 /// # Safety
 /// `drive` is NULL or valid, and no other reference to the background half lives.
@@ -300,7 +307,7 @@ pub(crate) unsafe fn background<'a>(
     drive: *mut narx_drive_t,
 ) -> Result<&'a mut Background<'static, 'static>, narx_status_t> {
     let device = initialised(drive)?;
-    // SAFETY: the mark says that it was written; a reference to this part only.
+    // SAFETY: the mark shows that it was written; a reference to this part only.
     Ok(unsafe { &mut (*device).background })
 }
 
@@ -319,7 +326,8 @@ unsafe fn mark<'a>(device: *mut Device) -> &'a AtomicU32 {
     unsafe { AtomicU32::from_ptr((&raw mut (*device).mark).cast()) }
 }
 
-/// The halves know where the queues are, so a drive that was moved or copied is none: the mark depends on the address.
+/// Returns the mark of a drive at this address. The halves hold the address of the queues, so a drive that
+/// was moved or copied is invalid: its mark does not fit its address.
 fn mark_of(device: *mut Device) -> u32 {
     const DRIVE: u32 = u32::from_be_bytes(*b"narx");
     DRIVE ^ (device.addr() as u32)

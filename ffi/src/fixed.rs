@@ -1,13 +1,15 @@
-//! Fixed point between the core's formats and those of DSP code: `fixed` does the arithmetic.
+//! Conversion between the core's fixed-point formats and those of DSP code; the crate `fixed` does the
+//! arithmetic.
 
 use fixed::traits::ToFixed;
 use fixed::types::{I1F15, I4F12, I8F24, I16F16};
 
-/// 1 in Q16 (I16F16), the library's volts, amperes, degrees Celsius and revolutions per second: -32 768 to 32 767.99998.
+/// 1 in Q16 (I16F16), the library's volts, amperes, degrees Celsius and revolutions per second: -32 768 to
+/// 32 767.99998.
 pub const NARX_Q16_ONE: i32 = 1 << 16;
 /// 1 in IQ24 (I8F24), as DSP libraries have it: -128 to 127.99999994.
 pub const NARX_IQ24_ONE: i32 = 1 << 24;
-/// 1 in Q15 (I1F15) is one more than its largest value, 32 767: -1 to 0.99997.
+/// 1 in Q15 (I1F15), which is one more than its largest value, 32 767: -1 to 0.99997.
 pub const NARX_Q15_ONE: i32 = 1 << 15;
 /// 1 in Q12 (I4F12), the virtual scope's samples: -8 to 7.9998.
 pub const NARX_Q12_ONE: i32 = 1 << 12;
@@ -23,38 +25,40 @@ const _: () = {
     assert!(fixed::types::U1F15::from_bits(NARX_DUTY_ONE).to_bits() == fixed::types::U1F15::ONE.to_bits());
 };
 
-/// Q16 of a whole number of thousandths (mV, mA, 0.001 degrees), rounded to nearest; saturates beyond 32 767 999. Any context.
+/// Converts a whole number of thousandths (mV, mA, 0.001 degrees) to Q16, rounded to nearest; saturates
+/// beyond 32 767 999. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q16_from_milli(milli: i32) -> i32 {
     narx_core::units::Volts::from_milli(milli).to_bits()
 }
 
-/// Thousandths of a Q16, rounded to nearest; saturates. Any context.
+/// Converts a Q16 to thousandths, rounded to nearest; saturates. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_milli_from_q16(value: i32) -> i32 {
     narx_core::units::Volts::from_bits(value).scaled(1000)
 }
 
-/// Q16 sum, saturating. Any context.
+/// Returns the sum of two Q16, saturating. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q16_add(a: i32, b: i32) -> i32 {
     q16(a).saturating_add(q16(b)).to_bits()
 }
 
-/// Q16 difference, saturating. Any context.
+/// Returns the difference of two Q16, saturating. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q16_subtract(a: i32, b: i32) -> i32 {
     q16(a).saturating_sub(q16(b)).to_bits()
 }
 
-/// Q16 product, rounded down, saturating. Any context.
+/// Returns the product of two Q16, rounded down, saturating. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q16_multiply(a: i32, b: i32) -> i32 {
     q16(a).saturating_mul(q16(b)).to_bits()
 }
 
-/// Q16 quotient, rounded towards 0, saturating; divided by 0 the largest or smallest value, 0 for 0. Not for a control interrupt: a processor
-/// without a 64-bit division takes hundreds of instructions. Any context.
+/// Returns the quotient of two Q16, rounded towards 0, saturating; a division by 0 gives the largest or
+/// smallest value, or 0 for 0 / 0. Not for a control interrupt: a processor without a 64-bit division takes
+/// hundreds of instructions. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q16_divide(a: i32, b: i32) -> i32 {
     match (a.signum(), b) {
@@ -65,37 +69,37 @@ pub extern "C" fn narx_q16_divide(a: i32, b: i32) -> i32 {
     }
 }
 
-/// IQ24 of a Q16, exact; saturates beyond 127.99999994. Any context.
+/// Converts a Q16 to IQ24, exactly; saturates beyond 127.99999994. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_iq24_from_q16(value: i32) -> i32 {
     q16(value).saturating_to_fixed::<I8F24>().to_bits()
 }
 
-/// Q16 of an IQ24, rounded down. Any context.
+/// Converts an IQ24 to Q16, rounded down. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q16_from_iq24(value: i32) -> i32 {
     I8F24::from_bits(value).saturating_to_fixed::<I16F16>().to_bits()
 }
 
-/// Q15 of a Q16, rounded down; saturates beyond 0.99997. Any context.
+/// Converts a Q16 to Q15, rounded down; saturates beyond 0.99997. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q15_from_q16(value: i32) -> i16 {
     q16(value).saturating_to_fixed::<I1F15>().to_bits()
 }
 
-/// Q16 of a Q15, exact. Any context.
+/// Converts a Q15 to Q16, exactly. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q16_from_q15(value: i16) -> i32 {
     I1F15::from_bits(value).saturating_to_fixed::<I16F16>().to_bits()
 }
 
-/// Q12 of a Q16, rounded down; saturates beyond 7.9998. Any context.
+/// Converts a Q16 to Q12, rounded down; saturates beyond 7.9998. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q12_from_q16(value: i32) -> i16 {
     q16(value).saturating_to_fixed::<I4F12>().to_bits()
 }
 
-/// Q16 of a Q12, exact. Any context.
+/// Converts a Q12 to Q16, exactly. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_q16_from_q12(value: i16) -> i32 {
     I4F12::from_bits(value).saturating_to_fixed::<I16F16>().to_bits()

@@ -13,9 +13,9 @@ pub struct narx_frame_t {
     pub extended: u8,
     /// Not 0: a remote request, without data.
     pub remote: u8,
-    /// Data bytes, or those asked for: 0 to 8.
+    /// Number of data bytes, or of those that a remote frame requests: 0 to 8.
     pub length: u8,
-    /// The data bytes, `length` of which count.
+    /// Data bytes; the first `length` are valid.
     pub data: [u8; 8],
 }
 

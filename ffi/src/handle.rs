@@ -4,27 +4,27 @@ use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use core::mem::{align_of, size_of};
 
-/// Memory that C knows as one type, and what stands in it once it is initialised.
+/// An opaque type of C, and the object in its memory once it is initialised.
 pub(crate) trait Handle {
-    /// What the core knows it as.
+    /// Type of the core that the memory holds.
     type Object;
-    /// Begins the memory of an initialised one, and of no other type.
+    /// First bytes of the memory of an initialised object; no other type has the same.
     const MARK: u32;
 }
 
-/// What stands in the memory of a handle.
+/// Content of a handle's memory.
 #[repr(C)]
 pub(crate) struct Marked<T> {
     mark: u32,
     object: T,
 }
 
-/// Whether the memory has room for what stands in it; for a constant assertion.
+/// Returns whether the memory has room for its content; for a constant assertion.
 pub(crate) const fn fits<H: Handle>() -> bool {
     size_of::<Marked<H::Object>>() <= size_of::<H>() && align_of::<Marked<H::Object>>() <= align_of::<H>()
 }
 
-/// Bytes that it needs on this processor.
+/// Returns the bytes that the object needs on this processor.
 pub(crate) const fn size<H: Handle>() -> usize {
     size_of::<Marked<H::Object>>()
 }
@@ -32,7 +32,7 @@ pub(crate) const fn size<H: Handle>() -> usize {
 /// Puts an object into `size` bytes of memory.
 ///
 /// # Safety
-/// `memory` is NULL, misaligned, or shows `size` writable bytes that nobody else uses.
+/// `memory` is NULL, misaligned, or points to `size` writable bytes that nothing else uses.
 pub(crate) unsafe fn init<H: Handle>(
     memory: *mut H,
     size: usize,
@@ -49,7 +49,7 @@ pub(crate) unsafe fn init<H: Handle>(
     Ok(())
 }
 
-/// The object.
+/// Returns the object.
 ///
 /// # Safety
 /// `memory` is NULL, misaligned, or readable and writable, and no other reference to the object lives.
@@ -60,6 +60,6 @@ pub(crate) unsafe fn object<'a, H: Handle>(memory: *mut H) -> Result<&'a mut H::
     if unsafe { (&raw const (*marked).mark).read() } != H::MARK {
         return Err(NARX_ERROR_UNINITIALISED);
     }
-    // SAFETY: the mark says that the object was written.
+    // SAFETY: the mark shows that the object was written.
     Ok(unsafe { &mut (*marked).object })
 }

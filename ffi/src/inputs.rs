@@ -1,4 +1,4 @@
-//! What the main loop tells the drive besides frames, and what it has to do for it.
+//! Slow inputs, bus state and outputs: data that the main loop exchanges with the drive besides frames.
 
 use crate::bus_state::narx_bus_state_t;
 use crate::device::{background, narx_drive_t};
@@ -7,13 +7,14 @@ use crate::status::narx_status_t::{self, *};
 use narx_core::node::{Action, Outputs, SlowInputs};
 use narx_core::units::{Celsius, Volts};
 
-/// What the board reads besides the tick's samples, before calibration. Volts and degrees Celsius in Q16: 65 536 is 1 (narx_q16_from_milli).
+/// Readings of the board besides the tick's samples, before calibration. Volts and degrees Celsius in Q16:
+/// 65 536 is 1 (narx_q16_from_milli).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_slow_inputs_t {
     /// Sensor on the power board.
     pub ambient_temperature: i32,
-    /// External sensor, where there is one (parameter 8).
+    /// External sensor, if there is one (parameter 8).
     pub external_temperature: i32,
     /// Pressure input after its amplifier.
     pub pressure: i32,
@@ -39,19 +40,20 @@ pub struct narx_slow_inputs_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_outputs_t {
-    /// DSIO1 drives its line, or else is an input.
+    /// 1: DSIO1 is an output; 0: an input.
     pub dsio1_enable: u8,
     /// Level of DSIO1.
     pub dsio1_level: u8,
-    /// DSIO2 drives its line, or else is an input.
+    /// 1: DSIO2 is an output; 0: an input.
     pub dsio2_enable: u8,
     /// Level of DSIO2.
     pub dsio2_level: u8,
-    /// Supply of the hall sensors.
+    /// Switch for the supply of the hall sensors.
     pub hall_supply: u8,
 }
 
-/// Takes a reading of the slow inputs, about every 10 ms. Temperature and pressure limits act from the first one on. Background half.
+/// Takes a reading of the slow inputs, about every 10 ms. Temperature and pressure limits act from the first
+/// reading on. Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_handle_inputs(
     drive: *mut narx_drive_t,
@@ -66,8 +68,9 @@ pub unsafe extern "C" fn narx_drive_handle_inputs(
     pointer::status(run())
 }
 
-/// Takes the state of the CAN controller, whenever it was looked at (parameters 293 to 296). Off the bus no frame is handed out, and what
-/// waits is dropped; drop what waits in the controller, too. Background half.
+/// Takes the state of the CAN controller, as often as the board reads it (parameters 293 to 296). Off the bus
+/// no frame is handed out, and frames that wait are dropped; drop those that wait in the controller, too.
+/// Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_handle_bus_state(
     drive: *mut narx_drive_t,
@@ -82,7 +85,7 @@ pub unsafe extern "C" fn narx_drive_handle_bus_state(
     pointer::status(run())
 }
 
-/// What the board's lines shall do now. Background half.
+/// Writes the levels that the board's lines must have now. Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_outputs(
     drive: *mut narx_drive_t,
@@ -96,8 +99,8 @@ pub unsafe extern "C" fn narx_drive_outputs(
     pointer::status(run())
 }
 
-/// NARX_OK when the master has asked for a reboot and its acknowledgement was polled, said once: reset, or narx_drive_init; NARX_NOTHING
-/// otherwise. Background half.
+/// Returns NARX_OK, once, when the master has requested a reboot and the acknowledgement was polled: reset
+/// the processor, or call narx_drive_init. Returns NARX_NOTHING otherwise. Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_take_reboot(drive: *mut narx_drive_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.

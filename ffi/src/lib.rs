@@ -1,12 +1,12 @@
-//! The narx control core for C. Every item here is for readers of `include/narx.h`, which is made from this crate;
-//! its files have the names that they have in `narx-core`, types are converted, and nothing else is done.
+//! The narx control core for C. Every item here is written for readers of `include/narx.h`, which is made
+//! from this crate. Its files have the names that they have in `narx-core`; they only convert types.
 //!
 //! ```text
-//!   status      what every call answers
+//!   status      results of the calls
 //!   fixed       Q formats                         narx_q16_*
-//!   board       the board's constants             narx_board_*
-//!   samples     what the tick reads               narx_samples_t
-//!   pwm         what the tick answers             narx_pwm_command_t
+//!   board       constants of the board            narx_board_*
+//!   samples     inputs of the tick                narx_samples_t
+//!   pwm         outputs of the tick               narx_pwm_command_t
 //!   frame       CAN frames                        narx_frame_t
 //!   device      the drive in the caller's memory  narx_drive_*
 //!   inputs      its slow inputs and outputs       narx_drive_*
@@ -14,13 +14,13 @@
 //!   storage     its flash                         narx_storage_*
 //!   message     NarMotion-X messages              narx_message_*
 //!   master      the master of a drive             narx_master_*
-//!   blocks      the stations of the drive alone   narx_pi_*, narx_ramp_*, narx_hall_*, narx_zero_crossing_*,
+//!   blocks      the drive's blocks, one by one    narx_pi_*, narx_ramp_*, narx_hall_*, narx_zero_crossing_*,
 //!                                                 narx_commutation_*, narx_fault_*, narx_state_*
 //!   eddycan     the TX-Driver and its master      narx_tx_*
 //!   recording   replay                            narx_replay*
 //! ```
 //!
-//! On a host the library brings `std`, for its panic handler alone; on bare metal it has its own.
+//! On a host the library uses `std`, but only its panic handler; on bare metal it has its own.
 #![cfg_attr(target_os = "none", no_std)]
 #![allow(non_camel_case_types, reason = "types have the names that C knows them by")]
 #![allow(clippy::missing_safety_doc, reason = "one rule for all pointers stands at the head of narx.h")]
@@ -75,7 +75,8 @@ pub use scope::{NARX_SCOPE_WORDS, narx_drive_attach_scope, narx_scope_size, narx
 pub use status::{narx_status_t, narx_status_text, narx_version};
 pub use storage::*;
 
-/// The core does not panic. Should it ever, the caller's watchdog is what is left.
+/// Loops forever, so that the caller's watchdog resets the processor. The core does not panic; this is the
+/// last resort.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {

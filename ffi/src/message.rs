@@ -1,4 +1,4 @@
-//! NarMotion-X messages, for who needs the protocol alone.
+//! NarMotion-X messages, for a program that needs only the protocol.
 
 use crate::frame::narx_frame_t;
 use crate::pointer;
@@ -8,15 +8,15 @@ use narx_core::bus::narmotion::{
     Addresses, DecodeError, FromDrive, MESSAGES, Message, MessageKind, ToDrive, Words,
 };
 
-/// Fields that a message has at most.
+/// Largest number of fields of a message.
 pub const NARX_FIELDS_MAX: usize = 7;
 
-/// The fields of a message. In C it is a union of these words with a structure for each message, made from the table:
-/// `message.fields.status_word.motor_mode`.
+/// The fields of a message. In C it is a union of these words with a structure for each message, made from
+/// the table: `message.fields.status_word.motor_mode`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct narx_fields_t {
-    /// In the order of the message's row; a signed one as its bits.
+    /// Raw numbers in the order of the fields in the table; a signed one as its bits.
     pub raw: [u32; NARX_FIELDS_MAX],
 }
 
@@ -24,18 +24,19 @@ pub struct narx_fields_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_message_t {
-    /// Which one: a narx_message_kind_t.
+    /// Kind: a narx_message_kind_t.
     pub kind: u16,
     /// CAN address of the drive; 170 as shipped.
     pub drive: u8,
     /// CAN address of the master; 85 as shipped.
     pub master: u8,
-    /// What it says: raw numbers, whose unit and scale stand beside each. Those of other messages do not count.
+    /// Fields: raw numbers, with unit and scale beside each. The fields of other messages are ignored.
     pub fields: narx_fields_t,
 }
 
-/// What a frame says. NARX_ERROR_NOT_A_MESSAGE if it is none of narx_message_kind_t, or not well formed; NARX_ERROR_FIELD if a field has
-/// a value that means nothing. The priority in the identifier does not count. Any context; no state.
+/// Decodes a frame. Returns NARX_ERROR_NOT_A_MESSAGE if it is none of narx_message_kind_t, or not well
+/// formed; NARX_ERROR_FIELD if a field has an undefined value. The priority in the identifier is ignored. Any
+/// context; no state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_message_decode(
     frame: *const narx_frame_t,
@@ -49,8 +50,9 @@ pub unsafe extern "C" fn narx_message_decode(
     pointer::status(run())
 }
 
-/// The frame of a message. NARX_ERROR_NOT_A_MESSAGE if `kind` is no narx_message_kind_t; NARX_ERROR_FIELD if a field has a value that means
-/// nothing or needs more bits than it has. Any context; no state.
+/// Encodes a message as a frame. Returns NARX_ERROR_NOT_A_MESSAGE if `kind` is no narx_message_kind_t;
+/// NARX_ERROR_FIELD if a field has an undefined value or one that does not fit in its bits. Any context; no
+/// state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_message_encode(
     message: *const narx_message_t,
@@ -92,7 +94,7 @@ fn encode(message: &narx_message_t) -> Result<Frame, narx_status_t> {
     Ok(frame)
 }
 
-/// Whether every field has a value that means something.
+/// Returns an error if a field has an undefined value.
 fn check(row: &Message, frame: &Frame) -> Result<(), narx_status_t> {
     match row.kind {
         MessageKind::SlaveTx => FromDrive::decode(frame).map(drop)?,
@@ -101,7 +103,7 @@ fn check(row: &Message, frame: &Frame) -> Result<(), narx_status_t> {
     Ok(())
 }
 
-/// The low 11 bits of its identifier: type and opcode.
+/// Returns the low 11 bits of the message's identifier: type and opcode.
 fn kind(row: &Message) -> u16 {
     (row.kind as u16) << 9 | row.opcode.raw()
 }

@@ -1,8 +1,8 @@
-//! The caller's pointers, checked as far as a callee can.
+//! The caller's pointers, checked as far as the library can check them.
 
 use crate::status::narx_status_t::{self, *};
 
-/// What `pointer` shows.
+/// Returns a reference to the value that `pointer` points to.
 ///
 /// # Safety
 /// NULL, misaligned, or readable as a `T` while the result lives.
@@ -12,7 +12,7 @@ pub(crate) unsafe fn read<'a, T>(pointer: *const T) -> Result<&'a T, narx_status
     Ok(unsafe { &*pointer })
 }
 
-/// Writes where `pointer` shows; what stood there need not have been a `T`.
+/// Writes a value to `pointer`; the previous content need not have been a `T`.
 ///
 /// # Safety
 /// NULL, misaligned, or writable as a `T`.
@@ -23,7 +23,7 @@ pub(crate) unsafe fn write<T: Copy>(pointer: *mut T, value: T) -> Result<(), nar
     Ok(())
 }
 
-/// The same where NULL says that nobody wants it.
+/// Writes a value to `pointer`, unless it is NULL: the caller does not need the value.
 ///
 /// # Safety
 /// As [`write`].
@@ -32,7 +32,7 @@ pub(crate) unsafe fn write_unless_null<T: Copy>(pointer: *mut T, value: T) -> Re
     if pointer.is_null() { Ok(()) } else { unsafe { write(pointer, value) } }
 }
 
-/// The bytes that `pointer` shows.
+/// Returns the `length` bytes that `pointer` points to.
 ///
 /// # Safety
 /// NULL, or `length` readable bytes while the result lives.
@@ -45,7 +45,7 @@ pub(crate) unsafe fn bytes<'a>(pointer: *const u8, length: usize) -> Result<&'a 
     Ok(unsafe { core::slice::from_raw_parts(pointer, length) })
 }
 
-/// So many of what `pointer` shows.
+/// Returns the `count` values that `pointer` points to.
 ///
 /// # Safety
 /// NULL, misaligned, or readable as `count` times `T` while the result lives.
@@ -55,7 +55,7 @@ pub(crate) unsafe fn slice<'a, T>(pointer: *const T, count: usize) -> Result<&'a
     Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
 }
 
-/// Neither NULL nor misaligned.
+/// Checks that `pointer` is neither NULL nor misaligned.
 pub(crate) fn check<T>(pointer: *const T) -> Result<(), narx_status_t> {
     if pointer.is_null() {
         Err(NARX_ERROR_NULL)
@@ -66,7 +66,7 @@ pub(crate) fn check<T>(pointer: *const T) -> Result<(), narx_status_t> {
     }
 }
 
-/// What a call answers that hands out nothing else.
+/// Returns the status of a call whose only result is its status.
 pub(crate) fn status(result: Result<(), narx_status_t>) -> narx_status_t {
     result.err().unwrap_or(NARX_OK)
 }

@@ -1,36 +1,37 @@
-//! What the control tick answers.
+//! Command of the control tick.
 
 use narx_core::motor::{Commutation, PwmCommand, Rectification, SampleMode, Step};
 
-/// Pattern changes that one period can hold.
+/// Largest number of pattern changes in one period.
 pub const NARX_COMMUTATIONS_MAX: usize = 2;
 
 /// One pattern change.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_commutation_t {
-    /// When, in 1/65 536 of the period.
+    /// Instant of the change, in 1/65 536 of the period.
     pub instant: u16,
-    /// The pattern from then on.
+    /// Pattern from then on.
     pub step: Step,
 }
 
-/// The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k + 1.
+/// The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k +
+/// 1.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_pwm_command_t {
-    /// Duty of the switched legs in period k + 1: U1F15, 32 768 = 1, never more. The on-time is centred on the
+    /// Duty of the switched legs in period k + 1: U1F15, at most 32 768 = 1. The on-time is centred on the
     /// period's boundary.
     pub duty: u16,
-    /// When to sample in period k + 1, in 1/65 536 of it.
+    /// Sampling instant in period k + 1, in 1/65 536 of it.
     pub sample_at: u16,
-    /// What that sample will show.
+    /// Part of the period in which that sample is taken.
     pub sample_mode: SampleMode,
-    /// How current freewheels in period k + 1.
+    /// Freewheeling in period k + 1.
     pub rectification: Rectification,
     /// The pattern to apply at once, when narx_drive_step returns. Coast turns all six switches off.
     pub step: Step,
-    /// How many of `commutations` count.
+    /// Number of valid entries of `commutations`.
     pub commutation_count: u8,
     /// Pattern changes later in period k, in order of time, none before the board's `earliest`.
     pub commutations: [narx_commutation_t; NARX_COMMUTATIONS_MAX],

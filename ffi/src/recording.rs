@@ -9,27 +9,28 @@ use narx_core::node::Node;
 use narx_core::recording::transcript::{self, Transcribable, Transcript};
 use narx_core::recording::{Kind, Outcome, Prefix, Recording, ReplayError, replay, replay_until};
 
-/// Room for the longest line that narx_replay_until writes, the closing 0 included.
+/// Size of the longest line that narx_replay_until writes, the closing 0 included.
 pub const NARX_OUTPUTS_TEXT_SIZE: usize = 1024;
 
-/// What a replay found.
+/// Result of a replay.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_outcome_t {
-    /// Ticks run.
+    /// Number of ticks that were run.
     pub ticks: u64,
-    /// Digest of the outputs now.
+    /// Digest of the outputs of this replay.
     pub digest: u64,
     /// Digest of the outputs when they were recorded; equal to `digest` if they were the same, bit for bit.
     pub recorded_digest: u64,
-    /// A warning: the behaviour version that recorded, where it is another one than this library's (the digests may
+    /// A warning: the behaviour version of the recorder if it differs from this library's (the digests may
     /// then rightly differ); otherwise 0.
     pub other_behaviour: u16,
 }
 
-/// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length` bytes.
+/// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length`
+/// bytes.
 ///
-/// The drive that it runs lives on the stack. Any context.
+/// The drive is on the stack. Any context.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_replay(
     bytes: *const u8,
@@ -45,10 +46,10 @@ pub unsafe extern "C" fn narx_replay(
     pointer::status(run())
 }
 
-/// The same for the first `ticks` ticks, or all of a shorter recording; `recorded_digest` is 0 then. Writes what the
-/// last one of them answered, all fields in one line, into `text`, which has `text_size` bytes: NARX_OUTPUTS_TEXT_SIZE
-/// are enough, a longer text is cut, a 0 closes it. The line is empty if no tick was run. If the recording cannot be
-/// replayed, it says why and where.
+/// Runs the first `ticks` ticks of a recording, or all of a shorter one, as narx_replay does;
+/// `recorded_digest` is then 0. Writes all outputs of the last tick in one line into `text`, which has
+/// `text_size` bytes: NARX_OUTPUTS_TEXT_SIZE are enough. A longer text is cut; a closing 0 ends it. The line
+/// is empty if no tick was run. If the recording cannot be replayed, the line holds the reason and the place.
 ///
 /// `text` may be NULL if `text_size` is 0.
 #[unsafe(no_mangle)]
@@ -81,11 +82,11 @@ pub unsafe extern "C" fn narx_replay_until(
     pointer::status(run())
 }
 
-/// Powers up a drive's node, or a TX-Driver, as a transcript says, and tells and asks it what stands there: its first `calls` calls, or all of a
-/// shorter one (UINT64_MAX: all). `bytes` is the transcript, `length` bytes. In the outcome `ticks` are calls, and `recorded_digest` is 0 unless all
-/// were asked for.
+/// Powers up a drive's node, or a TX-Driver, as described in a transcript, and makes the first `calls` calls
+/// of the transcript, or all of a shorter one (UINT64_MAX: all). `bytes` is the transcript, `length` bytes.
+/// In the outcome `ticks` counts calls, and `recorded_digest` is 0 unless all calls were requested.
 ///
-/// What it runs lives on the stack. Any context.
+/// The device is on the stack. Any context.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_replay_transcript(
     bytes: *const u8,

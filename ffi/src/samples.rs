@@ -1,11 +1,11 @@
-//! What the control tick reads.
+//! Inputs of the control tick.
 
 use crate::status::narx_status_t::{self, *};
 use heapless::Vec;
 use narx_core::motor::sense::samples::EDGES_MAX;
 use narx_core::motor::{CurrentMode, Edge, EdgeSource, Lines, SampleMode, Samples};
 
-/// Edges that one period can carry; more are counted in narx_samples_t.edges_lost.
+/// Largest number of edges in one period; more are counted in narx_samples_t.edges_lost.
 pub const NARX_EDGES_MAX: usize = 4;
 
 /// Bit of narx_samples_t.lines: the gate driver reports a fault.
@@ -17,7 +17,7 @@ pub const NARX_LINE_DSI1: u8 = 4;
 /// Bit of narx_samples_t.lines: DSIO2 as an input.
 pub const NARX_LINE_DSI2: u8 = 8;
 
-// C has these as plain numbers; the core decides what they are.
+// The header has these as plain numbers; they must equal the core's.
 const _: () = {
     assert!(NARX_EDGES_MAX == EDGES_MAX);
     assert!(NARX_LINE_DRIVER_FAULT == Lines::DRIVER_FAULT.bits());
@@ -30,16 +30,16 @@ const _: () = {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_edge_t {
-    /// When, in 1/65 536 of the period that has just ended.
+    /// Instant, in 1/65 536 of the period that has just ended.
     pub instant: u16,
-    /// What changed: a narx_edge_source_t.
+    /// Source of the edge: a narx_edge_source_t.
     pub source: u8,
     /// The three lines after the edge: bit 0 = A, bit 1 = B, bit 2 = C.
     pub code: u8,
 }
 
-/// Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the command before
-/// asked for.
+/// All inputs of the tick `tick`, measured in period `tick` at the instant that the previous command
+/// requested.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_samples_t {
@@ -51,19 +51,20 @@ pub struct narx_samples_t {
     pub bus_voltage: u16,
     /// Bus current, converter code; see current_mode.
     pub bus_current: u16,
-    /// From the bus voltage's conversion to phase C's, in 1/65 536 of a period (A and B lie evenly between).
+    /// Time from the bus voltage's conversion to phase C's, in 1/65 536 of a period (A and B lie evenly
+    /// between).
     pub skew: u16,
-    /// Where in the period the phase voltages were sampled: a narx_sample_mode_t.
+    /// Part of the period in which the phase voltages were sampled: a narx_sample_mode_t.
     pub sample_mode: u8,
-    /// What bus_current is: a narx_current_mode_t.
+    /// Kind of bus_current: a narx_current_mode_t.
     pub current_mode: u8,
     /// Hall lines at the sampling instant: bit 0 = A, bit 1 = B, bit 2 = C.
     pub hall: u8,
     /// Digital inputs at the sampling instant: sum of NARX_LINE_*, a bit is set while the input is asserted.
     pub lines: u8,
-    /// How many of `edges` count.
+    /// Number of valid `edges`.
     pub edge_count: u8,
-    /// Edges of period `tick` - 1 that found no room.
+    /// Number of edges of period `tick` - 1 beyond NARX_EDGES_MAX.
     pub edges_lost: u8,
     /// Edges captured during the whole of period `tick` - 1, oldest first.
     pub edges: [narx_edge_t; NARX_EDGES_MAX],
@@ -91,7 +92,7 @@ impl TryFrom<&narx_samples_t> for Samples {
     }
 }
 
-/// At most [`NARX_EDGES_MAX`] edges.
+/// Converts at most [`NARX_EDGES_MAX`] edges.
 pub(crate) fn edges(edges: &[narx_edge_t]) -> Result<Vec<Edge, EDGES_MAX>, narx_status_t> {
     let mut converted = Vec::new();
     for edge in edges {
@@ -102,7 +103,7 @@ pub(crate) fn edges(edges: &[narx_edge_t]) -> Result<Vec<Edge, EDGES_MAX>, narx_
     Ok(converted)
 }
 
-/// The value of an enumeration in the order of its numbers.
+/// Returns the value of an enumeration with this number; `values` are in the order of their numbers.
 fn one_of<T: Copy>(values: [T; 2], number: u8) -> Result<T, narx_status_t> {
     values.get(usize::from(number)).copied().ok_or(NARX_ERROR_SAMPLES)
 }

@@ -1,4 +1,4 @@
-//! The virtual scope's memory, which is the caller's.
+//! Memory of the virtual scope, which the caller owns.
 
 use crate::device::{background, narx_drive_t};
 use crate::pointer;
@@ -9,8 +9,9 @@ use narx_core::scope::{Memory, WORDS};
 /// 64-bit words of a scope's memory on any processor.
 pub const NARX_SCOPE_WORDS: usize = 1432;
 
-/// Memory of a virtual scope with room for as many samples as parameter 23 can ask for of one signal (4096), or for 68 ms of inputs at
-/// 10 kHz. Its content is the library's own; it must stay where it is for as long as the drive lives.
+/// Memory of a virtual scope. It has room for the largest number of samples of one signal that parameter 23
+/// can request (4096), or for 68 ms of inputs at 10 kHz. Its content is private to the library. It must stay
+/// at its address as long as the drive lives.
 #[repr(C)]
 pub struct narx_scope_t {
     /// Private.
@@ -20,16 +21,17 @@ pub struct narx_scope_t {
 const _: () = assert!(size_of::<Memory<[u16; WORDS]>>() <= size_of::<narx_scope_t>());
 const _: () = assert!(align_of::<Memory<[u16; 0]>>() <= align_of::<narx_scope_t>());
 
-/// Bytes that a scope with room for `samples` needs on this processor. Any context.
+/// Returns the bytes that a scope with room for `samples` needs on this processor. Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_scope_size(samples: u16) -> usize {
     (size_of::<Memory<[u16; 0]>>() + 2 * usize::from(samples))
         .next_multiple_of(align_of::<Memory<[u16; 0]>>())
 }
 
-/// Gives the drive's virtual scope its memory: `size` bytes, sizeof(narx_scope_t), or narx_scope_size() of memory of your own that is aligned like
-/// one; NARX_ERROR_SIZE if there is no room for one sample in it. Without it the scope cannot be armed. Call it after narx_drive_init and before
-/// the first narx_drive_step; narx_drive_init takes it away again.
+/// Gives the drive's virtual scope its memory of `size` bytes: sizeof(narx_scope_t), or narx_scope_size() of
+/// memory of your own that is aligned like a narx_scope_t. Returns NARX_ERROR_SIZE if it has no room for one
+/// sample. Without memory the scope cannot be armed. Call it after narx_drive_init and before the first
+/// narx_drive_step; narx_drive_init detaches the memory again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_drive_attach_scope(
     drive: *mut narx_drive_t,
@@ -45,10 +47,10 @@ pub unsafe extern "C" fn narx_drive_attach_scope(
     pointer::status(run())
 }
 
-/// An empty memory of `size` bytes.
+/// Makes an empty scope in `size` bytes of memory.
 ///
 /// # Safety
-/// `memory` is NULL, misaligned, or shows as many bytes that nothing else uses from now on.
+/// `memory` is NULL, misaligned, or points to `size` bytes that nothing else uses from now on.
 unsafe fn make(memory: *mut narx_scope_t, size: usize) -> Result<&'static mut Memory, narx_status_t> {
     let head: *mut Memory<[u16; 0]> = memory.cast();
     pointer::check(head)?;
@@ -59,7 +61,8 @@ unsafe fn make(memory: *mut narx_scope_t, size: usize) -> Result<&'static mut Me
     }
     let words = words.min(u16::MAX.into());
     let whole = core::ptr::slice_from_raw_parts_mut(memory.cast::<u16>(), words) as *mut Memory;
-    // SAFETY: neither NULL nor misaligned. The layout is C's, so the words begin where those of no words would; they end within `size`.
+    // SAFETY: neither NULL nor misaligned. The layout is C's, so the words begin at the end of a `Memory`
+    // without words; they end within `size`.
     unsafe {
         head.cast::<u8>().write_bytes(0, size_of::<Memory<[u16; 0]>>() + words * size_of::<u16>());
         head.write(Memory::new());

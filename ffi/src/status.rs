@@ -1,35 +1,35 @@
-//! What every call answers.
+//! Results of the calls.
 
 use core::ffi::{CStr, c_char};
 use narx_core::bus::narmotion::ParameterStatus;
 use narx_core::recording::{ReadError, ReplayError};
 
-/// What every call answers: 0 or more when it did its work, negative when it did nothing.
+/// Result of every call: 0 or more if the call did its work, negative if it did nothing.
 /// cbindgen:rename-all=None
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum narx_status_t {
     /// Done.
     NARX_OK = 0,
-    /// Done, and there is nothing to hand out.
+    /// Done; there is nothing to hand out.
     NARX_NOTHING = 1,
-    /// A pointer is NULL that must not be.
+    /// A required pointer is NULL.
     NARX_ERROR_NULL = -1,
-    /// A pointer is not aligned as its type asks for.
+    /// A pointer is not aligned as its type requires.
     NARX_ERROR_ALIGNMENT = -2,
     /// The storage is too small: see the size function of its type.
     NARX_ERROR_SIZE = -3,
-    /// The storage holds nothing of its type: it was not initialised, or a drive was moved since.
+    /// The storage holds no object of its type: it was not initialised, or a drive was moved since.
     NARX_ERROR_UNINITIALISED = -4,
-    /// The board's constants lead to no working controller.
+    /// No working controller can be built from the board's constants.
     NARX_ERROR_BOARD = -5,
-    /// A field of the samples has a value that does not exist.
+    /// A field of the samples has an undefined value.
     NARX_ERROR_SAMPLES = -6,
     /// Not a CAN frame: identifier or length out of range.
     NARX_ERROR_FRAME = -7,
     /// No parameter has this number.
     NARX_ERROR_UNKNOWN_PARAMETER = -8,
-    /// The drive alone writes this parameter.
+    /// Only the drive writes this parameter.
     NARX_ERROR_READ_ONLY = -9,
     /// The value is outside the parameter's range (PROTOCOL.md).
     NARX_ERROR_OUT_OF_RANGE = -10,
@@ -37,11 +37,11 @@ pub enum narx_status_t {
     NARX_ERROR_WRONG_STATE = -11,
     /// The parameter store is missing, busy or failed.
     NARX_ERROR_STORAGE = -12,
-    /// The bytes do not begin as a recording does.
+    /// The bytes do not begin like a recording.
     NARX_ERROR_NOT_A_RECORDING = -13,
     /// The recording's container has another version.
     NARX_ERROR_CONTAINER_VERSION = -14,
-    /// The recording holds a drive of another layout.
+    /// The recording holds a drive with another layout of its state.
     NARX_ERROR_LAYOUT_VERSION = -15,
     /// The recording is not one of a drive.
     NARX_ERROR_KIND = -16,
@@ -55,47 +55,47 @@ pub enum narx_status_t {
     NARX_ERROR_STATE = -20,
     /// Not a message of this protocol: identifier, type or length do not fit.
     NARX_ERROR_NOT_A_MESSAGE = -21,
-    /// A field of the message has a value that means nothing.
+    /// A field of the message has an undefined value.
     NARX_ERROR_FIELD = -22,
-    /// No such request, or a value that it does not take.
+    /// An undefined request, or an undefined value for it.
     NARX_ERROR_REQUEST = -23,
     /// The master is silent: it transmits nothing.
     NARX_ERROR_SILENT = -24,
-    /// Earlier answers were not taken yet.
+    /// Earlier answers were not taken yet, or earlier messages wait for the bus.
     NARX_ERROR_FULL = -25,
-    /// No answer, however often it was asked.
+    /// No answer after all attempts.
     NARX_ERROR_NO_ANSWER = -26,
-    /// The drive has refused a message that has no answer.
+    /// The drive has refused a message to which the protocol has no answer.
     NARX_ERROR_NOT_OBEYED = -27,
     /// The drive has no log memory.
     NARX_ERROR_NO_LOG = -28,
-    /// A record of the log comes whole and is not what was written.
+    /// A record of the log was received whole, but its content is damaged.
     NARX_ERROR_SPOILED = -29,
-    /// The download was ended by narx_master_abort_download.
+    /// The download was aborted by narx_master_abort_download.
     NARX_ERROR_ABORTED = -30,
-    /// No such node-id: 1 to 127.
+    /// The node-id is not 1 to 127.
     NARX_ERROR_NODE = -31,
-    /// No such TX-Driver: channels, sample rate or measuring range.
+    /// No TX-Driver has these channels, sample rate or measuring range.
     NARX_ERROR_VARIANT = -32,
     /// No entry has this number.
     NARX_ERROR_UNKNOWN_ENTRY = -33,
     /// The node refuses to read or write the entry.
     NARX_ERROR_ENTRY = -34,
-    /// No such state of a CAN controller.
+    /// The node refused to read or write the entry.
     NARX_ERROR_BUS_STATE = -35,
-    /// A block cannot be built from its settings; narx_setting_error_t says which.
+    /// A block cannot be built from its settings; narx_setting_error_t names the setting.
     NARX_ERROR_SETTING = -36,
-    /// An argument has a value that does not exist.
+    /// An argument has an undefined value.
     NARX_ERROR_ARGUMENT = -37,
     /// The drive would clamp this set-point: narx_master_speed_limits.
     NARX_ERROR_SPEED = -38,
-    /// The board lacks what the value needs (narx_board_t, equipment).
+    /// The board lacks equipment that the value needs (narx_board_t, equipment).
     NARX_ERROR_NOT_EQUIPPED = -39,
 }
 
 use narx_status_t::*;
 
-/// Version of the library, "major.minor.patch". A constant string.
+/// Returns the version of the library, "major.minor.patch": a constant string.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_version() -> *const c_char {
     const VERSION: &CStr =
@@ -106,7 +106,7 @@ pub extern "C" fn narx_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// A status in words, for a log: a constant string, never NULL, whatever the number.
+/// Returns a status in words, for a log: a constant string, never NULL, whatever the number.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_status_text(status: i32) -> *const c_char {
     let known = ALL.iter().find(|known| **known as i32 == status);

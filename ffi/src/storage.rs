@@ -1,4 +1,4 @@
-//! The drive's flash, where the caller has one: parameters that outlive a power cut, and the log.
+//! The drive's flash, if the caller has one: parameters that survive a power cut, and the log.
 
 use crate::board::narx_board_t;
 use crate::device::{background, init, narx_drive_t, narx_identity_t};
@@ -17,44 +17,48 @@ use narx_core::storage::{Opened, Report, Request, Storage};
 /// 64-bit words of a narx_storage_t on any processor.
 pub const NARX_STORAGE_WORDS: usize = 320;
 
-/// What stores a drive's parameters and its log: memory that the caller owns. Its content is the library's own.
+/// Storage of a drive's parameters and its log: memory that the caller owns. Its content is private to the
+/// library.
 #[repr(C)]
 pub struct narx_storage_t {
     /// Private.
     words: [u64; NARX_STORAGE_WORDS],
 }
 
-/// Bytes that one program call writes at most: a page, within which it stays.
+/// Largest number of bytes of one program call: a page, within which it stays.
 pub const NARX_FLASH_PAGE: usize = 256;
 /// Bytes of the smallest erase.
 pub const NARX_FLASH_SUBSECTOR: usize = 4096;
 
-/// A serial NOR flash, as the board drives it. The calls wait until the flash is done and answer 0, or anything else if it is not there or has
-/// failed: then fault bit 30 says so on the bus.
+/// A serial NOR flash, as the board drives it. The functions wait until the flash is done and return 0, or
+/// another number if it is absent or has failed. The drive then reports fault bit 30 on the bus.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_flash_t {
-    /// Bytes of the flash: whole subsectors, 512 KiB or more. The log takes what the parameters leave.
+    /// Bytes of the flash: whole subsectors, 512 KiB or more. The log uses the space that the parameters
+    /// leave.
     pub size: u32,
-    /// Handed to the calls.
+    /// Pointer that is passed to the functions.
     pub context: *mut c_void,
     /// Reads `length` bytes from `address` on.
     pub read: Option<
         unsafe extern "C" fn(context: *mut c_void, address: u32, bytes: *mut u8, length: usize) -> i32,
     >,
-    /// Programs `length` bytes from `address` on, within one page of NARX_FLASH_PAGE: bits go from 1 to 0.
+    /// Programs `length` bytes from `address` on, within one page of NARX_FLASH_PAGE: bits change from 1 to
+    /// 0.
     pub program: Option<
         unsafe extern "C" fn(context: *mut c_void, address: u32, bytes: *const u8, length: usize) -> i32,
     >,
-    /// Erases from `from` to before `to`, whole subsectors of NARX_FLASH_SUBSECTOR: all bits become 1. Larger sectors in between are yours to use.
+    /// Erases from `from` to before `to`, whole subsectors of NARX_FLASH_SUBSECTOR: all bits become 1. The
+    /// function may erase larger sectors in between at once.
     pub erase: Option<unsafe extern "C" fn(context: *mut c_void, from: u32, to: u32) -> i32>,
 }
 
-/// The flash as core knows it.
+/// The flash as a `NorFlash` of the core's storage.
 #[derive(Debug)]
 pub(crate) struct Chip(narx_flash_t);
 
-/// The flash has not done it, or it was asked for what lies beyond its end.
+/// The flash has failed, or an address lies beyond its end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChipError(NorFlashErrorKind);
 
@@ -71,7 +75,8 @@ impl Chip {
     }
 }
 
-/// What a call answered; `None` is a call that is missing, of which initialising has made sure.
+/// Converts the result of a function of the board. It is never `None`: narx_storage_init rejects a missing
+/// function.
 fn done(answer: Option<i32>) -> Result<(), ChipError> {
     if answer == Some(0) { Ok(()) } else { Err(ChipError(NorFlashErrorKind::Other)) }
 }
@@ -116,7 +121,7 @@ impl NorFlash for Chip {
                     .program
                     .map(|program| unsafe { program(self.0.context, at, page.as_ptr(), page.len()) }),
             )?;
-            // Within the flash, as just checked.
+            // No overflow: the check above has shown that it is within the flash.
             (at, left) = (at.wrapping_add(page.len() as u32), rest);
         }
         Ok(())
@@ -130,14 +135,14 @@ impl Handle for narx_storage_t {
 
 const _: () = assert!(handle::fits::<narx_storage_t>());
 
-/// Bytes that a storage needs on this processor: at most sizeof(narx_storage_t). Any context.
+/// Returns the bytes that a storage needs on this processor: at most sizeof(narx_storage_t). Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_storage_size() -> usize {
     handle::size::<narx_storage_t>()
 }
 
-/// Makes a storage in `size` bytes of memory. `flash` is copied; its calls, none of which may be NULL, are made within narx_storage_init_drive and
-/// narx_storage_serve only.
+/// Makes a storage in `size` bytes of memory. `flash` is copied. Its functions, none of which may be NULL,
+/// are called only within narx_storage_init_drive and narx_storage_serve.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_storage_init(
     storage: *mut narx_storage_t,
@@ -156,8 +161,9 @@ pub unsafe extern "C" fn narx_storage_init(
     pointer::status(unsafe { handle::init(storage, size, make) })
 }
 
-/// narx_drive_init with what the flash holds: reads it, and makes a drive with the stored parameters, factory values where there are none, whose
-/// parameters and log stay on this flash. What it finds is told on the bus, fault bits 26, 30 and 31 included. `identity` may be NULL.
+/// Makes a drive as narx_drive_init does, with the parameters that the flash holds, or factory values for
+/// those that it does not hold. The drive then keeps its parameters and its log on this flash. The drive
+/// reports the state of the flash on the bus, including fault bits 26, 30 and 31. `identity` may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_storage_init_drive(
     storage: *mut narx_storage_t,
@@ -180,8 +186,9 @@ pub unsafe extern "C" fn narx_storage_init_drive(
     pointer::status(run())
 }
 
-/// Does what the drive asks of its flash, one bounded step: a store, a record of the log, a piece of an erase. NARX_NOTHING when nothing is asked.
-/// Call it in every pass of the main loop; it takes as long as your flash does, and some 6 KiB of stack. Background half.
+/// Runs one bounded step of the drive's work on its flash: a store, a record of the log, a piece of an erase.
+/// Returns NARX_NOTHING if there is none. Call it in every pass of the main loop. It takes as long as your
+/// flash does, and some 6 KiB of stack. Background half.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_storage_serve(
     storage: *mut narx_storage_t,
@@ -198,7 +205,7 @@ pub unsafe extern "C" fn narx_storage_serve(
     pointer::status(run())
 }
 
-/// What a future over calls that wait comes to: it is ready at once.
+/// Returns the result of a future. It is ready at the first poll, because the board's functions block.
 fn finish<T>(future: impl Future<Output = T>) -> T {
     let mut future = pin!(future);
     loop {

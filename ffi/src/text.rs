@@ -1,11 +1,12 @@
-//! Text into the caller's buffer.
+//! Text in the caller's buffer.
 
 use crate::pointer;
 use crate::status::narx_status_t;
 use core::ffi::c_char;
 use core::fmt::{self, Write};
 
-/// Writes `value` and a closing 0, cut where the buffer ends. A buffer of no size is left alone, and may be NULL.
+/// Writes `value` and a closing 0, cut to the size of the buffer. Nothing is written if the size is 0; `text`
+/// may then be NULL.
 ///
 /// # Safety
 /// `text` is NULL or `size` writable bytes.

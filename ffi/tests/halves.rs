@@ -1,5 +1,6 @@
-//! Both halves of a drive in the caller's memory, one on each of two threads: for Miri, which sees every reference that another one
-//! invalidates and every access that nothing orders (`cargo +nightly miri test -p narx-ffi`).
+//! Both halves of a drive in the caller's memory, each on its own thread, for Miri
+//! (`cargo +nightly miri test -p narx-ffi`). Miri detects a reference that another one invalidates, and
+//! accesses without an order.
 
 use narx::narx_status_t::{self, NARX_ERROR_UNINITIALISED, NARX_NOTHING, NARX_OK};
 use narx::*;
@@ -7,14 +8,14 @@ use std::mem::MaybeUninit;
 use std::ptr;
 use std::thread;
 
-/// More ticks than the queues have room for, several times over; Miri runs some hundred a second.
+/// Ticks to run: several times the room of the queues. Miri runs some hundred a second.
 const TICKS: u64 = 150;
 
 /// A pointer that threads share, as an interrupt and a main loop do.
 #[derive(Clone, Copy)]
 struct Shared(*mut narx_drive_t);
 
-// SAFETY: what the header promises of the two halves, and what this test is about.
+// SAFETY: the header promises that the two halves may run on two threads; this test checks it.
 unsafe impl Send for Shared {}
 
 /// A board at rest: 24 V on the bus, no current, rotor in sector 0.
@@ -39,21 +40,21 @@ fn data(id: u32) -> narx_frame_t {
     narx_frame_t { id, extended: 1, remote: 0, length: 8, data: [0; 8] }
 }
 
-/// Ticks that answered with no error.
+/// Runs the tick half; returns the number of ticks without an error.
 fn tick_half(Shared(drive): Shared) -> u64 {
     let mut command = MaybeUninit::uninit();
     let step = |tick| unsafe { narx_drive_step(drive, &at_rest(tick), command.as_mut_ptr()) };
     (0..TICKS).map(step).filter(|status| *status == NARX_OK).count() as u64
 }
 
-/// Frames that came.
+/// Runs the background half; returns the number of frames that came.
 fn background_half(Shared(drive): Shared) -> u64 {
     let mut frames = 0;
     let mut frame = MaybeUninit::uninit();
     let mut value = 0;
     for pass in 0..TICKS {
         unsafe {
-            // Armed, forced, read.
+            // Arms the scope, forces its trigger, reads the record.
             let scope = match pass {
                 5 | 30 => Some(0x0AAD_5270),
                 90 => Some(0x0AAD_5470),
@@ -62,7 +63,7 @@ fn background_half(Shared(drive): Shared) -> u64 {
             if let Some(id) = scope {
                 assert_eq!(narx_drive_handle_frame(drive, &data(id)), NARX_OK);
             }
-            // Coefficients for the tick.
+            // Passes new coefficients to the tick half.
             if pass % 20 == 0 {
                 assert_eq!(narx_drive_set_parameter(drive, 99, 100 + pass as i32), NARX_OK);
             }
@@ -100,14 +101,14 @@ fn halves_share_nothing_but_queues() {
     assert!(frames > 1, "{frames}");
 }
 
-/// One call after the other, as on a processor whose interrupt strikes between any two of the main loop's.
+/// Calls the halves in turn, as on a processor whose interrupt comes between any two calls of the main loop.
 #[test]
 fn halves_take_turns() {
     let mut memory = Box::new(MaybeUninit::<narx_drive_t>::uninit());
     let drive = memory.as_mut_ptr();
     let mut command = MaybeUninit::uninit();
     unsafe {
-        // The mark alone is read before there is a drive.
+        // Before a drive is initialised only the mark is read.
         drive.cast::<u32>().write(0);
         assert_eq!(narx_drive_step(drive, &at_rest(0), command.as_mut_ptr()), NARX_ERROR_UNINITIALISED);
         for _reboot in 0..2 {

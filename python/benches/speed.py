@@ -1,6 +1,8 @@
-"""How fast a motor is simulated from Python: `speed.py CONTENDER` prints simulated seconds a second, then what was computed.
+"""Speed of the simulation of one motor from Python: `speed.py CONTENDER` prints simulated seconds per second,
+then the contender and its result.
 
-Everybody turns the same motor (BLY172S, 24 V) at about 3000 rpm under rated load, on one thread. Start and compilation come first and do not count.
+All contenders turn the same motor (BLY172S, 24 V) at about 3000 rpm under rated load, on one thread. Start
+and compilation come first and are not measured.
 """
 
 from __future__ import annotations
@@ -15,19 +17,21 @@ from typing import Any
 
 PRESET, SUPPLY, RPM = "bly172s-24v", 24.0, 3000.0
 SPEED = RPM * 2.0 * math.pi / 60.0
-# Its figures as xtask/floor/plant.c has them: per phase ohm and henry, V s/rad of one phase, kg m2, N m, N m s2/rad2.
+# Motor data in the form of xtask/floor/plant.c: per phase ohm and henry, V s/rad of one phase, kg m2, N m,
+# N m s2/rad2.
 POLE_PAIRS, R, L, K, J, FRICTION, LOAD = 4, 0.404, 0.64e-3, 0.017215, 4.8e-6, 0.00964, 1.12e-6
 
 
 def measured(run: Callable[[float], object], seconds: float) -> float:
-    """Simulated seconds a second of `run(seconds)`."""
+    """Returns simulated seconds per second of `run(seconds)`."""
     begun = time.perf_counter()
     run(seconds)
     return seconds / (time.perf_counter() - begun)
 
 
 def narx_bench(mode: str, keeps: bool) -> tuple[float, str]:
-    """`Bench.run`, which keeps 26 signals a tick and the recording, or nothing as the Rust bench beside it (sim/examples/driven.rs)."""
+    """Measures `Bench.run`, which either keeps 26 signals a tick and the recording, or keeps nothing, like
+    the Rust bench sim/examples/driven.rs."""
     import narx
 
     bench = narx.Bench(narx.Motor.preset(PRESET), SUPPLY, narx.Load(quadratic=LOAD), mode=mode, recording=keeps)  # type: ignore[arg-type]
@@ -38,7 +42,8 @@ def narx_bench(mode: str, keeps: bool) -> tuple[float, str]:
 
 
 def numba_loop() -> tuple[float, str]:
-    """The loop of xtask/floor/plant.c in numba: a six-step drive with ideal hall sensors, 10 Euler steps a PWM period."""
+    """Measures the loop of xtask/floor/plant.c in numba: a six-step drive with ideal hall sensors, 10 Euler
+    steps a PWM period."""
     import numpy as np
     from numba import njit
 
@@ -101,7 +106,8 @@ def numba_loop() -> tuple[float, str]:
 
 
 def motulator_drive() -> tuple[float, str]:
-    """motulator: the same motor with a sinusoidal back-EMF, vector control at 10 kHz, ideal averaged inverter."""
+    """Measures motulator: the same motor with a sinusoidal back-EMF, vector control at 10 kHz, ideal averaged
+    inverter."""
     import numpy as np
     from motulator.drive import model
     from motulator.drive.control import sm as control
@@ -123,7 +129,8 @@ def motulator_drive() -> tuple[float, str]:
 
 
 def gym_motor() -> tuple[float, str]:
-    """gym-electric-motor: the same motor with a sinusoidal back-EMF, fed with sinusoidal voltages by its angle, averaged inverter; no controller."""
+    """Measures gym-electric-motor: the same motor with a sinusoidal back-EMF, fed with sinusoidal voltages by
+    its angle, averaged inverter; no controller."""
     import gym_electric_motor as gem
     import numpy as np
 
@@ -161,7 +168,7 @@ def gym_motor() -> tuple[float, str]:
 
 
 AMPLITUDE = 1.0
-"""Of the phase voltages, of half the supply: nearly 3000 rpm under load."""
+"""Amplitude of the phase voltages, in halves of the supply: it gives nearly 3000 rpm under load."""
 CONTENDERS: dict[str, Callable[[], tuple[float, str]]] = {
     "hall": lambda: narx_bench("hall", keeps=False),
     "hall-kept": lambda: narx_bench("hall", keeps=True),
@@ -173,7 +180,7 @@ CONTENDERS: dict[str, Callable[[], tuple[float, str]]] = {
 }
 
 if __name__ == "__main__":
-    # What the others print and warn of is theirs.
+    # Warnings and output of the other libraries are not part of the result.
     warnings.simplefilter("ignore")
     with contextlib.redirect_stdout(sys.stderr):
         figure, what = CONTENDERS[sys.argv[1]]()

@@ -1,4 +1,5 @@
-"""The narx drive for BLDC motors: on a simulated bench, on any CAN adapter, and in its recordings; the same bits as the firmware.
+"""The narx drive for BLDC motors: on a simulated bench, on any CAN adapter, and in its recordings. The bench
+and the replay compute the same bits as the firmware.
 
 >>> import narx
 >>> bench = narx.Bench(narx.Motor.preset("ec45-flat-50w-18v"), supply_voltage=18.0, mode="hall")

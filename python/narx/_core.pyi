@@ -1,4 +1,5 @@
-"""The compiled part of narx: numbers, bytes and tuples. What a user meets is in the other files of the package."""
+"""The compiled part of narx: numbers, bytes and tuples. The other files of the package build the public
+interface on it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum

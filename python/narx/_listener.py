@@ -1,4 +1,4 @@
-"""What a notifier of python-can calls."""
+"""Listener for a notifier of python-can."""
 
 import time
 from collections.abc import Callable
@@ -7,18 +7,19 @@ import can
 
 
 class Listener(can.Listener):
-    """Passes on what is heard, and why nothing more is."""
+    """Passes on received messages, and the error that ends reception."""
 
     def __init__(self, hear: Callable[[can.Message], None], fail: Callable[[Exception], None]) -> None:
         self._hear = hear
         self._fail = fail
 
     def on_message_received(self, msg: can.Message) -> None:
-        """A message has come."""
+        """Passes on a received message."""
         self._hear(msg)
 
     def on_error(self, exc: Exception) -> None:
-        """The bus cannot be read any more."""
+        """Passes on the error after which the bus cannot be read any more."""
         self._fail(exc)
-        # The notifier tries again at once, and an adapter that is gone will say the same.
+        # The notifier tries again at once, and an adapter that was removed would raise the same error in a
+        # tight loop.
         time.sleep(0.1)

@@ -13,11 +13,13 @@ from narx.trace import Trace
 
 
 class Bench:
-    """A virtual drive with its motor on a simulated bench, commanded over its CAN bus. Same arguments and calls, same bits.
+    """A virtual drive with its motor on a simulated bench, commanded over its CAN bus. The same arguments and
+    calls give the same bits.
 
-    The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`. supply_voltage: V. mode: "sensorless",
-    "hall" or "open-loop". parameters: of the drive by name or number, in their units; they win over those of commissioning. ambient:
-    degrees Celsius. seed: of all noise. recording: without it the bench is faster, but nothing can be replayed and there is no digest.
+    The drive is commissioned for the motor and powers up; it stays in Standby until `drive.start`.
+    supply_voltage: V. mode: "sensorless", "hall" or "open-loop". parameters: of the drive by name or number,
+    in their units; they override those of commissioning. ambient: degrees Celsius. seed: of all noise.
+    recording: without it the bench is faster, but nothing can be replayed and there is no digest.
     """
 
     def __init__(
@@ -46,17 +48,19 @@ class Bench:
 
     @property
     def digest(self) -> int:
-        """Digest of everything that the drive has answered since it last booted: that of its recording, 0 without one."""
+        """Digest of all outputs of the drive since it last booted, as in its recording; 0 without a
+        recording."""
         return self._bench.digest
 
     @property
     def notes(self) -> list[str]:
-        """Where a limit of the drive holds the motor back, in words."""
+        """Limits of the drive that restrict this motor, a sentence each."""
         return self._bench.notes
 
     def run(self, seconds: float, trace: bool = True) -> Trace:
-        """Lets `seconds` pass, to the nearest control tick, and returns the rows of this run, one per tick; without `trace` none, which is faster."""
-        # Rows of calls that waited belong to no run.
+        """Runs the simulation for `seconds`, to the nearest control tick, and returns the rows of this run,
+        one per tick. Without `trace` it keeps no rows, which is faster."""
+        # Removes rows of earlier calls that waited: they belong to no run.
         self._bench.drop_rows()
         self._bench.advance(seconds, trace)
         columns, units, recording = self._bench.take_run()
@@ -65,16 +69,18 @@ class Bench:
     def inject(
         self, fault: str, value: float | None = None, phase: Literal["A", "B", "C"] | None = None, high: bool = False
     ) -> None:
-        """Breaks something, until `clear`: what has a physical cause, not the fault bit that comes of it.
+        """Injects a fault, until `clear`. A fault is a physical cause, not the fault bit that results from
+        it.
 
-        "ambient" (value in degrees Celsius), "supply" (V), "leak" (a resistor across the bus, ohm), "driver", "open-phase", "hall-swapped"
-        (phase), "hall-stuck" (phase, high), "hall-glitches" (value per second), "hall-supply-lost", "blocked-rotor", "pressure" (V behind the
-        amplifier), "break" (the hardware's break input), "dsi1", "dsi2".
+        "ambient" (value in degrees Celsius), "supply" (V), "leak" (a resistor across the bus, ohm), "driver",
+        "open-phase", "hall-swapped" (phase), "hall-stuck" (phase, high), "hall-glitches" (value per second),
+        "hall-supply-lost", "blocked-rotor", "pressure" (V behind the amplifier), "break" (the hardware's
+        break input), "dsi1", "dsi2".
         """
         self._bench.set_fault(fault.replace("_", "-"), True, value, phase, high)
 
     def clear(self, fault: str | None = None, phase: Literal["A", "B", "C"] | None = None) -> None:
-        """Mends one fault of `inject`, or everything."""
+        """Removes one fault of `inject`, or all faults."""
         if fault is None:
             self._bench.clear_faults()
         else:
@@ -83,19 +89,21 @@ class Bench:
     def add_tx_driver(
         self, node_id: int, channels: Literal[1, 2] = 1, encoder: int | None = None, measuring_range: float = 2.0
     ) -> None:
-        """Puts an eddyCAN TX-Driver on the drive's bus. Its sensors watch the shaft's surface, a quarter of a revolution apart.
+        """Connects an eddyCAN TX-Driver to the drive's bus. Its sensors measure the distance of the shaft's
+        surface, a quarter of a revolution apart.
 
-        node_id: 1 to 127. encoder: counts per revolution of an incremental encoder on the shaft. measuring_range: mm. It powers up
-        Pre-operational with factory values.
+        node_id: 1 to 127. encoder: counts per revolution of an incremental encoder on the shaft.
+        measuring_range: mm. It powers up Pre-operational with factory values.
         """
         self._bench.add_tx_driver(node_id, channels, encoder, measuring_range)
 
     def set_load(self, load: Load) -> None:
-        """Another load on the shaft from now on."""
+        """Replaces the load on the shaft."""
         self._bench.set_load(load)
 
     def set_input(self, name: str, value: float) -> None:
-        """Puts a value on a slow input of the board: one of `inputs`, in the unit of what it measures."""
+        """Sets a slow input of the board to a value: one of `inputs`, in the unit of its measured
+        quantity."""
         self._bench.set_input(name, value)
 
     @property
@@ -105,5 +113,5 @@ class Bench:
 
     @property
     def faults(self) -> list[str]:
-        """Names of what `inject` can break."""
+        """Names of the faults that `inject` knows."""
         return self._bench.faults()

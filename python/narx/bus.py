@@ -15,11 +15,11 @@ from narx import _core
 from narx.errors import NarxError
 
 QUEUE = 100_000
-"""Frames that wait for a client that does not read."""
+"""Largest number of frames that wait for a client that does not read."""
 TICK = 1e-4
-"""Control tick, s: nothing shorter passes."""
+"""Control tick, s: the shortest time that can be simulated."""
 STEP = 0.1
-"""Simulated time between two looks at Ctrl-C, s."""
+"""Simulated time between two checks for Ctrl-C, s."""
 
 
 class World:
@@ -48,7 +48,7 @@ class World:
 
     @classmethod
     def join(cls, channel: str, realtime: bool, options: dict[str, Any]) -> tuple[World, int]:
-        """The world of a channel, made by the first who comes, and a number in it."""
+        """Returns the world of a channel and a client number in it; makes the world if the channel is new."""
         with cls._guard:
             world = cls._all.get(channel)
             if world is None:
@@ -60,7 +60,7 @@ class World:
             return world, client
 
     def leave(self, client: int) -> None:
-        """One client less; the last one ends the world."""
+        """Removes a client; the last one ends the world."""
         with self._guard:
             self.queues.pop(client, None)
             if self.queues:
@@ -71,7 +71,7 @@ class World:
             self._thread.join()
 
     def advance(self, until: float, until_frame: bool = False) -> None:
-        """Simulates until then, or until a frame has passed."""
+        """Simulates until the time `until`, s, or until a frame has passed if `until_frame`."""
         passed = self.bus.advance(until, until_frame)
         if not passed:
             return
@@ -89,7 +89,7 @@ class World:
             self.arrived.notify_all()
 
     def _run(self) -> None:
-        """Keeps simulated time in step with the clock. A stall of more than a second is not caught up with."""
+        """Keeps simulated time in step with the clock. A delay of more than a second is not made up for."""
         origin = time.monotonic() - self.bus.time
         while not self._over.is_set():
             target = time.monotonic() - origin
@@ -102,11 +102,12 @@ class World:
 
 
 class NarxBus(can.BusABC):
-    """A virtual drive on its bus. Buses of one process with the same channel share one.
+    """A virtual drive on its bus. Buses of one process with the same channel share one drive.
 
-    motor: a preset's name or a `narx.Motor`. supply_voltage, load, mode, parameters, ambient and seed are those of `narx.Bench`. tx_drivers: node-ids of
-    eddyCAN TX-Drivers beside it, each of one channel and with an encoder of 4096 counts on the shaft. realtime: simulated
-    time keeps step with the clock; without it, time passes while somebody receives, as fast as it can be simulated.
+    motor: a preset's name or a `narx.Motor`. supply_voltage, load, mode, parameters, ambient and seed are
+    those of `narx.Bench`. tx_drivers: node-ids of eddyCAN TX-Drivers beside it, each of one channel and with
+    an encoder of 4096 counts on the shaft. realtime: simulated time keeps step with the clock; without it,
+    time passes only during a call that receives, as fast as it can be simulated.
     """
 
     def __init__(
@@ -152,10 +153,10 @@ class NarxBus(can.BusABC):
             raise can.CanOperationError("the queue of frames to send is full")
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
-        """The next frame, or `None` after `timeout` s of the bus's time."""
+        """Returns the next frame, or `None` after `timeout` s of the bus's time."""
         if self.realtime:
             return super().recv(timeout)
-        # The base class measures time-outs by the clock.
+        # Own loop, because the base class measures time-outs by the clock.
         queue = self._queue()
         end = float("inf") if timeout is None else self.time + timeout
         while True:

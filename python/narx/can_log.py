@@ -1,4 +1,4 @@
-"""Logs of a CAN bus as numpy columns: what `narx.read_log` returns."""
+"""Logs of a CAN bus as numpy columns: the result of `narx.read_log`."""
 
 from __future__ import annotations
 
@@ -31,14 +31,16 @@ ALIASES = {
     "buscurrent": ("MEASUREMENT_2", "HV Current"),
     "temperature": ("MEASUREMENT_3", "Ambient Temperature"),
 }
-"""What a bench calls it, for what the protocol calls otherwise. `speed` is more than that: see `CanLog.speed`."""
+"""Names of a bench for signals that have another name in the protocol. `speed` is computed: see
+`CanLog.speed`."""
 HALL = "Hall closed loop"
 
 
 class CanLog:
-    """A decoded log. `log["STATUS_WORD"]` is the table of a message, `log["PDO1", 2]` that of one node, `log["HV Voltage"]` a signal
-    over time wherever it comes from, or a parameter's value as the drive has told it; `log["speed"]` is what the control uses.
-    Names are those of the CAN data base, of `narx.decode` or of a bench; case and punctuation do not matter.
+    """A decoded log. `log["STATUS_WORD"]` is the table of a message, `log["PDO1", 2]` that of one node,
+    `log["HV Voltage"]` a signal over time from whichever message carries it, or a parameter's value from the
+    drive's answers. `log["speed"]` is the speed that the control uses. Names are those of the CAN data base,
+    of `narx.decode` or of a bench; case and punctuation do not matter.
     """
 
     def __init__(self, reader: _core.LogReader, errors: Iterable[LogError] = (), encoders: Iterable[int] = ()) -> None:
@@ -46,9 +48,9 @@ class CanLog:
         self.frames = Frames(**columns, channels=tuple(channels))
         """Every frame of the log, decoded or not."""
         self.errors = [*(LogError(*error) for error in refused), *errors]
-        """What is no frame, in the order of the lines: it was skipped."""
+        """Parts of the log that are no frame, in the order of the lines; they were skipped."""
         self.lines = lines
-        """Lines of a candump log; 0 of other formats."""
+        """Number of lines of a candump log; 0 of other formats."""
         self._raw = tables
         self._places = {folded(name): place for place, (name, *_) in enumerate(tables)}
         self._tables: dict[int, Table] = {}
@@ -56,33 +58,34 @@ class CanLog:
 
     @cached_property
     def unknown(self) -> Frames:
-        """Frames of no protocol that is known here, CAN FD among them, or between other addresses."""
+        """Frames that belong to no known protocol, CAN FD among them, or that are between other addresses."""
         return self.frames[self.frames.message == UNKNOWN]
 
     @cached_property
     def malformed(self) -> Frames:
-        """Frames with the identifier of a message, but not its shape: length, remote, or a value without a meaning."""
+        """Frames with the identifier of a message but another length, a remote flag, or an undefined
+        value."""
         return self.frames[self.frames.message == MALFORMED]
 
     @cached_property
     def error_frames(self) -> Frames:
-        """Errors that the adapter has seen on the bus; `id` is the class of the error."""
+        """Errors on the bus that the adapter has logged; `id` is the class of the error."""
         return self.frames[self.frames.message == ERROR]
 
     @property
     def counts(self) -> dict[str, int]:
-        """Frames by message, in the order of the protocol: those that came."""
+        """Number of frames of each message in the log, in the order of the protocol."""
         return {name: len(time) for name, _, time, _ in self._raw if len(time)}
 
     @property
     def signals(self) -> dict[str, str]:
-        """Signals of the messages that came: name -> unit."""
+        """Signals of the messages in the log: name -> unit."""
         return {
             signal: unit for _, _, time, columns in self._raw if len(time) for (signal, unit, _), _ in columns
         }
 
     def __iter__(self) -> Iterator[str]:
-        """Names of the messages that came."""
+        """Iterates over the names of the messages in the log."""
         return iter(self.counts)
 
     def __contains__(self, key: object) -> bool:
@@ -116,7 +119,8 @@ class CanLog:
         return self._signal(key)
 
     def table(self, message: str) -> Table:
-        """Every message of this name; none if none came. Raises SignalError for a name that no message has."""
+        """Returns every message of this name; none if none came. Raises SignalError for a name that no
+        message has."""
         try:
             place = self._places[folded(message)]
         except KeyError:
@@ -128,7 +132,8 @@ class CanLog:
 
     @property
     def speed(self) -> Series:
-        """Mechanical speed, rpm, as estimated by what the control mode uses: the hall sensors in hall closed loop, else back-EMF."""
+        """Mechanical speed, rpm, as estimated from the source that the control mode uses: the hall sensors in
+        hall closed loop, else back-EMF."""
         hall, sensorless, status = map(self.table, ("MEASUREMENT_5", "MEASUREMENT_1", "STATUS_WORD"))
         modes = status.names["Control mode"]
         control = np.array([modes.get(int(mode)) == HALL for mode in status["Control mode"]], bool)
@@ -139,7 +144,8 @@ class CanLog:
             (sensorless, "Mechanical estimated speed SL", False),
         ):
             row = self._rows(table)
-            # The last status before the measurement; before the first one it is not hall.
+            # The status before the measurement determines the mode; before the first status the mode counts
+            # as not hall.
             last = np.searchsorted(told, row) - 1
             mode = np.zeros(len(row), bool)
             mode[last >= 0] = control[last[last >= 0]]
@@ -151,7 +157,7 @@ class CanLog:
         return Series("speed", "rpm", np.concatenate(times)[order], np.concatenate(values)[order], {})
 
     def messages(self) -> Iterator[tuple[float, Message | NodeMessage]]:
-        """Time, s, and content of every decoded message, in the order of the log."""
+        """Yields time, s, and content of every decoded message, in the order of the log."""
         frames = self.frames[self.frames.message < ERROR]
         extended, remote = frames.flag("extended"), frames.flag("remote")
         for row in range(len(frames)):
@@ -163,9 +169,10 @@ class CanLog:
                 yield float(frames.time[row]), message
 
     def to_pandas(self, *signals: str, period: float | None = None) -> DataFrame:
-        """Signals side by side, each held from one message to the next, NaN before its first one; without names all that are in one
-        message only. A row for every time at which one of them came, or every `period` s. Raises SignalError for what is
-        no signal.
+        """Returns a data frame with the signals side by side, each held from one message to the next, NaN
+        before its first one. Without names it has all signals that are in one message only. It has a row for
+        every time at which one of them came, or every `period` s. Raises SignalError for a name that is not a
+        signal.
         """
         from pandas import DataFrame
 
@@ -180,16 +187,18 @@ class CanLog:
         return DataFrame({"time": time} | {name: series.at(time) for name, series in chosen.items()})
 
     def save(self, path: str | PathLike[str], *signals: str, period: float | None = None) -> None:
-        """Writes the table of `to_pandas`: `.csv`, `.parquet` or `.xlsx`. period: s. Raises ParameterError for any other name."""
+        """Writes the table of `to_pandas`: `.csv`, `.parquet` or `.xlsx`. period: s. Raises ParameterError
+        for any other name."""
         table.check(path)
         table.save(self.to_pandas(*signals, period=period), path)
 
     def _rows(self, table: Table) -> NDArray[np.intp]:
-        """Rows of a table's messages among the frames."""
+        """Returns the indices of a table's messages among the frames."""
         return np.flatnonzero(self.frames.message == self._places[folded(table.name)])
 
     def _holders(self, signal: str) -> list[str]:
-        """Messages that came and have this signal: if devices sent some of them, those."""
+        """Returns the messages in the log that have this signal: those of devices if there are any, else
+        those of masters."""
         holders = [
             (name, from_device)
             for name, from_device, time, columns in self._raw
@@ -221,7 +230,7 @@ class CanLog:
         raise SignalError(f'there is no message or signal "{key}"{suggestion(key, names)}')
 
     def _parameter(self, number: int, name: str, unit: str) -> Series:
-        """A parameter as the drive has answered it."""
+        """Returns the values of a parameter from the drive's answers."""
         answers = self.table("PARAMETER")
         answers = answers.select((answers["Number"] == number) & (answers["Status"] == 0))
         return Series(name, unit, answers.time, answers["Value"], {})
@@ -233,7 +242,8 @@ def table_of(
     time: NDArray[np.float64],
     columns: list[tuple[tuple[str, str, list[tuple[int, str]]], NDArray[Any]]],
 ) -> Table:
-    """A table from the reader's columns; a fault word becomes a column for each fault, too, as in the data base."""
+    """Builds a table from the reader's columns. A fault word also gets a column for each fault, as in the
+    data base."""
     arrays: dict[str, NDArray[Any]] = {"time": time}
     units, names = {"time": "s"}, {}
     for (signal, unit, values), array in columns:

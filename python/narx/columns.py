@@ -19,7 +19,8 @@ FLAGS = dict(_core.frame_flags())
 
 
 def folded(name: str) -> str:
-    """Letters and digits of a name: "HV Voltage", "hv voltage" and the data base's "HV_Voltage" are one signal."""
+    """Returns the letters and digits of a name in lower case: "HV Voltage", "hv voltage" and the data base's
+    "HV_Voltage" are one signal."""
     return "".join(filter(str.isalnum, name)).casefold()
 
 
@@ -27,7 +28,7 @@ class LogError(NamedTuple):
     """A part of a log that is no frame."""
 
     line: int | None
-    """Line of the file, from 1; `None` where it has no lines."""
+    """Line of the file, from 1; `None` if the format has no lines."""
     text: str
     """The line, or its beginning."""
     reason: str
@@ -35,32 +36,33 @@ class LogError(NamedTuple):
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames as they stand in the log, a row each."""
+    """Frames of a log, a row each."""
 
     time: NDArray[np.float64]
-    """s, as stamped."""
+    """Time stamp, s."""
     id: NDArray[np.uint32]
     flags: NDArray[np.uint8]
-    """What else they are, a bit each; `flag` tells them apart."""
+    """Further properties, a bit each; `flag` decodes them."""
     dlc: NDArray[np.uint8]
-    """Data bytes; of a remote frame those that it asks for."""
+    """Number of data bytes; of a remote frame the number that it requests."""
     data: NDArray[np.uint8]
-    """Shape (frames, 8), zeros behind the last byte; wider where CAN FD frames are."""
+    """Shape (frames, 8), zeros behind the last byte; wider if there are CAN FD frames."""
     message: NDArray[np.uint8]
     channel: NDArray[np.uint16]
-    """Place in `channels`."""
+    """Index in `channels`."""
     channels: tuple[str, ...]
 
     def __len__(self) -> int:
         return len(self.time)
 
     def __getitem__(self, rows: Any) -> Frames:
-        """Some of the frames: by a slice, a mask or an array of rows."""
+        """Selects frames by a slice, a mask or an array of rows."""
         columns = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "channels"}
         return replace(self, **{name: column[rows] for name, column in columns.items()})
 
     def flag(self, name: str) -> NDArray[np.bool_]:
-        """Whether each is "extended", "remote", "error", "fd", "received", "bitrate_switch", "error_state"."""
+        """Returns for each frame whether it is "extended", "remote", "error", "fd", "received",
+        "bitrate_switch", "error_state"."""
         found: NDArray[np.bool_] = (self.flags & FLAGS[name]) != 0
         return found
 
@@ -68,7 +70,7 @@ class Frames:
         return f"<narx.Frames: {len(self)}>"
 
     def to_pandas(self) -> DataFrame:
-        """A row per frame, its data as bytes."""
+        """Returns a data frame with a row per frame, its data as bytes."""
         from pandas import DataFrame
 
         data = [row[:length].tobytes() for row, length in zip(self.data, self.dlc, strict=True)]
@@ -79,7 +81,7 @@ class Frames:
 
 
 class Series:
-    """One signal over time (s), in its unit; numpy takes it for its values."""
+    """One signal over time (s), in its unit; numpy uses it as the array of its values."""
 
     def __init__(
         self, name: str, unit: str, time: NDArray[np.float64], values: NDArray[Any], names: Mapping[int, str]
@@ -88,11 +90,12 @@ class Series:
         self.unit = unit
         """SI unit, rpm, degrees or mm; "" for plain numbers."""
         self.time = time
-        """s, as stamped."""
+        """Time stamps, s."""
         self.values = values
-        """float64 of quantities, int64 of plain numbers, bool of flags, uint16 of what has names, uint32 of fault bits."""
+        """Values: float64 of quantities, int64 of plain numbers, bool of flags, uint16 of named values,
+        uint32 of fault bits."""
         self.names = dict(names)
-        """What a value is called, where it is."""
+        """Names of the values that have one."""
 
     def __len__(self) -> int:
         return len(self.time)
@@ -107,11 +110,11 @@ class Series:
         return f"<narx.Series {self.name}{f' [{self.unit}]' if self.unit else ''}: {len(self)} values>"
 
     def text(self) -> list[str]:
-        """Every value by its name, or as a number where it has none."""
+        """Returns every value by its name, or as a number if it has none."""
         return [self.names.get(int(value), str(value)) for value in self.values]
 
     def at(self, time: NDArray[np.float64] | Iterable[float]) -> NDArray[Any]:
-        """The last value heard at each time, s; NaN (of numbers) before the first one."""
+        """Returns the last value received at each time, s; NaN (for numbers) before the first one."""
         order = np.argsort(self.time, kind="stable")
         place = np.searchsorted(self.time[order], np.asarray(time), side="right") - 1
         held: NDArray[Any] = np.full(place.shape, np.nan)
@@ -134,9 +137,9 @@ class Table(Trace):
         super().__init__(columns, units)
         self.name = name
         self.from_device = from_device
-        """A drive or node has sent it, else its master."""
+        """True if a drive or node sends the message, false if its master does."""
         self.names = names
-        """By signal: what its values are called."""
+        """Names of the values, by signal."""
         self._folded = {folded(signal): signal for signal in columns}
 
     def __getitem__(self, signal: str) -> NDArray[Any]:
@@ -149,12 +152,12 @@ class Table(Trace):
         return f"<narx.Table {self.name} of {len(self)} rows: {', '.join(self)}>"
 
     def series(self, signal: str) -> Series:
-        """One signal with its time."""
+        """Returns one signal with its time."""
         values = self[signal]
         name = self._folded[folded(signal)]
         return Series(name, self.signals[name], self.time, values, self.names.get(name, {}))
 
     def select(self, rows: Any) -> Table:
-        """Some of the messages: by a slice, a mask or an array of rows."""
+        """Selects messages by a slice, a mask or an array of rows."""
         columns = {name: column[rows] for name, column in self._columns.items()}
         return Table(self.name, self.from_device, columns, self._units, self.names)

@@ -1,6 +1,8 @@
-"""What a drive is made of: parameters, measurements and scope signals, by the description that it serves itself.
+"""Description of a drive: parameters, measurements and scope signals, from the XML text that the drive itself
+serves.
 
-The tables of this package are those of its own drive. They serve until a drive's description has been read, and where it has none.
+The tables of this package describe its own version of the drive. They are used until a drive's description
+has been read, and for a drive that serves none.
 """
 
 from __future__ import annotations
@@ -23,16 +25,16 @@ from narx.link import Link, ask
 
 @dataclass(frozen=True)
 class Row:
-    """Everything there is to know of one parameter but its value."""
+    """Properties of one parameter, without its value."""
 
     number: int
     name: str
     category: str
     unit: str
-    """Of the values; "" without one."""
+    """Unit of the values; "" without one."""
     type: Literal["uint16", "int32", "uint32"]
     scale: float
-    """Step of the value: what a raw 1 is."""
+    """Step of the value: the value of a raw 1."""
     min: float
     max: float
     factory: float
@@ -40,14 +42,15 @@ class Row:
     access: str
     """"live", "stopped" (in Standby, and in Fault at standstill) or "read-only"."""
     command: bool
-    """Writing 0 then 1 is a command."""
+    """True for a command: writing 0, then 1 executes it."""
     acts: str
-    """When a written value acts."""
+    """Time at which a written value takes effect."""
     description: str
 
 
 class Description:
-    """The tables of a drive, from the text that it serves, or those of this package's own drive. Raises RefusedError for a text that cannot be read."""
+    """The tables of a drive: from the text that it serves, or without a text those of this package. Raises
+    RefusedError for a text that cannot be read."""
 
     def __init__(self, text: bytes | None = None) -> None:
         self.core = _core.Description(text)
@@ -58,7 +61,7 @@ class Description:
 
 
 def whole_words(text: bytes) -> bytes:
-    """The text as it is downloaded."""
+    """Returns the text as it is downloaded, in whole words."""
     return text + b"\n" * (len(text) % 2)
 
 
@@ -67,14 +70,15 @@ _known = {(1, crc32(whole_words(_core.xml().encode()))): OWN}
 
 
 def describe(link: Link) -> Description:
-    """The tables of a link's drive. The first time they are read from it, unless its build number and CRC are those of one that was read before, on this computer;
-    of a drive that cannot be asked (silent masters, and drives that do not answer) they are this package's own."""
+    """Returns the tables of a link's drive. The first call reads them from the drive, unless a description
+    with the same build number and CRC was read before on this computer. A silent master and a drive that does
+    not answer get the tables of this package."""
     if link.is_described or link.master.silent:
         return link.description or OWN
     try:
         ask(link, lambda: link.master.request("build info"))
     except NoAnswerError:
-        # It is not there: whoever asked for more will hear so.
+        # The drive does not answer; the caller's next request raises the error.
         return link.description or OWN
     link.is_described = True
     link.description = None
@@ -92,7 +96,8 @@ def describe(link: Link) -> Description:
 
 
 def read(link: Link) -> Description:
-    """Asks the drive which description it has, and downloads one that is not known."""
+    """Reads build number and CRC of the drive's description, and downloads the description if it is not
+    known."""
     ask(link, lambda: link.master.request("description info"))
     build, told = link.master.build, link.master.description
     number, check = build[0] if build else 0, told[1] if told else 0
@@ -112,7 +117,7 @@ def read(link: Link) -> Description:
 
 
 def folder() -> Path:
-    """Where descriptions are kept."""
+    """Returns the folder of stored descriptions."""
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "narx"
     if sys.platform == "darwin":
@@ -121,7 +126,7 @@ def folder() -> Path:
 
 
 def kept(file: Path, check: int) -> bytes | None:
-    """A description that was kept, if it is whole."""
+    """Returns a stored description, or `None` if it is absent or damaged."""
     try:
         text = file.read_bytes() if check else b""
     except OSError:
@@ -130,7 +135,7 @@ def kept(file: Path, check: int) -> bytes | None:
 
 
 def keep(file: Path, text: bytes) -> None:
-    """Keeps a description, whole at once. Without a place for it, it is downloaded the next time, too."""
+    """Stores a description atomically. If it cannot be stored, the next program downloads it again."""
     with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         part = file.with_suffix(f".{os.getpid()}")

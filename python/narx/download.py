@@ -6,7 +6,7 @@ from narx.errors import NoAnswerError
 from narx.link import Link
 
 STALL = 5.0
-"""Without a word for so long a download has come to nothing, s."""
+"""Time without a new word after which a download has failed, s."""
 
 
 def download(
@@ -16,7 +16,7 @@ def download(
     count: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> bytes:
-    """The bytes of a download. An exception of `progress`, or Ctrl-C, ends it on the drive, too."""
+    """Returns the bytes of a download. An exception of `progress`, or Ctrl-C, aborts it on the drive, too."""
     words: dict[int, bytes] = {}
     length: list[int] = []
     told = -1
@@ -58,7 +58,7 @@ def download(
 
 
 def ended(link: Link) -> bool:
-    """Whether an aborted download is over."""
+    """Returns whether an aborted download is over."""
     from narx.errors import NarxError
 
     link.take_chunks()

@@ -1,4 +1,4 @@
-"""A drive as its master sees it: on a bench, or on any bus of python-can."""
+"""A drive, seen from its master: on a bench, or on any bus of python-can."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 START_MAX = 10.0
 """Longest wait for a start, s."""
 ANSWER = 0.05
-"""A command is on the bus and the drive has acted on it within this time, s."""
+"""Longest time until a command was sent and the drive has acted on it, s."""
 
 CALIBRATION_BEGIN, CALIBRATION_MAX = 3.0, 60.0
 """Longest waits for a hall calibration to begin and to end, s."""
@@ -45,15 +45,16 @@ class Measurement:
     """A value that the drive has sent."""
 
     value: float
-    """In `unit`."""
+    """Value, in `unit`."""
     unit: str
     """SI unit, rpm, g or °C; "" for plain numbers."""
     time: float
-    """When it was heard, s: the time of the bench, or since the connection."""
+    """Time of reception, s: on a bench its simulated time, else since the connection."""
 
 
 class Measurements(Mapping[str, float]):
-    """The measurements that the drive broadcasts, by the names of the specification's Figure 14, in their units: those that were heard."""
+    """Measurements of the drive's broadcasts, by the names of the specification's Figure 14, in their units.
+    It contains only those that were received."""
 
     def __init__(self, signals: list[tuple[str, str, tuple[float, float] | None]], speed: float | None) -> None:
         self._known = {
@@ -63,13 +64,15 @@ class Measurements(Mapping[str, float]):
         }
         self._names = [name for name, _, _ in signals]
         self.speed = speed
-        """Mechanical speed by what the control mode uses, rpm: that of the hall sensors, of the back-EMF, or in open loop of the field; `None` before it was heard."""
+        """Mechanical speed, rpm, from the source that the control mode uses: the hall sensors, the back-EMF,
+        or in open loop the field; `None` before it was received."""
 
     def __getitem__(self, name: str) -> float:
         return self.full(name).value
 
     def full(self, name: str) -> Measurement:
-        """The measurement with its unit and time. Raises SignalError for one that does not exist, or was not heard yet."""
+        """Returns the measurement with its unit and time. Raises SignalError for one that does not exist, or
+        was not received yet."""
         folded = {known.casefold(): known for known in self._known}
         try:
             return self._known[folded[name.casefold()]]
@@ -91,12 +94,12 @@ class Measurements(Mapping[str, float]):
 
 @dataclass(frozen=True)
 class Info:
-    """What a drive says of itself: BUILD_INFO and DEVICE_INFO."""
+    """Identity of a drive: BUILD_INFO and DEVICE_INFO."""
 
     build_number: int
     source_modified: bool
     build_date: int
-    """YYYYMMDD."""
+    """Date of the build, YYYYMMDD."""
     hardware: int
     """Release of the board."""
     software: str
@@ -104,14 +107,16 @@ class Info:
     device_number: int
     """Serial number."""
     address: int
-    """On the bus."""
+    """CAN address."""
 
 
 class Drive:
-    """A drive. Set-points are repeated from the first command on. As a context manager it stops the motor at the end.
+    """A drive. Set-points are repeated from the first command on. As a context manager it stops the motor at
+    the end.
 
-    `narx.Drive(bus)` takes any bus of python-can, which stays its owner's; `narx.connect` opens one. A silent drive transmits nothing
-    and only listens. slave, monitor: addresses of the drive and of this master. setpoint_period: s.
+    `narx.Drive(bus)` takes any bus of python-can and leaves it open at the end; `narx.connect` opens a bus
+    and closes it. A silent drive transmits nothing and only listens. slave, monitor: addresses of the drive
+    and of this master. setpoint_period: s.
     """
 
     def __init__(
@@ -137,13 +142,16 @@ class Drive:
         return self._link.master
 
     def start(self, rpm: float, wait: bool = True) -> None:
-        """Asks for a speed, mechanical rpm, negative in reverse.
+        """Requests a start at a speed, mechanical rpm, negative in reverse.
 
-        Raises ParameterError for one beyond the limits of the enabled mode (parameters 101 to 104), which it names: the drive would clamp it. Open loop
-        turns at parameter 88; another speed is a SpeedWarning. So is a set-point of which the drive says, once it has started, that it uses another one.
+        Raises ParameterError for a speed beyond the limits of the enabled mode (parameters 101 to 104),
+        because the drive would clamp it; the error names the parameter. Open loop runs at parameter 88;
+        another speed gives a SpeedWarning. A SpeedWarning also follows if the drive, once started, reports
+        that it uses another set-point.
 
-        With `wait`, time runs until the motor is in open or closed loop (state 3, 4 or 5, as the mode has it); without that, StartError
-        says why it is not. A drive in Fault does not start: `stop` acknowledges the fault.
+        With `wait`, time runs until the motor is in open or closed loop (state 3, 4 or 5, depending on the
+        mode); if it does not get there, StartError has the reason. A drive in Fault does not start: `stop`
+        acknowledges the fault.
         """
         self._check_speed(rpm)
         self._link.start(rpm)
@@ -162,9 +170,10 @@ class Drive:
             warn(f"speed {rpm:g} rpm: the drive uses {used} rpm", SpeedWarning, stacklevel=2)
 
     def set_speed(self, rpm: float) -> None:
-        """Asks for another speed in the same direction, mechanical rpm.
+        """Requests another speed in the same direction, mechanical rpm.
 
-        Raises ParameterError for one beyond the limits, and warns, as `start` does; RefusedError for a motor that was not started: `start` says how fast it is to turn.
+        Raises ParameterError for a speed beyond the limits, and warns, as `start` does. Raises RefusedError
+        for a motor that was not started: use `start` with the speed.
         """
         self._check_speed(rpm, 0)
         state = self.state
@@ -175,7 +184,7 @@ class Drive:
         self._link.wake()
 
     def _check_speed(self, rpm: float, least: int | None = None) -> None:
-        """Refuses what the drive would clamp."""
+        """Raises ParameterError for a speed that the drive would clamp."""
         self._refuse_silence()
         values: dict[int, int] = {}
         while (missing := self._master.check_speed(rpm, values, least)) is not None:
@@ -189,37 +198,39 @@ class Drive:
         return self.state is State.OPEN_LOOP
 
     def stop(self) -> None:
-        """Asks for Standby, which also acknowledges a fault. RefusedError for a silent master, as of every command."""
+        """Requests Standby, which also acknowledges a fault. Raises RefusedError for a silent master, like
+        every command."""
         self._refuse_silence()
         self._link.stop()
 
     def shut_down(self) -> None:
-        """Asks for a shutdown: the drive goes into Fault with bit 28."""
+        """Requests a shutdown: the drive goes into Fault with bit 28."""
         self._refuse_silence()
         self._master.shut_down()
         self._link.wake()
 
     @property
     def state(self) -> State | None:
-        """The drive's state; `None` while it is not known."""
+        """State of the drive; `None` while unknown."""
         return self._master.state
 
     @property
     def faults(self) -> set[str]:
-        """Names of the bits of the fault word that are set."""
+        """Names of the set bits of the fault word."""
         return self._master.faults or set()
 
     @property
     def diagnostics(self) -> set[str]:
-        """What is worth knowing and is no fault, asked of the drive (its parameter Diagnostics): `supply_low` (the bus is below 18 V), `position_unknown`
-        (the rotor may have turned unseen since power-up or since its position was set), `wrong_lock_unseen` (sensorless, and the back-EMF constant or the resistance
-        that would show a stable wrong lock is 0)."""
+        """Conditions that are no faults, read from the drive (its parameter Diagnostics): `supply_low` (the
+        bus is below 18 V), `position_unknown` (the rotor may have turned unobserved since power-up or since
+        its position was set), `wrong_lock_unseen` (sensorless, and the back-EMF constant or the resistance
+        that would reveal a stable wrong lock is 0)."""
         word = int(self.parameters["Diagnostics"])
         return {name for name, bit in _core.diagnostic_bits() if word & bit}
 
     @property
     def fault(self) -> str | None:
-        """What the extended code of the last critical fault means; `None` without a fault."""
+        """Meaning of the extended code of the last critical fault; `None` without a fault."""
         critical = self._master.critical
         if not self.faults or critical is None:
             return None
@@ -228,22 +239,23 @@ class Drive:
 
     @property
     def status(self) -> dict[str, Any]:
-        """The fields of STATUS_WORD (section 8, Table 8) as they were last heard."""
+        """The fields of the last STATUS_WORD (section 8, Table 8)."""
         return self._master.status or {}
 
     @property
     def connected(self) -> bool:
-        """Whether the drive was heard lately."""
+        """True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that
+        is longer."""
         return self._master.connected
 
     @property
     def measurements(self) -> Measurements:
-        """What the drive measures, as it was last heard."""
+        """Last measurements of the drive."""
         return Measurements(self._master.measurements(), self._master.speed)
 
     @property
     def info(self) -> Info:
-        """BUILD_INFO and DEVICE_INFO, asked for now. Raises NoAnswerError."""
+        """BUILD_INFO and DEVICE_INFO, read now. Raises NoAnswerError."""
         self._request("build info")
         self._request("device info")
         build, device = self._master.build, self._master.device
@@ -268,36 +280,42 @@ class Drive:
         return Log(self._link)
 
     def description(self, progress: Callable[[int, int], None] | None = None) -> str:
-        """Downloads the drive's description of itself (XML). progress: called with words received and words in all."""
+        """Downloads the drive's description of itself (XML). progress: called with the number of words
+        received and the total."""
         from narx.download import download
 
         return download(self._link, "description", progress=progress).rstrip(b"\0").decode()
 
     def update(self, path: str | Path, progress: Callable[[str, int, int], None] | None = None) -> None:
-        """Programs the drive with an image (`cargo xtask sign`), waits for its restart and confirms that it runs.
+        """Programs the drive with an image (`cargo xtask sign`), waits for its restart and confirms that it
+        runs.
 
-        The drive must be in Standby, or in Fault at standstill, and takes no start until the end. progress(stage, done, total) is told
-        what it is about ("asking", "erasing", "sending", "verifying", "restarting") and how many of the image's bytes are done.
+        The drive must be in Standby, or in Fault at standstill, and refuses a start until the update ends.
+        progress(stage, done, total) is called with the present stage ("asking", "erasing", "sending",
+        "verifying", "restarting") and the number of the image's bytes that are done.
 
-        Whatever goes wrong, the drive runs what it ran before: unless the image is confirmed at the end, its bootloader takes it
-        back. Raises ImageError for a file that is no whole image, or not one for this drive: other hardware, too long, older than
-        what runs; RefusedError when the drive refuses it or its bootloader does not believe its signature; NoAnswerError when the
-        drive has no bootloader, or is not heard any more. A drive that does not hear its master for 60 s after its restart goes back.
+        After an error the drive runs its previous image: unless the new image is confirmed at the end, the
+        bootloader restores the previous one. Raises ImageError for a file that is no complete image, or not
+        one for this drive: for other hardware, too long, or older than the running image. Raises RefusedError
+        when the drive refuses it or its bootloader rejects the signature. Raises NoAnswerError when the drive
+        has no bootloader, or does not answer any more. A drive that receives nothing from its master for 60 s
+        after its restart restores the previous image.
         """
         try:
             update(self._link, Path(path).read_bytes(), progress)
         finally:
-            # What runs now may have other tables.
+            # The new image may have other tables.
             self._link.is_described = isinstance(self._link, BenchLink)
 
     def reboot(self, wait: bool = True) -> None:
-        """Restarts a stopped drive, which stores first what was written (parameter 307 "Automatic store"). With `wait`, returns once it is in Standby or
-        Fault again, or raises NoAnswerError after 5 s."""
+        """Restarts a stopped drive, which first stores written parameters (parameter 307 "Automatic
+        store"). With `wait`, returns once the drive is in Standby or Fault again, or raises NoAnswerError
+        after 5 s."""
         self._request("reboot")
         self._link.is_described = isinstance(self._link, BenchLink)
         if not wait:
             return
-        # Its self-tests take half a second.
+        # The drive stays in Initialization for half a second of self-tests.
         self._link.wait(lambda: self.state is State.INITIALIZATION, 0.2)
         ready = (State.STANDBY, State.FAULT)
         if not self._link.wait(lambda: self.state in ready, 5.0):
@@ -308,60 +326,63 @@ class Drive:
         ask(self._link, lambda: self._master.set_outputs(dsio1, dsio2))
 
     def set_hall_supply(self, on: bool) -> None:
-        """Switches the supply of the hall sensors off, or leaves it to parameter 97."""
+        """Switches the supply of the hall sensors off, or leaves it under control of parameter 97."""
         self._request("enable hall supply" if on else "disable hall supply")
 
     def set_position(self) -> None:
-        """The present mechanical position becomes that of parameter 16."""
+        """Sets the present mechanical position to the value of parameter 16."""
         self._request("set position")
 
     def calibrate_hall(self, run: bool = False) -> None:
-        """The next start turns the motor one electrical revolution each way to find order, polarity and offset of the sensors.
+        """Prepares a hall calibration: the next start turns the motor one electrical revolution each way to
+        find order, polarity and offset of the sensors.
 
-        With `run` that start is made now, and time runs until the motor stands again, some 5 s. The drive goes by what was found from then on
-        (parameters 79, 80, 262 and 263; `parameters.store_once` keeps it). Raises StartError if nothing was found.
+        With `run` that start is made now, and time runs until the motor is at rest again, some 5 s. The drive
+        uses the result from then on (parameters 79, 80, 262 and 263; `parameters.store_once` stores it).
+        Raises StartError if nothing was found.
         """
         if run:
             self._link.wait(lambda: self.state not in (None, State.INITIALIZATION), CALIBRATION_BEGIN)
         self._request("calibrate hall")
         if not run:
             return
-        # It turns at a speed of its own.
+        # Any set-point will do: the calibration turns the motor at its own speed.
         self._link.start(1.0)
         turns = (State.ROTOR_LOCK, State.OPEN_LOOP)
         if self._link.wait(lambda: self.state in (*turns, State.FAULT), CALIBRATION_BEGIN):
-            # On a bus the exact state is unknown between a status word and the answer about it.
+            # On a bus the exact state is unknown between a status word and the drive's answer about it.
             self._link.wait(lambda: self.state not in (None, *turns), CALIBRATION_MAX)
         state, why = self.state, f": {self.fault}" if self.fault else ""
         found = self._read(CALIBRATION_STATE) == CALIBRATION_DONE and state is State.STANDBY
         self._link.stop()
-        # The next start wants the drive to have heard that.
+        # Waits until the drive has received Standby, which the next start requires.
         self._link.wait(lambda: False, 2 * self._master.setpoint_period)
         if not found:
             self.parameters[CALIBRATION_REQUEST] = 0
             raise StartError(f"the hall calibration found nothing: the drive is in {name_of(state)}{why}")
 
     def auto_calibrate(self) -> None:
-        """With the bridge off: the bus current reads 0 and the bus voltage reads parameter 266."""
+        """Calibrates current and voltage with the bridge off: the bus current then reads 0 and the bus
+        voltage reads parameter 266."""
         self._request("auto-calibrate")
 
     def wait(self, seconds: float) -> None:
-        """Lets time pass: simulated on a bench, else that of the clock."""
+        """Lets time pass, s: simulated time on a bench, else real time."""
         self._link.wait(lambda: False, seconds)
 
     def wait_for(self, done: Callable[[], bool], timeout: float = 10.0) -> bool:
-        """Lets time pass until `done`, at most `timeout` s: whether it was done."""
+        """Lets time pass until `done`, at most `timeout` s; returns whether it was done."""
         return self._link.wait(done, timeout)
 
     def close(self, stop: bool = True) -> None:
-        """Stops the motor, unless `stop` is false, and lets go of the bus; the second time nothing happens."""
+        """Stops the motor, unless `stop` is false, and releases the bus. A second call does nothing."""
         if self._closed:
             return
         self._closed = True
         try:
             if stop and not self._master.silent:
                 self._link.stop()
-                # Two requests are on the bus then.
+                # Time for two set-points with Standby.
                 self._link.wait(lambda: False, 2 * self._master.setpoint_period)
         finally:
             self._link.close()
@@ -388,19 +409,19 @@ class Drive:
 
 
 class Start:
-    """A start that is waited for."""
+    """A start under way."""
 
     def __init__(self, link: Link, read: Callable[[str], int], reverse: bool) -> None:
         self._link = link
         self._read = read
         self._reverse = reverse
         self._asked: float | None = None
-        # In which of them the start ends is the modes' business.
+        # Cached answer of `ends_in_closed_loop`; `None` before it was read.
         self._closed_loop: bool | None = None
         self._refusal = 0
 
     def done(self) -> bool:
-        """Whether it is over, one way or the other."""
+        """Returns whether the start is over, successful or not."""
         state = self._link.master.state
         if state is State.FAULT:
             return True
@@ -421,7 +442,8 @@ class Start:
         return False
 
     def is_refused(self) -> bool:
-        """Whether the drive says so, which a request for Standby makes it forget. One whose time passes slowly may be in Standby for long."""
+        """Reads whether the drive has refused the start. A request for Standby clears the refusal. The drive
+        is asked again and again, because a slowly simulated one may be in Standby for long."""
         if self._asked is None or self._link.now < self._asked + 4 * ANSWER:
             return False
         self._asked = self._link.now
@@ -434,10 +456,10 @@ class Start:
         return self._closed_loop
 
     def judge(self, drive: Drive) -> None:
-        """Raises for a start that has failed."""
+        """Raises StartError for a start that has failed."""
         names = ", ".join(sorted(drive.faults))
         if self._link.master.state is State.FAULT:
-            # The code may come later than the state.
+            # The extended code may arrive after the state.
             code = self._read(EXTENDED_FAULT_CODE)
             self._link.wait(lambda: drive.fault is not None, ANSWER)
             raise StartError(f"the drive is in Fault: {drive.fault or f'code {code:#06x}'} ({names})")
@@ -465,9 +487,10 @@ def connect(
 ) -> Drive:
     """Opens a bus of python-can and waits until the drive is heard and has done its self-tests.
 
-    interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan" with a serial port or
-    "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists what is there. Raises NoAnswerError when nothing is
-    heard of the drive within `timeout` s; a silent master hears it only while another one talks to it.
+    interface, channel, bitrate and further options are those of `can.Bus`: "socketcan" with "can0", "slcan"
+    with a serial port or "socket://host:port", "kvaser" with 0, "nican", ... `narx.devices()` lists the
+    available ones. Raises NoAnswerError when nothing is heard of the drive within `timeout` s. A silent
+    master hears the drive only while another master commands it.
     """
     import can
 
@@ -478,7 +501,7 @@ def connect(
         bus.shutdown()
         raise
     drive._own_bus = bus
-    # The status word does not tell some states from each other: the master asks for them.
+    # Some states have the same status word; the master reads the exact state.
     if not drive._link.wait(lambda: is_there(drive, silent), timeout):
         drive.close()
         raise NoAnswerError(
@@ -494,14 +517,14 @@ def connect(
 
 
 def is_there(drive: Drive, silent: bool) -> bool:
-    """Whether a drive can be asked and told things."""
+    """Returns whether the drive answers and takes commands; with a silent master, whether it was heard."""
     if drive._master.last_heard is None:
         return False
     return silent or drive.state not in (None, State.INITIALIZATION)
 
 
 def let_go(bus: can.BusABC) -> None:
-    """Shuts a bus down. One that does not work any more cannot be told, and whoever waited for it has heard so."""
+    """Shuts a bus down. Errors of a broken bus are ignored: a waiting call has raised them already."""
     import can
 
     with suppress(can.CanError):
@@ -509,12 +532,13 @@ def let_go(bus: can.BusABC) -> None:
 
 
 def devices(*interfaces: str) -> list[dict[str, Any]]:
-    """What can be opened: keyword arguments of `connect`, as python-can finds them; all interfaces, or the ones named."""
+    """Returns the adapters that can be opened: keyword arguments of `connect`, as python-can finds them, for
+    all interfaces or the named ones."""
     import can
 
     return [dict(found) for found in can.detect_available_configs(list(interfaces) or None)]
 
 
 def name_of(state: State | None) -> str:
-    """A state in words."""
+    """Returns a state in words."""
     return "an unknown state" if state is None else state.name.replace("_", " ").capitalize()

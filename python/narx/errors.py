@@ -1,4 +1,4 @@
-"""What can go wrong. Every message names what it is about, its value and what is allowed."""
+"""Errors of narx. Every message names its subject, the value and the allowed range."""
 
 
 class NarxError(Exception):
@@ -6,17 +6,18 @@ class NarxError(Exception):
 
 
 class ParameterError(NarxError, ValueError):
-    """An argument or a parameter of the drive that cannot have its value, cannot be written, or does not exist."""
+    """An argument or a parameter of the drive has a value out of range, cannot be written, or does not
+    exist."""
 
 
 class SignalError(NarxError, KeyError):
-    """There is no such signal or measurement."""
+    """A signal or measurement does not exist."""
 
-    __str__ = Exception.__str__  # A KeyError would show the message in quotes.
+    __str__ = Exception.__str__  # KeyError would put the message in quotes.
 
 
 class RecordingError(NarxError, ValueError):
-    """Bytes that are not a recording, are damaged, or were recorded by another version."""
+    """The bytes are not a recording, are damaged, or were recorded by another version."""
 
 
 class StartError(NarxError, RuntimeError):
@@ -24,24 +25,25 @@ class StartError(NarxError, RuntimeError):
 
 
 class RefusedError(NarxError, RuntimeError):
-    """The drive, or this master, does not do what it is asked for in its present state."""
+    """The drive, or this master, refuses a request in its present state."""
 
 
 class AbortError(RefusedError):
-    """A TX-Driver does not read or write an entry (SDO abort, Table 10 of the eddyCAN specification)."""
+    """A TX-Driver refuses to read or write an entry (SDO abort, Table 10 of the eddyCAN specification)."""
 
     def __init__(self, message: str, code: int = 0) -> None:
         super().__init__(message)
         self.code = code
-        """The abort code."""
+        """Abort code."""
 
 
 class ImageError(NarxError, ValueError):
-    """A file that is no image, or not one for this drive: damaged, for other hardware, too long, or older than what runs."""
+    """The file is no image, or not one for this drive: damaged, for other hardware, too long, or older than
+    the running image."""
 
 
 class NoAnswerError(NarxError, TimeoutError):
-    """The drive does not answer: it is off, elsewhere, or has other addresses or another bit rate."""
+    """The drive does not answer: it is off, not on this bus, or has other addresses or another bit rate."""
 
 
 class BusError(NarxError, OSError):
@@ -49,12 +51,12 @@ class BusError(NarxError, OSError):
 
 
 class NarxWarning(UserWarning):
-    """Something is done in another way than it was asked for, or cannot be known."""
+    """A request is carried out in another way than requested, or its result cannot be known."""
 
 
 class SpeedWarning(NarxWarning):
-    """The drive uses another set-point than the one that was asked for."""
+    """The drive uses another set-point than the requested one."""
 
 
 class DescriptionWarning(NarxWarning):
-    """The drive's own description cannot be read, so that the tables of this package have to serve."""
+    """The drive's own description cannot be read; the tables of this package are used instead."""

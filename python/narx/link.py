@@ -1,4 +1,4 @@
-"""How the time of a drive passes while somebody waits: on a bench by simulating, on a bus by the clock."""
+"""Links: a master and the passing of time during a call that waits, simulated on a bench, real on a bus."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from narx.description import Description
 
 POLL = 0.001
-"""On a bench, simulated time between two looks at what is waited for, s."""
+"""Simulated time between two checks of the awaited condition on a bench, s."""
 
 
 class Link(ABC):
@@ -26,11 +26,11 @@ class Link(ABC):
     def __init__(self, master: _core.Master) -> None:
         self.master = master
         self.description: Description | None = None
-        """What the drive says of itself; `None` where that is not known, or known to be what this package says of its own drive."""
+        """Description of the drive; `None` while unknown, or if it is the one of this package."""
         self.is_described = False
-        """Whether the drive was asked for that."""
+        """True once the drive was asked for its description."""
         self.downloads = False
-        """Words of a download are expected."""
+        """True while words of a download are expected."""
         self._chunks: list[tuple[int, bytes]] = []
 
     @property
@@ -40,35 +40,35 @@ class Link(ABC):
 
     @abstractmethod
     def wait(self, done: Callable[[], bool], timeout: float) -> bool:
-        """Lets time pass until `done`, at most `timeout` s: whether it was done."""
+        """Lets time pass until `done`, at most `timeout` s; returns whether it was done."""
 
     def start(self, rpm: float) -> None:
-        """Asks for a speed as soon as the drive takes a start."""
+        """Requests a start at a speed, as soon as the drive accepts a start."""
         self.master.start(rpm)
 
     @property
     def start_pending(self) -> bool:
-        """Whether a start was asked for of which the drive does not yet know."""
+        """True while a requested start was not sent to the drive yet."""
         return self.master.start_pending
 
     def stop(self) -> None:
-        """Asks for Standby."""
+        """Requests Standby."""
         self.master.stop()
 
     def take_chunks(self) -> list[tuple[int, bytes]]:
-        """Words of the download that have come: their place, and their bytes."""
+        """Returns the words of the download that have arrived: their place, and their bytes."""
         chunks, self._chunks = self._chunks + self.master.poll_chunks(), []
         return chunks
 
     def wake(self) -> None:
-        """Something new is to be sent."""
+        """Makes the link send new frames now; called after a command or request."""
 
     def close(self) -> None:
-        """Lets go of the bus."""
+        """Releases the bus."""
 
 
 class FreeLink(Link):
-    """A master that is on no bench: a start waits in the link until the drive takes it."""
+    """A master without a bench: a start waits in the link until the drive accepts it."""
 
     def __init__(self, master: _core.Master) -> None:
         super().__init__(master)
@@ -89,12 +89,12 @@ class FreeLink(Link):
 
 
 class BenchLink(Link):
-    """The bus of a bench: whoever waits simulates."""
+    """The bus of a bench: a call that waits runs the simulation."""
 
     def __init__(self, bench: _core.Bench) -> None:
         super().__init__(bench.master)
         self._bench = bench
-        # Its drive is this package's own.
+        # The drive of a bench has the tables of this package.
         self.is_described = True
 
     @property
@@ -111,12 +111,12 @@ class BenchLink(Link):
 
 
 class BusLink(FreeLink):
-    """A bus of python-can. Frames come by a notifier's thread and go by one of its own, so that set-points do not stop when
-    nobody waits."""
+    """A bus of python-can. A notifier's thread receives frames, and the link's own thread sends them, so that
+    set-points continue when no call waits."""
 
     def __init__(self, bus: can.BusABC, master: _core.Master) -> None:
         super().__init__(master)
-        # python-can is an extra.
+        # Imported here, because python-can is an optional dependency.
         import can
 
         from narx._listener import Listener
@@ -146,7 +146,7 @@ class BusLink(FreeLink):
                 left = end - self.now
                 if left <= 0.0:
                     return False
-                # Time-outs of the master end a wait without a frame.
+                # Woken now and then, because a time-out of the master ends a wait without a frame.
                 self._changed.wait(min(left, 0.05))
         return True
 
@@ -177,12 +177,13 @@ class BusLink(FreeLink):
         with self._changed:
             handle(self.master, message, self.now)
             if self.downloads:
-                # The master has room for a few, and whoever waits for them may come late: what is dropped is sent once more.
+                # The master buffers only a few chunks and requests dropped ones again; a late call would lose
+                # some.
                 self._chunks += self.master.poll_chunks()
             self._changed.notify_all()
 
     def _fail(self, error: Exception) -> None:
-        """Whatever the adapter raises is for who waits next."""
+        """Keeps an error of the adapter; the next call that waits raises it."""
         with self._changed:
             self._error = self._error or error
             self._changed.notify_all()
@@ -201,7 +202,8 @@ class BusLink(FreeLink):
 
 
 class SteppedLink(FreeLink):
-    """A bus whose time passes when it is read (`can.Bus(interface="narx", realtime=False)`): whoever waits reads it."""
+    """A bus whose time passes when it is read (`can.Bus(interface="narx", realtime=False)`): a call that
+    waits reads it."""
 
     def __init__(self, bus: Any, master: _core.Master) -> None:
         super().__init__(master)
@@ -227,7 +229,8 @@ class SteppedLink(FreeLink):
 
 
 class Starter:
-    """A start that waits until the drive takes it: it must have been asked for Standby since it last stopped or booted."""
+    """A start that waits until the drive accepts it: it must have received Standby since it last stopped or
+    booted."""
 
     def __init__(self, master: _core.Master) -> None:
         self._master = master
@@ -260,13 +263,13 @@ class Starter:
 
 
 def handle(master: _core.Master, message: can.Message, now: float) -> None:
-    """Gives a frame to the master."""
+    """Passes a frame to the master."""
     data = bytes(message.dlc) if message.is_remote_frame else bytes(message.data)
     master.handle_frame(now, message.arbitration_id, message.is_extended_id, message.is_remote_frame, data)
 
 
 def send_due(master: _core.Master, bus: can.BusABC, now: float) -> None:
-    """Sends what is due."""
+    """Sends the frames that are due."""
     import can
 
     while (frame := master.poll_frame(now)) is not None:
@@ -280,7 +283,7 @@ def send_due(master: _core.Master, bus: can.BusABC, now: float) -> None:
 
 
 def ask(link: Link, begin: Callable[[], None], timeout: float = 5.0) -> int:
-    """Makes a request and waits for its answer."""
+    """Makes a request and waits for its answer, at most `timeout` s."""
     answer: list[int] = []
 
     def done() -> bool:

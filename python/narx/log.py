@@ -24,22 +24,23 @@ SIGNAL_FIRST = 0x2000
 
 
 class Names:
-    """What a slot can name, by a drive's tables."""
+    """Parameters and measurements that a slot can name, from a drive's tables."""
 
     def __init__(self, description: Description) -> None:
-        # Number there, unit, and what the raw value is worth.
+        # Number in a slot, unit, and value of a raw 1.
         self.what: dict[str, tuple[int, str, float]] = {
             name: (SIGNAL_FIRST + 4 * opcode + word, unit, scale)
             for name, opcode, word, unit, scale in description.core.measurement_signals()
         }
         rows = description.rows.values()
-        # A signal that is a parameter, too, is the same value under another number.
+        # A measurement that is also a parameter of the same name has two numbers for the same value; slots
+        # use that of the measurement.
         self.what |= {row.name: (row.number, row.unit, row.scale) for row in rows if row.name not in self.what}
         self.names = {number: name for name, (number, _, _) in self.what.items()} | {row.number: row.name for row in rows}
         self._folded = {name.casefold(): name for name in self.what}
 
     def number(self, name: str) -> int:
-        """What a slot names it by; case does not matter."""
+        """Returns the number of a name in a slot; case does not matter."""
         try:
             return self.what[self._folded[name.casefold()]][0]
         except KeyError:
@@ -61,7 +62,7 @@ class Log:
         return names_of(describe(self._link))
 
     def __len__(self) -> int:
-        """Records in the memory."""
+        """Number of records in the memory."""
         return int(self._parameters[WRITE_INDEX])
 
     def __bool__(self) -> bool:
@@ -69,23 +70,23 @@ class Log:
 
     @property
     def capacity(self) -> int:
-        """Records that the memory holds; 0 without one."""
+        """Number of records that the memory can hold; 0 without a memory."""
         return int(self._parameters[INDEX_MAX])
 
     @property
     def full(self) -> bool:
-        """Whether the memory is full: nothing is written then until it is erased."""
+        """True if the memory is full: nothing more is written until it is erased."""
         return bool(self._parameters[FULL])
 
     @property
     def state(self) -> str:
-        """The logging state (Table 8) as it was last heard."""
+        """Logging state (Table 8) of the last STATUS_WORD."""
         status = self._link.master.status or {}
         return str(status.get("Logging state", "unknown"))
 
     @property
     def slots(self) -> dict[str, str]:
-        """What is logged: name -> live value, or smallest, largest or mean since the record before."""
+        """Logged values: name -> "live", or "min", "max" or "mean" since the previous record."""
         kinds = {number: kind for kind, number in KEEP.items()}
         values = [int(self._parameters[number]) for number in range(SLOT_FIRST, SLOT_LAST + 1)]
         names = self._names.names
@@ -96,11 +97,12 @@ class Log:
         }
 
     def configure(self, values: Iterable[str] | Mapping[str, str], period: float) -> None:
-        """Chooses what is logged, and every how many seconds.
+        """Selects the logged values and the period of the records.
 
-        values: up to 37 names of parameters or measurements; a mapping says which value of each is kept: "live", "min", "max" or
-        "mean" since the record before. period: 0.001 to 3600 s. Records begin once the drive has this; `parameters.store` keeps it.
-        Raises ParameterError for a name or a period that cannot be.
+        values: up to 37 names of parameters or measurements; a mapping selects which value of each is kept:
+        "live", "min", "max" or "mean" since the previous record. period: 0.001 to 3600 s. Records begin once
+        the drive has these settings; `parameters.store` stores them. Raises ParameterError for an unknown
+        name, too many names or a period out of range.
         """
         chosen = dict(values) if isinstance(values, Mapping) else dict.fromkeys(values, "live")
         slots = [self._names.number(name) | kind_of(kind) << 16 for name, kind in chosen.items()]
@@ -117,10 +119,12 @@ class Log:
         count: int | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Trace:
-        """Records from index `first` on, to the last one or `count` of them: `index`, `time` in s since power-up, and the values.
+        """Downloads the records from index `first` on, to the last one or `count` of them: `index`, `time` in
+        s since power-up, and the values.
 
-        A value that a record does not have is NaN; a record that the drive cannot read any more is left out. progress: called with words
-        received and words in all. Raises ParameterError for records that the log does not have.
+        A value that a record does not have is NaN; a record that the drive cannot read any more is left out.
+        progress: called with the number of words received and the total. Raises ParameterError for records
+        that the log does not have.
         """
         last = len(self)
         count = max(last - first, 0) if count is None else count
@@ -133,8 +137,8 @@ class Log:
         return table([record for record in _core.log_records(data, size) if record is not None], self._names)
 
     def erase(self, wait: bool = True) -> None:
-        """Erases every record; refused while driving. With `wait`, until that is done: minutes for a full memory; NoAnswerError if the drive is lost
-        meanwhile."""
+        """Erases every record; refused while driving. With `wait`, returns when that is done, which takes
+        minutes for a full memory; raises NoAnswerError if the drive is lost meanwhile."""
         ask(self._link, lambda: self._link.master.request("erase log"))
         if not wait:
             return
@@ -148,7 +152,7 @@ class Log:
 
 
 def table(records: list[tuple[int, float, list[tuple[int, int]]]], known: Names) -> Trace:
-    """Records as columns."""
+    """Converts records to columns."""
     columns: dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]] = {
         "index": np.array([index for index, _, _ in records], float),
         "time": np.array([time for _, time, _ in records], float),
@@ -169,7 +173,7 @@ def table(records: list[tuple[int, float, list[tuple[int, int]]]], known: Names)
 
 
 def kind_of(kind: str) -> int:
-    """The number of what is kept."""
+    """Returns the number of a kind of kept value."""
     if kind not in KEEP:
         raise ParameterError(f'kept value "{kind}": must be one of {", ".join(KEEP)}')
     return KEEP[kind]

@@ -1,4 +1,4 @@
-"""Reading log files: candump text by our own reader, every other format by those of python-can."""
+"""Readers of log files: narx's own for candump text, those of python-can for all other formats."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     import can
 
 BATCH = 10_000
-"""Frames that are handed on at a time."""
+"""Number of frames that are passed on at a time."""
 CHUNK = 1 << 16
-"""Bytes that are unpacked at a time: what stands before damage is kept."""
+"""Number of packed bytes that are unpacked at a time: everything before a damaged place is kept."""
 GZIP = zlib.MAX_WBITS | 16
 TOLD = 200
-"""Of a line that is no frame so many characters are told."""
+"""Number of characters of a line that an error shows."""
 
 ASC_FRAME = re.compile(r"\s*\d+\.\d+\s+(?:\d+\s+[0-9a-f]+x?(?:\s+(?!J1939)|$)|CANFD\b)", re.I)
 ASC_OTHER = re.compile(r"\s*(?:$|//|date\b|base\b|(?:no\s+)?internal\s+events|begin\b|end\b|\d+\.\d+\s)", re.I)
@@ -39,12 +39,13 @@ def read_log(
     monitor: int | None = 85,
     encoders: Iterable[int] = (),
 ) -> CanLog:
-    """Reads and decodes a log of a CAN bus. Its format is told by its ending, as `can.LogReader` has them: `.log` (candump), `.asc`,
-    `.blf`, `.csv`, `.trc`, `.db`, `.mf4`; all but the last two also with `.gz` behind it.
+    """Reads and decodes a log of a CAN bus. The suffix of the file determines its format, as in
+    `can.LogReader`: `.log` (candump), `.asc`, `.blf`, `.csv`, `.trc`, `.db`, `.mf4`; all but the last two
+    also with `.gz` behind it.
 
-    slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers with two channels whose PDOs
-    have the encoder's value in them. What is no frame is skipped and told in `errors`, a truncated file, too. Formats beside candump
-    need python-can.
+    slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers
+    with two channels whose PDOs contain the encoder's value. Parts that are no frame are skipped and listed
+    in `errors`, as is the end of a truncated file. Formats other than candump need python-can.
     """
     path = Path(path)
     nodes = list(encoders)
@@ -62,7 +63,7 @@ def read_log(
 
 
 def contents(path: Path, errors: list[LogError]) -> bytes:
-    """The bytes of a file, unpacked as far as that goes."""
+    """Returns the bytes of a file, unpacked up to the first damage."""
     data = path.read_bytes()
     if path.suffix.lower() != ".gz":
         return data
@@ -71,7 +72,7 @@ def contents(path: Path, errors: list[LogError]) -> bytes:
     try:
         for at in range(0, len(data), CHUNK):
             packed = data[at : at + CHUNK]
-            # Several may stand one behind the other, and zeros between them.
+            # A .gz file may hold several members, with zeros between them.
             while packed := packed if begun else packed.lstrip(b"\0"):
                 unpacked.append(member.decompress(packed))
                 packed, begun = member.unused_data, not member.eof
@@ -90,7 +91,7 @@ Found = tuple["can.Message", int | None, str]
 
 
 def frames(path: Path, ending: str, errors: list[LogError]) -> Iterator[Found]:
-    """Messages of a file in a format that python-can reads."""
+    """Yields the messages of a file in a format that python-can reads."""
     from can import io as formats
 
     texts: dict[str, tuple[Callable[..., Iterable[can.Message]], Callable[[str], bool]]] = {
@@ -108,7 +109,8 @@ def frames(path: Path, ending: str, errors: list[LogError]) -> Iterator[Found]:
 
 
 class Lines:
-    """Lines for a reader of python-can, one of which makes at most one message: what it skips and what it stumbles over is known."""
+    """Lines for a reader of python-can that makes at most one message of a line. It records the lines that
+    the reader skips or fails on."""
 
     def __init__(self, text: Iterable[str], expected: Callable[[str], bool], errors: list[LogError]) -> None:
         self._text = iter(text)
@@ -116,7 +118,7 @@ class Lines:
         self._errors = errors
         self._blank = False
         self.settled = True
-        """It is known what became of the last line."""
+        """True once the outcome of the last line is known."""
         self.number = 0
         self.line = ""
 
@@ -134,21 +136,23 @@ class Lines:
         return self.line
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Does nothing: there is no open file."""
 
     def insert_blank(self) -> None:
-        """A blank line comes next: readers take the first line that they are given for a header, or the end of one."""
+        """Inserts a blank line next: a reader takes the first line after its start for a header, or for the
+        end of one."""
         self._blank = True
 
     def settle(self, reason: str | None = None) -> None:
-        """The line was read. Without a reason it was skipped, which is right for what is not expected to be a frame."""
+        """Settles the last line, which made no message. Without a reason the reader skipped it; that is an
+        error only if a frame was expected."""
         if not self.settled and (reason or self._expected(self.line)):
             told = reason or "python-can makes no frame of it"
             self._errors.append(LogError(self.number, self.line.strip()[:TOLD], told))
         self.settled = True
 
     def take(self) -> None:
-        """The line was a frame."""
+        """Settles the last line as a frame."""
         self.settled = True
 
 
@@ -158,11 +162,11 @@ def text_frames(
     expected: Callable[[str], bool],
     errors: list[LogError],
 ) -> Iterator[Found]:
-    """Messages of a text; a reader that stumbles is set on its feet behind the line."""
+    """Yields the messages of a text. After an error of its reader it goes on with the next line."""
     text = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", errors="replace")
     lines = Lines(text, expected, errors)
     if re.match(rb"\s*\d+\.\d+[\s,]", data):
-        # No header: the first line is a frame.
+        # Without a header the first line is a frame.
         lines.insert_blank()
     reader = read(lines)
     while True:
@@ -181,7 +185,7 @@ def text_frames(
 
 
 def blf_frames(data: bytes, errors: list[LogError]) -> Iterator[Found]:
-    """Messages of a binary log as far as it goes."""
+    """Yields the messages of a binary log, up to its first damage."""
     from can import io as formats
     from can.io.blf import BLFParseError
 
@@ -199,12 +203,12 @@ def blf_frames(data: bytes, errors: list[LogError]) -> Iterator[Found]:
     elif reason:
         errors.append(LogError(None, "", f"damaged: {reason}" if reader else f"not such a log: {reason}"))
     elif getattr(reader, "_tail", b"").strip(b"\0"):
-        # What its reader could not make an object of, and says nothing about.
+        # The reader ignores an incomplete last object without an error.
         errors.append(LogError(None, "", "damaged: the last object is not complete"))
 
 
 def other_frames(path: Path, errors: list[LogError]) -> Iterator[Found]:
-    """Messages of any other format that python-can knows."""
+    """Yields the messages of any other format that python-can reads."""
     import can
 
     path.stat()
@@ -225,7 +229,7 @@ Given = tuple[float, str, int, int, int, bytes]
 
 
 def batches(found: Iterator[Found], errors: list[LogError]) -> Iterator[list[Given]]:
-    """Frames for the reader; what cannot be one is an error."""
+    """Groups frames for the core's reader; messages that cannot be frames become errors."""
     batch: list[Given] = []
     for message, line, text in found:
         reason = flaw(message)
@@ -240,7 +244,7 @@ def batches(found: Iterator[Found], errors: list[LogError]) -> Iterator[list[Giv
 
 
 def flaw(message: Any) -> str | None:
-    """Why there is no such frame on any bus."""
+    """Returns the reason why a message is not a possible CAN frame; `None` if it is."""
     if message.is_error_frame:
         return None
     bits = 29 if message.is_extended_id else 11
@@ -255,7 +259,7 @@ def flaw(message: Any) -> str | None:
 
 
 def given(message: can.Message) -> Given:
-    """A message as our reader takes it."""
+    """Converts a message for the core's reader."""
     flags = (
         FLAGS["extended"] * message.is_extended_id
         | FLAGS["remote"] * message.is_remote_frame

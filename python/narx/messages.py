@@ -1,4 +1,5 @@
-"""Messages as they stand in frames: of the drive's protocol (PROTOCOL.md, sections 1 to 6), and of TX-Drivers (section 10)."""
+"""Decoded messages: of the drive's protocol (PROTOCOL.md, sections 1 to 6), and of TX-Drivers
+(section 10)."""
 
 from __future__ import annotations
 
@@ -18,16 +19,16 @@ class Message:
     """A decoded message of the drive or its master."""
 
     name: str
-    """As the specification's Figure 14 prints it."""
+    """Name in the specification's Figure 14."""
     opcode: int
     from_drive: bool
-    """Sent by a drive, else by its master."""
+    """True if a drive sends it, false if its master does."""
     source: int
     destination: int
     values: Mapping[str, Any]
-    """By field: numbers in their units, names of what has names, sets of fault names."""
+    """Values by field: numbers in their units, names of named values, sets of fault names."""
     units: Mapping[str, str]
-    """By field; "" for plain numbers."""
+    """Units by field; "" for plain numbers."""
 
     def __getitem__(self, field: str) -> Any:
         return self.values[field]
@@ -38,17 +39,18 @@ class NodeMessage:
     """A decoded message of a TX-Driver or its master (eddyCAN)."""
 
     name: str
-    """As the specification's Table 3 prints it: "PDO1", "SDO answer", "Heartbeat", ..."""
+    """Name in the specification's Table 3: "PDO1", "SDO answer", "Heartbeat", ..."""
     from_node: bool
-    """Sent by a node, else by its master."""
+    """True if a node sends it, false if its master does."""
     values: Mapping[str, Any]
-    """By signal: numbers in their units, names of what has names. What a PDO does not carry is not there."""
+    """Values by signal: numbers in their units, names of named values. Signals that a PDO does not carry are
+    absent."""
     units: Mapping[str, str]
-    """By signal; "" for plain numbers."""
+    """Units by signal; "" for plain numbers."""
 
     @property
     def node(self) -> int | None:
-        """The node-id of whoever sends or is meant: 0 for all of them, `None` where none is."""
+        """Node-id of the sender or of the addressed node: 0 for all nodes, `None` if the message has none."""
         return self.values.get("Node")
 
     def __getitem__(self, signal: str) -> Any:
@@ -67,11 +69,13 @@ def decode(
     extended: bool | None = None,
     encoder: bool = False,
 ) -> Message | NodeMessage | None:
-    """The message in a frame of python-can, or in an identifier and its data; `None` if neither protocol has such a frame.
+    """Decodes a frame of python-can, or an identifier and its data; `None` if neither protocol has such a
+    frame.
 
-    29-bit identifiers are the drive's (NarMotion-X), those of 11 bits TX-Drivers' (eddyCAN). extended: whether an identifier has 29
-    bits; else those up to 7FFh have 11. encoder: a PDO of 8 bytes has the encoder's value in it beside two positions of 24 bits; no
-    frame tells that. Raises ParameterError for an identifier without data.
+    29-bit identifiers are the drive's (NarMotion-X), 11-bit ones those of TX-Drivers (eddyCAN). extended:
+    whether an identifier has 29 bits; by default those up to 7FFh have 11. encoder: a PDO of 8 bytes contains
+    the encoder's value and two positions of 24 bits; the frame itself does not show this. Raises
+    ParameterError for an identifier without data.
     """
     if isinstance(message, int):
         if data is None:
@@ -84,7 +88,7 @@ def decode(
 
 
 def decode_parts(number: int, extended: bool, remote: bool, data: bytes, encoder: bool) -> Message | NodeMessage | None:
-    """The message in a frame of these parts; a remote frame has as many bytes as it asks for."""
+    """Decodes a frame given by its parts; a remote frame has as many bytes as it requests."""
     if extended:
         decoded = _core.decode(number, True, remote, data)
         return None if decoded is None else Message(*decoded)

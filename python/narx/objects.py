@@ -11,21 +11,22 @@ from narx.errors import ParameterError
 from narx.names import suggestion
 
 Key = str | int | tuple[int, int]
-"""An object's name, its index, or index and subindex."""
+"""Key of an object: its name, its index, or index and subindex."""
 
 
 @dataclass(frozen=True)
 class Object:
-    """Everything there is to know of one entry but its value."""
+    """Properties of one entry, without its value."""
 
     index: int
     subindex: int
-    """Channel of an entry that each channel has; else 0."""
+    """Channel of an entry that exists for each channel; else 0."""
     name: str
     unit: str
-    """Of the values: "ms", "nm"; "" for numbers, and for comparators, which are fractions of the measuring range."""
+    """Unit of the values: "ms", "nm"; "" for numbers, and for comparators, which are fractions of the
+    measuring range."""
     scale: float
-    """Step of the value: what a raw 1 is."""
+    """Step of the value: the value of a raw 1."""
     min: float
     max: float
     factory: float
@@ -33,11 +34,12 @@ class Object:
     access: str
     """"RW", "R" or "W"."""
     acts: str
-    """When a written value acts."""
+    """Time at which a written value takes effect."""
     description: str
 
     def raw(self, value: float) -> int:
-        """The raw value that is nearest to `value` in the entry's unit. Raises ParameterError outside of the range."""
+        """Returns the raw value that is nearest to `value` in the entry's unit. Raises ParameterError outside
+        of the range."""
         unit = f" {self.unit}" if self.unit else ""
         try:
             fits = self.min <= value <= self.max
@@ -51,15 +53,16 @@ class Object:
 
 
 class Objects(MutableMapping[Key, float]):
-    """Entries of a node by name (case does not matter), index, or (index, subindex), in their units. Reading asks the node, writing waits for its answer;
-    the node keeps what is written over a restart by itself.
+    """Entries of a node by name (case does not matter), index, or (index, subindex), in their units. Reading
+    sends a request to the node, writing waits for its answer. The node itself stores written values, which
+    survive a restart.
 
-    Raises ParameterError for one that does not exist or cannot have the value, AbortError when the node refuses (a node that is Operational refuses
-    everything), NoAnswerError.
+    Raises ParameterError for an entry that does not exist or a value out of range, AbortError when the node
+    refuses (a node that is Operational refuses every access), NoAnswerError.
     """
 
     rows: ClassVar[tuple[Object, ...]] = tuple(Object(**row) for row in _core.tx_objects())
-    """What each is, in the order of the table."""
+    """Properties of every entry, in the order of the table."""
 
     def __init__(self, ask: Callable[[Object, int | None], int]) -> None:
         self._ask = ask
@@ -91,7 +94,7 @@ class Objects(MutableMapping[Key, float]):
 
     @classmethod
     def row(cls, key: Key) -> Object:
-        """What an entry is."""
+        """Returns the properties of an entry."""
         folded = key.casefold() if isinstance(key, str) else key
         for row in cls.rows:
             if folded in (row.name.casefold(), row.index, (row.index, row.subindex)):
@@ -102,12 +105,13 @@ class Objects(MutableMapping[Key, float]):
         raise ParameterError(f"there is no object {address}")
 
     def to_dict(self) -> dict[str, float]:
-        """Every entry that can be read and written, by name: what `load` takes."""
+        """Returns every entry that can be read and written, by name, for `load`."""
         return {row.name: self[row.name] for row in self.rows if row.access == "RW"}
 
     def load(self, values: Mapping[str, float]) -> list[str]:
-        """Writes the values that differ from the node's: the names of those. Every one is checked before the first is written; the
-        node-id and the bit rate are left as they are (`set_node_id`, `set_bitrate`)."""
+        """Writes the values that differ from the node's; returns their names. All values are checked
+        before the first is written. The node-id and the bit rate are not written (use `set_node_id`,
+        `set_bitrate`)."""
         wanted = [(row, row.raw(value)) for row, value in ((self.row(key), value) for key, value in values.items())]
         configured = [pair for pair in wanted if pair[0].acts == "at once"]
         different = [(row, raw) for row, raw in configured if self._ask(row, None) != raw]

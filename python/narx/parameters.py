@@ -1,4 +1,4 @@
-"""The parameters of a drive (Tables 10 and 11 of the specification, and ours from number 256 on)."""
+"""The parameters of a drive: Tables 10 and 11 of the specification, and from number 256 on those of narx."""
 
 from __future__ import annotations
 
@@ -17,20 +17,23 @@ READ_ONLY = "read-only"
 
 
 class Rows:
-    """Of the class the rows of this package's own drive, of an object those of its drive."""
+    """Descriptor of `rows`: the class has the rows of this package, an object those of its drive."""
 
     def __get__(self, parameters: Parameters | None, owner: type[Parameters]) -> Mapping[int, Row]:
         return OWN.rows if parameters is None else parameters._description.rows
 
 
 class Parameters(MutableMapping[str | int, float]):
-    """Parameters by name (case does not matter) or number, in their units. Reading asks the drive, writing waits for its answer.
+    """Parameters by name (case does not matter) or number, in their units. Reading sends a request to the
+    drive, writing waits for its answer.
 
-    Raises ParameterError for one that does not exist or cannot have the value, RefusedError when the drive's state forbids it, NoAnswerError.
+    Raises ParameterError for a parameter that does not exist or a value out of range, RefusedError when the
+    drive's state forbids the access, NoAnswerError.
     """
 
     rows: Mapping[int, Row] = cast("Mapping[int, Row]", Rows())
-    """What each is, by number: as the drive describes itself. `narx.Parameters.rows` are those of this package's own drive."""
+    """Properties of every parameter, by number, from the drive's description. `narx.Parameters.rows` has
+    those of this package."""
 
     def __init__(self, link: Link) -> None:
         self._link = link
@@ -69,21 +72,22 @@ class Parameters(MutableMapping[str | int, float]):
         return True
 
     def row(self, key: str | int) -> Row:
-        """What a parameter is."""
+        """Returns the properties of a parameter."""
         return self.rows[self._table.number(key)]
 
     def find(self, text: str) -> list[Row]:
-        """Parameters whose name, category or description has the text; case does not matter."""
+        """Returns the parameters whose name, category or description contains the text; case does not
+        matter."""
         folded = text.casefold()
         return [row for row in self.rows.values() if folded in f"{row.name} {row.category} {row.description}".casefold()]
 
     def to_dict(self) -> dict[str, float]:
-        """Every parameter that can be written and is no command, by name: what `load` takes."""
+        """Returns every parameter that can be written and is no command, by name, for `load`."""
         return {row.name: self[row.number] for row in self.rows.values() if row.access != READ_ONLY and not row.command}
 
     def load(self, values: Mapping[str, float] | Mapping[int, float] | Mapping[str | int, float]) -> list[str]:
-        """Writes the values that differ from the drive's: the names of those. Every one is checked before the first is written; the
-        device number is left as it is (`store_once`)."""
+        """Writes the values that differ from the drive's; returns their names. All values are checked before
+        the first is written. The device number is not written (use `store_once`)."""
         table = self._table
         wanted = {table.number(key): value for key, value in values.items()}
         raw = {number: table.to_raw(number, value) for number, value in wanted.items()}
@@ -102,7 +106,7 @@ class Parameters(MutableMapping[str | int, float]):
         Path(path).write_text(json.dumps(self.to_dict(), indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
 
     def load_file(self, path: str | PathLike[str]) -> list[str]:
-        """Loads a file of `save`: the names of the parameters that have changed."""
+        """Loads a file of `save`; returns the names of the parameters that have changed."""
         import json
 
         try:
@@ -114,17 +118,19 @@ class Parameters(MutableMapping[str | int, float]):
         return self.load(values)
 
     def diff(self, values: Mapping[str, float]) -> dict[str, tuple[float, float]]:
-        """Where the drive differs from `values`: name -> (value there, value on the drive)."""
+        """Compares the drive with `values`; returns the differences: name -> (value there, value on the
+        drive)."""
         pairs = {self.row(key).name: (value, self[key]) for key, value in values.items()}
         return {name: pair for name, pair in pairs.items() if self._differs(self.row(name).number, pair)}
 
     def store(self) -> None:
-        """Stores every parameter but the device number and the calibration in the drive's memory, now: without it what was written is stored within 2 s
-        (parameter 307 "Automatic store")."""
+        """Stores every parameter except the device number and the calibration in the drive's memory now.
+        Without this call written values are stored within 2 s (parameter 307 "Automatic store")."""
         self._ask("store")
 
     def store_once(self) -> None:
-        """Stores the device number and the calibration (category 02), which nothing else stores. A new device number is used from the next reboot on."""
+        """Stores the device number and the calibration (category 02), which no other call stores. A new
+        device number is used from the next reboot on."""
         self._ask("store once")
 
     def reset_calibration(self) -> None:
@@ -132,9 +138,9 @@ class Parameters(MutableMapping[str | int, float]):
         self._ask("reset calibration")
 
     def restore_factory(self) -> None:
-        """Stores factory values for everything but the device number and the calibration (category 02). At any moment, while driving too: they are in
-        force after the next reboot."""
-        # The number that counts is the one of power-up; parameter 1 may have been written since.
+        """Stores factory values for everything except the device number and the calibration (category 02). It
+        is allowed at any time, also while driving. The values take effect at the next reboot."""
+        # The drive checks the serial number of its power-up; parameter 1 may have been written since.
         self._ask("device info")
         device = self._link.master.device
         if device is None:

@@ -1,4 +1,4 @@
-"""Pictures of traces with matplotlib."""
+"""Plots of traces with matplotlib."""
 
 from __future__ import annotations
 
@@ -25,11 +25,12 @@ PANELS = [
     ["current_a", "current_b", "current_c", "bus_current", "bus_current_measured"],
     ["duty"],
 ]
-"""What is drawn of a run when nothing is chosen."""
+"""Panels of a run when no signals are given."""
 ROWS = 20_000
-"""More rows than this are drawn by the smallest and largest value of each of half as many stretches."""
+"""Longest signal that is drawn whole. Longer ones are drawn by the smallest and largest value of each of half
+as many stretches."""
 LABEL = 22
-"""Characters of a label beside a panel; the rest goes below them."""
+"""Number of characters in a line of a label beside a panel; longer labels are wrapped."""
 STATES = {
     State.INITIALIZATION: "#9e9e9e",
     State.STANDBY: "#bdbdbd",
@@ -47,13 +48,14 @@ CROSSINGS = {
     4: ("hidden", "#6a1b9a"),
     5: ("heard", "#1565c0"),
 }
-"""What becomes of a step's zero crossing (parameter 287), and how it is drawn; one is hidden by demagnetisation, and heard while the motor coasts."""
+"""Outcomes of a step's zero crossing (parameter 287), with label and colour. A hidden one is hidden by
+demagnetisation; a heard one was seen while the motor coasts."""
 SENSORLESS = (State.OPEN_LOOP, State.SENSORLESS_CLOSED_LOOP, State.SENSORLESS_AUTO_RESTART)
 
 
 def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
-    """One panel for each unit of the signals; bands behind them are the drive's states, where the trace has those. A run without sensors also
-    shows what became of each zero crossing."""
+    """Draws one panel for each unit of the signals. Bands behind them show the drive's states, if the trace
+    has them. A run without sensors also shows the outcome of each zero crossing."""
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
@@ -65,7 +67,8 @@ def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
         panels = [panel for panel in panels if panel != ["crossing"]]
     heights = [2.0] * len(panels) + [1.0] * bool(len(time))
     figure = Figure(figsize=(9.0, 1.0 + sum(heights)), layout="constrained")
-    # A notebook shows it. It knows how to show figures of pyplot only, which stay open until somebody closes them.
+    # Shows the figure in a notebook. Notebooks show only figures of pyplot by themselves, and those stay open
+    # until they are closed.
     figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]
     axes = figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     units = trace.signals
@@ -81,7 +84,7 @@ def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
         axis.grid(alpha=0.3)
         axis.margins(x=0.0)
         if len(panel) > 1:
-            # Above the panel it hides no curve.
+            # The legend is above the panel, where it hides no curve.
             axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(panel), fontsize="small", frameon=False, borderpad=0.0)
         if "state" in trace:
             bands(axis, trace.time, trace["state"])
@@ -94,16 +97,18 @@ def plot(trace: Trace, signals: Iterable[str] = ()) -> Figure:
 
 
 def png(figure: Figure) -> bytes:
-    """A figure as a picture file."""
+    """Renders a figure as a PNG file."""
     file = io.BytesIO()
     figure.savefig(file, format="png")
     return file.getvalue()
 
 
 def crossings(trace: Trace) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """When something became of a step's zero crossing, s, and what (`CROSSINGS`): where the drive runs without sensors.
+    """Returns the times, s, and outcomes (`CROSSINGS`) of the steps' zero crossings, where the drive runs
+    without sensors.
 
-    An accepted crossing stands at the tick that saw it. A step that ends like the one before it, without news, stands at its end.
+    An accepted crossing has the time of the tick that saw it. A step with the same outcome as the one before
+    has the time of its end.
     """
     missing = [name for name in ("crossing", "crossing_margin", "step", "state") if name not in trace]
     if missing or len(trace) < 2:
@@ -119,7 +124,7 @@ def crossings(trace: Trace) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def strip(axis: Axes, time: NDArray[np.float64], kinds: NDArray[np.int64]) -> None:
-    """A line of marks for each thing that became of a zero crossing."""
+    """Draws a line of marks for each outcome of a zero crossing."""
     seen = [kind for kind in CROSSINGS if (kinds == kind).any()]
     for line, kind in enumerate(seen):
         moments = time[kinds == kind]
@@ -130,16 +135,16 @@ def strip(axis: Axes, time: NDArray[np.float64], kinds: NDArray[np.int64]) -> No
 
 
 def by_unit(trace: Trace, names: list[str]) -> list[list[str]]:
-    """Signals of the same unit share a panel."""
+    """Groups signals of the same unit, which share a panel."""
     panels: dict[str, list[str]] = {}
     for name in names:
-        trace[name]  # Names the one that does not exist.
+        trace[name]  # Raises an error that names a signal which does not exist.
         panels.setdefault(trace.signals[name] or name, []).append(name)
     return list(panels.values())
 
 
 def is_code(values: NDArray[np.float32 | np.float64], unit: str) -> bool:
-    """Whether a signal counts or names something: it has no values between its values."""
+    """Returns whether a signal is a count or a code, which has no values in between."""
     return not unit and bool(np.all(values == np.rint(values)))
 
 
@@ -155,7 +160,8 @@ def bands(axis: Axes, time: NDArray[np.float64], states: NDArray[np.float32 | np
 def envelope(
     time: NDArray[np.float64], values: NDArray[np.float32 | np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float32 | np.float64]]:
-    """The values, or where there are too many to be seen their smallest and largest in each of a number of stretches: no peak is lost."""
+    """Returns the values, or if there are too many, the smallest and largest in each of a number of
+    stretches, so that no peak is lost."""
     if len(values) <= ROWS:
         return time, values
     width = -(-len(values) // (ROWS // 2))
@@ -167,5 +173,5 @@ def envelope(
 
 
 def words(state: State) -> str:
-    """A state's name as people write it."""
+    """Returns a state's name in words."""
     return state.name.replace("_", " ").capitalize()

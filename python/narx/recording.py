@@ -14,20 +14,22 @@ if TYPE_CHECKING:
 
 
 class Replay(Trace):
-    """A recording that ran again: a trace of what the drive answered (numpy arrays, a row per control tick), and whether it was the same."""
+    """A replayed recording: the trace of the drive's outputs (numpy arrays, a row per control tick), and the
+    comparison with the recorded ones."""
 
     ticks: int
-    """Ticks that ran."""
+    """Number of ticks that ran."""
     digest: int
-    """Digest of the outputs now."""
+    """Digest of the outputs of this replay."""
     recorded_digest: int | None
     """Digest of the outputs when they were recorded; `None` when only a part ran."""
     outputs: str | None
-    """What the last tick answered, every field in raw bits; `None` when none ran."""
+    """Outputs of the last tick, every field in raw bits; `None` when no tick ran."""
     label: str
-    """The recording's label."""
+    """Label of the recording."""
     same_behaviour: bool
-    """Whether the version that recorded behaves as this one. If not, the digests may rightly differ."""
+    """True if the recording version has the same behaviour as this one. If not, the digests may rightly
+    differ."""
 
     def __init__(
         self,
@@ -39,7 +41,7 @@ class Replay(Trace):
 
     @property
     def identical(self) -> bool | None:
-        """Whether every output was the same, bit for bit; `None` when only a part ran."""
+        """True if every output was the same, bit for bit; `None` when only a part ran."""
         return None if self.recorded_digest is None else self.recorded_digest == self.digest
 
     def __repr__(self) -> str:
@@ -48,10 +50,12 @@ class Replay(Trace):
 
 
 def replay(recording: bytes | bytearray | str | PathLike[str], until: int | None = None) -> Replay:
-    """Runs a drive through a recording, or its first `until` ticks, and compares what it answers with what was recorded.
+    """Runs a drive through a recording, or its first `until` ticks, and compares its outputs with the
+    recorded ones.
 
-    A transcript, of what a drive's node or a TX-Driver was told and asked, runs as well: its ticks are calls, and it has no columns. `recording` is
-    the recording's bytes, or the path of a file. Raises RecordingError for bytes that are no recording.
+    A transcript of the calls of a drive's node or of a TX-Driver runs as well: its ticks are calls, and it
+    has no columns. `recording` is the recording's bytes, or the path of a file. Raises RecordingError for
+    bytes that are no recording.
     """
     data = bytes(recording) if isinstance(recording, bytes | bytearray) else Path(recording).read_bytes()
     columns, units, ticks, digest, recorded, outputs, label, same = _core.replay(data, until)

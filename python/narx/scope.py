@@ -34,11 +34,11 @@ REFUSALS = {
     6: "the drive has no memory for it",
     7: "a signal is unknown",
 }
-"""Parameter 306 in words."""
+"""Meanings of parameter 306."""
 
 
 class ScopeState(IntEnum):
-    """What the scope does (parameter 260)."""
+    """State of the scope (parameter 260)."""
 
     IDLE = 0
     ARMED = 1
@@ -48,7 +48,8 @@ class ScopeState(IntEnum):
 
 @dataclass(frozen=True)
 class Trigger:
-    """What begins a record (parameters 290 to 292). A scope that is armed can be forced, too, whatever it waits for."""
+    """Condition that begins a record (parameters 290 to 292). An armed scope can also be forced, whatever its
+    trigger is."""
 
     kind: int
     signal: str | None = None
@@ -56,50 +57,51 @@ class Trigger:
 
     @classmethod
     def forced(cls) -> Self:
-        """Nothing but `force`."""
+        """Returns a trigger that only `force` fires."""
         return cls(0)
 
     @classmethod
     def above(cls, signal: str, value: float) -> Self:
-        """The signal is above the value, in its unit."""
+        """Returns a trigger that fires while the signal is above the value, in its unit."""
         return cls(1, signal, value)
 
     @classmethod
     def below(cls, signal: str, value: float) -> Self:
-        """The signal is below the value, in its unit."""
+        """Returns a trigger that fires while the signal is below the value, in its unit."""
         return cls(2, signal, value)
 
     @classmethod
     def rising(cls, signal: str, value: float) -> Self:
-        """The signal rises through the value, in its unit."""
+        """Returns a trigger that fires when the signal rises through the value, in its unit."""
         return cls(3, signal, value)
 
     @classmethod
     def falling(cls, signal: str, value: float) -> Self:
-        """The signal falls through the value, in its unit."""
+        """Returns a trigger that fires when the signal falls through the value, in its unit."""
         return cls(4, signal, value)
 
     @classmethod
     def state_change(cls) -> Self:
-        """The drive goes into another state."""
+        """Returns a trigger that fires when the drive changes its state."""
         return cls(5)
 
     @classmethod
     def fault(cls) -> Self:
-        """A bit of FAULT_WORD appears."""
+        """Returns a trigger that fires when a bit of FAULT_WORD is set."""
         return cls(6)
 
 
 @dataclass(frozen=True)
 class ScopeRecording:
-    """What a scope has recorded of the inputs of every control tick."""
+    """The scope's record of the inputs of every control tick, as a recording."""
 
     recording: bytes
-    """What `narx.replay` takes, and a `.narxrec` file holds."""
+    """Bytes of the recording, for `narx.replay` or a `.narxrec` file."""
     first_tick: int
     """Number of its first tick since the drive's power-up."""
     agrees: bool | None
-    """Whether the replay came to what the drive did itself, from its second checkpoint on; `None` where the record has none."""
+    """True if the replay's state equals the drive's own at the record's second checkpoint; `None` if the
+    record has none."""
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the recording as a `.narxrec` file."""
@@ -107,7 +109,8 @@ class ScopeRecording:
 
 
 class Scope:
-    """Arms, forces and reads the scope. A record survives faults and further starts until the scope is armed again."""
+    """Arms, forces and reads the scope. A record survives faults and further starts until the scope is armed
+    again."""
 
     def __init__(self, link: Link) -> None:
         self._link = link
@@ -119,12 +122,12 @@ class Scope:
 
     @property
     def signals(self) -> dict[str, str]:
-        """What can be recorded: name -> unit."""
+        """Signals that can be recorded: name -> unit."""
         return {name: unit for name, (_, unit, _) in self._signals.items()}
 
     @property
     def state(self) -> ScopeState:
-        """What it does now."""
+        """Present state of the scope."""
         return ScopeState(int(self._parameters[STATE]))
 
     def arm(
@@ -135,11 +138,13 @@ class Scope:
         trigger: Trigger | None = None,
         before: int = 0,
     ) -> None:
-        """Sets it up and arms it.
+        """Sets the scope up and arms it.
 
-        signals: names of `signals`, four in a tick. samples: of each signal; all signals together fill at most the drive's memory (parameter
-        305, one word a sample). prescaler: control ticks from one sample to the next, at least one for every four signals. trigger: `None` is that of `force` alone. before: samples from before the trigger, fewer than `samples`.
-        Raises ParameterError and SignalError for what cannot be set up, RefusedError while it is armed or recording.
+        signals: names of `signals`, four in a tick. samples: of each signal; all signals together fill at
+        most the drive's memory (parameter 305, one word a sample). prescaler: control ticks from one sample
+        to the next, at least one for every four signals. trigger: `None` waits for `force`. before: samples
+        from before the trigger, fewer than `samples`. Raises ParameterError or SignalError for settings that
+        the drive does not support, RefusedError while the scope is armed or recording.
         """
         chosen = [known(name, self._signals) for name in signals]
         if not chosen:
@@ -148,10 +153,11 @@ class Scope:
         self._set_up(samples, prescaler, trigger or Trigger.forced(), before, {CHANNELS: sum({1 << self._signals[name][0] for name in chosen})})
 
     def arm_inputs(self, ticks: int = 400, trigger: Trigger | None = None, before: int = 0) -> None:
-        """Sets it up to record the inputs of every control tick instead of signals, and arms it: what `download_recording` makes a recording of.
+        """Sets the scope up to record the inputs of every control tick instead of signals, and arms it;
+        `download_recording` makes a recording of them.
 
-        ticks: of the record, as far as the memory has room: 34 to 68 ms in 8 KiB, whatever is asked for beyond that. before: ticks from before the
-        trigger, fewer than `ticks`.
+        ticks: length of the record, limited by the memory: 34 to 68 ms in 8 KiB, even if more is requested.
+        before: ticks from before the trigger, fewer than `ticks`.
         """
         self._set_up(ticks, 1, trigger or Trigger.forced(), before, {INPUTS: 1})
 
@@ -188,7 +194,7 @@ class Scope:
         self._press()
 
     def force(self) -> None:
-        """Triggers the armed scope now; RefusedError if it is not armed."""
+        """Triggers the armed scope now. Raises RefusedError if it is not armed."""
         if self.state is not ScopeState.ARMED:
             raise RefusedError(f"the scope is {self.state.name.lower()}: only an armed one can be forced")
         self._press()
@@ -202,8 +208,8 @@ class Scope:
             self._link.wait(lambda: False, 0.01)
 
     def download(self, progress: Callable[[int, int], None] | None = None) -> Trace:
-        """The record: a row per sample, `time` in s from the trigger. progress: called with words received and words in all. Raises RefusedError while
-        there is none."""
+        """Downloads the record: a row per sample, `time` in s from the trigger. progress: called with the
+        number of words received and the total. Raises RefusedError while there is none."""
         self._expect_record(inputs=False)
         channels = int(self._parameters[CHANNELS])
         signals = self._signals
@@ -219,7 +225,8 @@ class Scope:
         return Trace(columns, units)
 
     def download_recording(self, progress: Callable[[int, int], None] | None = None) -> ScopeRecording:
-        """The record of inputs, as a recording that `narx.replay` runs again bit for bit. progress: called with words received and words in all.
+        """Downloads the record of inputs, as a recording that `narx.replay` runs again bit for bit. progress:
+        called with the number of words received and the total.
 
         Raises RecordingError for a record of another version of narx, or one that is damaged.
         """
@@ -236,7 +243,8 @@ class Scope:
         before: int = 0,
         timeout: float = 10.0,
     ) -> Trace:
-        """Arms it (see `arm`), waits for the trigger at most `timeout` s (without one it is forced) and downloads the record."""
+        """Arms the scope (see `arm`), waits for the trigger at most `timeout` s, or forces it without one,
+        and downloads the record."""
         self.arm(signals, samples, prescaler, trigger, before)
         self._await(trigger, before * self._parameters[SAMPLING_TIME], timeout)
         return self.download()
@@ -244,15 +252,15 @@ class Scope:
     def record(
         self, ticks: int = 400, trigger: Trigger | None = None, before: int = 0, timeout: float = 10.0
     ) -> ScopeRecording:
-        """Records inputs (see `arm_inputs`), waits for the trigger at most `timeout` s (without one it is forced) and downloads
-        the recording. ticks, before: control ticks."""
+        """Records inputs (see `arm_inputs`), waits for the trigger at most `timeout` s, or forces it without
+        one, and downloads the recording. ticks, before: control ticks."""
         self.arm_inputs(ticks, trigger, before)
         self._await(trigger, before * self._parameters[SAMPLING_TIME], timeout)
         return self.download_recording()
 
     def _await(self, trigger: Trigger | None, before: float, timeout: float) -> None:
         if trigger is None:
-            # What goes before the trigger has to be there first.
+            # The samples before the trigger must have been taken.
             self._link.wait(lambda: False, before)
             self.force()
         self.wait(timeout)
@@ -273,7 +281,7 @@ class Scope:
 
 
 def known(name: str, signals: Iterable[str]) -> str:
-    """The name of a signal as it is published; case does not matter."""
+    """Returns the published name of a signal; case does not matter."""
     folded = {signal.casefold(): signal for signal in signals}
     try:
         return folded[name.casefold()]

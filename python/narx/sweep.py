@@ -24,17 +24,19 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 IN_FLIGHT = 256
-"""Messages to an executor that are not answered yet, at most: they bound the memory of a sweep of any length."""
+"""Largest number of unanswered messages to an executor: it limits the memory of a sweep of any length."""
 CHUNK_MAX = 64
-"""Variants of a message at most."""
+"""Largest number of variants in a message."""
 GOOD = ("ok", "running")
-"""Outcomes that are no failures."""
+"""Outcomes that are not failures."""
 
 
 class Sweep:
-    """The table of a sweep, a row for each variant in order: `sweep["speed"]` is a numpy array of shape (rows,).
+    """The table of a sweep, a row for each variant in order: `sweep["speed"]` is a numpy array of shape
+    (rows,).
 
-    Columns: "variant" and "seed", what was varied, "outcome", "error", and the results. What a variant has not is NaN, None or "".
+    Columns: "variant" and "seed", the varied names, "outcome", "error", and the results. A missing value is
+    NaN, None or "".
     """
 
     def __init__(
@@ -44,7 +46,7 @@ class Sweep:
         self._variants = list(variants)
         self._results = list(results)
         self.interrupted = interrupted
-        """Whether it was ended early: the variants that had ended by then are here."""
+        """True if the sweep was interrupted; the table then has the variants that had ended."""
         self._columns = columns_of(self._variants, self._results)
 
     def __getitem__(self, column: str) -> NDArray[Any]:
@@ -69,7 +71,7 @@ class Sweep:
 
     @property
     def variants(self) -> list[Variant]:
-        """What was run, in the order of the rows."""
+        """The variants that were run, in the order of the rows."""
         return list(self._variants)
 
     @property
@@ -86,11 +88,12 @@ class Sweep:
 
     @property
     def failures(self) -> Sweep:
-        """The rows that raised, or whose motor does not run at the end."""
+        """The rows with an error, or whose motor does not run at the end."""
         return self.where(~np.isin(self["outcome"].astype(str), GOOD))
 
     def where(self, chosen: NDArray[np.bool_]) -> Sweep:
-        """The rows where a mask of shape (rows,) holds: `sweep.where(sweep["ripple"] > 0.05)`. Raises ParameterError for one of another length."""
+        """Selects the rows where a mask of shape (rows,) is true: `sweep.where(sweep["ripple"] > 0.05)`.
+        Raises ParameterError for a mask of another length."""
         if len(chosen) != len(self):
             raise ParameterError(f"a mask of {len(chosen)} values for {len(self)} rows")
         rows = np.flatnonzero(chosen)
@@ -101,8 +104,9 @@ class Sweep:
     def replay(self, variant: int) -> Any:
         """Runs a variant again by its number in the column "variant", bit for bit.
 
-        Returns the trace of the built-in experiment since power-up, with its recording; or what the sweep's function returns, whose errors
-        are raised. Raises ParameterError for a number that is not here.
+        Returns the trace of the built-in experiment since power-up, with its recording; or the result of the
+        sweep's function, whose errors are raised. Raises ParameterError for a number that is not in the
+        table.
         """
         for known in self._variants:
             if known.index == variant:
@@ -110,12 +114,12 @@ class Sweep:
         raise ParameterError(f"variant {variant}: is not one of the {len(self)} here")
 
     def to_dict(self) -> list[dict[str, Any]]:
-        """The rows as dictionaries of Python's own values."""
+        """Returns the rows as dictionaries of Python's own values."""
         columns = [(name, column.tolist()) for name, column in self._columns.items()]
         return [{name: values[row] for name, values in columns} for row in range(len(self))]
 
     def to_pandas(self) -> DataFrame:
-        """The columns as a pandas data frame."""
+        """Returns the columns as a pandas data frame."""
         from pandas import DataFrame
 
         return DataFrame(self._columns)
@@ -144,20 +148,24 @@ def sweep(
     progress: bool | None = None,
     chunk: int | None = None,
 ) -> Sweep:
-    """Runs many variants, on every core of this machine or on an executor, and returns their results as a table.
+    """Runs many variants, on every core of this machine or on an executor, and returns their results as a
+    table.
 
-    A grid alone runs the built-in experiment: power up, ask for `rpm`, run for `seconds` (2) from there, with `fault` (`fault_value`,
-    `fault_phase`, `fault_high`) breaking `fault_time` s later; a start that fails is a result like any other. What can be varied: the
-    arguments of Motor and Bench, those of Load with `load_` before them, `motor` and `load` as a whole, and the drive's parameters by name or
-    number. A function is called with a `Variant` of `grid` and returns its results by name; it runs on threads, which is worth while because a
-    bench lets other threads run.
+    A grid alone runs the built-in experiment: power up, request `rpm`, run for `seconds` (2) from there, with
+    `fault` (`fault_value`, `fault_phase`, `fault_high`) injected `fault_time` s later; a start that fails is
+    a result like any other. The grid can vary the arguments of Motor and Bench, those of Load with the prefix
+    `load_`, `motor` and `load` as a whole, and the drive's parameters by name or number. A function is called
+    with a `Variant` of `grid` and returns its results by name. It runs on threads, which use all cores
+    because a bench releases Python's lock.
 
-    grid: name -> value or values, of which every combination is a variant; or a list or data frame of variants. samples: runs of each, with
-    seeds of their own. seed: what all those seeds follow from; a column "seed" in the grid wins. executor: any of `concurrent.futures`, of Dask
-    (`Client.get_executor()`), ...: functions and results must pickle. chunk: variants that go to it at once. progress: a bar by tqdm; without
-    an answer where it is installed and somebody sees it.
+    grid: name -> value or values, of which every combination is a variant; or a list or data frame of
+    variants. samples: runs of each, with seeds of their own. seed: all those seeds are derived from it; a
+    column "seed" in the grid overrides it. executor: any of `concurrent.futures`, of Dask
+    (`Client.get_executor()`), ...: functions and results must pickle. chunk: number of variants in one task
+    of the executor. progress: whether to show a progress bar of tqdm; by default it is shown if tqdm is
+    installed and the output is a terminal or a notebook.
 
-    Raises ParameterError for what cannot be varied or run, SweepInterrupted at Ctrl-C.
+    Raises ParameterError for variants that cannot be run, SweepInterrupted at Ctrl-C.
     """
     task: Task
     if callable(function_or_grid):
@@ -196,7 +204,8 @@ def sweep(
 
 
 def on_threads(task: Task, variants: Sequence[Variant], tell: Callable[[int, Result], None]) -> None:
-    """A variant at a time on as many threads as there are cores. At Ctrl-C those that run are left to end by themselves."""
+    """Runs single variants on as many threads as there are cores. After Ctrl-C the running ones end by
+    themselves."""
     pool = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="narx sweep")
     try:
         through(pool, task, variants, 1, tell)
@@ -207,7 +216,8 @@ def on_threads(task: Task, variants: Sequence[Variant], tell: Callable[[int, Res
 def through(
     executor: Executor, task: Task, variants: Sequence[Variant], size: int, tell: Callable[[int, Result], None]
 ) -> None:
-    """Runs variants on an executor, `size` of them in a message. What the executor itself cannot do is told of all that were in it."""
+    """Runs variants on an executor, `size` of them in a message. An error of the executor itself becomes the
+    result of all variants in the message."""
     left = iter(range(0, len(variants), size))
     waiting: dict[Future[list[Result]], range] = {}
     try:
@@ -217,7 +227,7 @@ def through(
                 part = [variants[place] for place in places]
                 try:
                     waiting[executor.submit(run_chunk, task, part)] = places
-                except Exception as error:  # A pool whose workers are gone.
+                except Exception as error:  # The workers of the pool are gone.
                     settle(places, [failure(error)] * len(places), tell)
             if not waiting:
                 return
@@ -225,7 +235,7 @@ def through(
                 places = waiting.pop(future)
                 try:
                     results = future.result()
-                except Exception as error:  # It does not pickle, or its worker died.
+                except Exception as error:  # A value does not pickle, or the worker died.
                     results = [failure(error)] * len(places)
                 settle(places, results, tell)
     finally:
@@ -234,13 +244,13 @@ def through(
 
 
 def settle(places: Iterable[int], results: Iterable[Result], tell: Callable[[int, Result], None]) -> None:
-    """Tells results with their places."""
+    """Passes each result on with its place."""
     for place, result in zip(places, results, strict=True):
         tell(place, result)
 
 
 def columns_of(variants: Sequence[Variant], results: Sequence[Result]) -> dict[str, NDArray[Any]]:
-    """Variants and results as columns."""
+    """Converts variants and results to columns."""
     columns: dict[str, NDArray[Any]] = {
         "variant": np.array([variant.index for variant in variants], np.int64),
         "seed": np.array([variant.seed for variant in variants], np.uint64),
@@ -255,7 +265,7 @@ def columns_of(variants: Sequence[Variant], results: Sequence[Result]) -> dict[s
 
 @contextmanager
 def bar(total: int, progress: bool | None) -> Iterator[Callable[[], Any]]:
-    """A progress bar: what counts one further."""
+    """Shows a progress bar; yields the function that advances it by one."""
     try:
         if progress is not False:
             from tqdm.auto import tqdm
@@ -266,6 +276,6 @@ def bar(total: int, progress: bool | None) -> Iterator[Callable[[], Any]]:
     if progress is False:
         yield lambda: None
         return
-    # `None` is only where somebody sees it.
+    # `None` shows the bar only on a terminal or in a notebook.
     with tqdm(total=total, unit="variant", disable=None if progress is None else False) as shown:
         yield shown.update

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 SUFFIXES = (".csv", ".parquet", ".xlsx")
-"""What `save` writes."""
+"""Suffixes of the formats that `save` writes."""
 EXACT = 2**53
-"""Whole numbers up to this are floats, too."""
+"""Largest magnitude below which every whole number is exact as a float."""
 
 
 def check(path: str | PathLike[str], *others: str) -> str:
-    """The suffix of a path, which must be one of `SUFFIXES` or of the others."""
+    """Returns the suffix of a path, which must be one of `SUFFIXES` or of the others."""
     suffix = Path(path).suffix.lower()
     if suffix not in (*SUFFIXES, *others):
         raise ParameterError(f'path "{path}": "{suffix}" must be one of {", ".join((*SUFFIXES, *others))}')
@@ -30,7 +30,7 @@ def check(path: str | PathLike[str], *others: str) -> str:
 
 
 def save(frame: DataFrame, path: str | PathLike[str]) -> None:
-    """Writes a frame in the form that the suffix of the path names."""
+    """Writes a frame in the format of the path's suffix."""
     match check(path):
         case ".csv":
             frame.to_csv(path, index=False)
@@ -41,14 +41,14 @@ def save(frame: DataFrame, path: str | PathLike[str]) -> None:
 
 
 def plain(value: Any) -> Any:
-    """What stands in a table: motors and loads by what they are called."""
+    """Converts a value for a table: motors and loads become their names."""
     if isinstance(value, Motor):
         return value.name or repr(value)
     return repr(value) if isinstance(value, Load) else value
 
 
 def column(values: list[Any]) -> NDArray[Any]:
-    """An array of numbers where all are, else of objects; a text that is missing is empty."""
+    """Returns an array of numbers if all values are numbers, else of objects; a missing text becomes ""."""
     known = [value for value in values if value is not None]
     complete = len(known) == len(values)
     if all(isinstance(value, str) for value in known):
@@ -58,7 +58,7 @@ def column(values: list[Any]) -> NDArray[Any]:
     if all(isinstance(value, int | float | np.number) and not isinstance(value, bool) for value in known):
         if complete:
             return np.array(values)
-        # A digest is no float.
+        # A larger whole number, such as a digest, would be rounded as a float.
         if all(isinstance(value, float) or abs(int(value)) <= EXACT for value in known):
             return np.array([np.nan if value is None else value for value in values])
     whole = np.empty(len(values), object)

@@ -1,4 +1,4 @@
-"""What a sweep does with its variants: the built-in experiment, or a function. Tasks go to other processes."""
+"""Tasks of a sweep: the built-in experiment, or a function. Tasks are sent to other processes."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ Result: TypeAlias = dict[str, Any]
 
 
 class Task(Protocol):
-    """What is done with a variant."""
+    """Work that a sweep does with its variants."""
 
     def chunk(self, variants: Sequence[Variant]) -> list[Result]:
-        """The results of some variants."""
+        """Returns the results of some variants."""
 
     def replay(self, variant: Variant) -> Any:
-        """One of them again, for a closer look."""
+        """Runs one variant again and returns its full result."""
 
 
 class Start:
@@ -32,13 +32,14 @@ class Start:
         return results
 
     def run(self, variants: Sequence[Variant], tell: Callable[[int, Result], None], threads: int | None = None) -> None:
-        """Runs variants on threads without Python's lock; `tell` gets place and result of each as it ends."""
+        """Runs variants on threads without Python's lock; `tell` is called with place and result of each as
+        it ends."""
         places, experiments = [], []
         for place, variant in enumerate(variants):
             try:
                 experiments.append(self.experiment(variant))
                 places.append(place)
-            except Exception as error:  # A variant that cannot be must not end the others.
+            except Exception as error:  # An invalid variant must not end the others.
                 tell(place, failure(error))
 
         def ended(number: int, figures: Result | str) -> None:
@@ -66,7 +67,7 @@ class Call:
     def call(self, variant: Variant) -> Result:
         try:
             found = self.function(variant)
-        except Exception as error:  # As above.
+        except Exception as error:  # A variant that fails must not end the others.
             return failure(error)
         named = found if isinstance(found, Mapping) else {} if found is None else {"result": found}
         return {"outcome": "ok"} | dict(named)
@@ -76,10 +77,10 @@ class Call:
 
 
 def failure(error: BaseException) -> Result:
-    """What a variant that raised leaves."""
+    """Returns the result of a variant that raised an error."""
     return {"outcome": "error", "error": f"{type(error).__name__}: {error}"}
 
 
 def run_chunk(task: Task, variants: Sequence[Variant]) -> list[Result]:
-    """What an executor runs."""
+    """Runs some variants; executors call it."""
     return task.chunk(variants)

@@ -1,4 +1,4 @@
-"""What a run leaves: named numpy arrays."""
+"""Traces of a run: named numpy arrays."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Trace:
 
     @property
     def signals(self) -> dict[str, str]:
-        """The signals in order: name -> unit; "" for plain numbers."""
+        """Units of the signals, in order: name -> unit; "" for plain numbers."""
         return dict(self._units)
 
     def __getitem__(self, signal: str) -> NDArray[np.float32 | np.float64]:
@@ -71,25 +71,27 @@ class Trace:
         return self._columns.items()
 
     def to_pandas(self) -> DataFrame:
-        """The columns as a pandas data frame."""
+        """Returns the columns as a pandas data frame."""
         from pandas import DataFrame
 
         return DataFrame(self._columns)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`. Raises ParameterError for any other name."""
+        """Writes a table: `.csv`, `.parquet` or `.xlsx`, or the recording as `.narxrec`. Raises
+        ParameterError for any other name."""
         if table.check(path, ".narxrec") == ".narxrec":
             Path(path).write_bytes(self._recording)
         else:
             table.save(self.to_pandas(), path)
 
     def plot(self, *signals: str) -> Figure:
-        """Draws the signals over time, one panel for each unit; without names speed, currents, duty and state."""
+        """Draws the signals over time, one panel for each unit; without names speed, currents, duty and
+        state."""
         from narx.plot import plot
 
         return plot(self, signals)
 
     def recording(self) -> bytes:
-        """What the drive was given since it last booted, up to the end of this trace: what `narx.replay` takes, and a
-        `.narxrec` file holds. Empty for what is no run of a bench."""
+        """Returns the recording of the drive's inputs from its last boot to the end of this trace, for
+        `narx.replay` or a `.narxrec` file. It is empty if the trace is not a run of a bench."""
         return self._recording

@@ -1,4 +1,4 @@
-"""A TX-Driver as its master sees it: an eddyCAN node on a bench, or on any bus of python-can."""
+"""A TX-Driver, seen from its master: an eddyCAN node on a bench, or on any bus of python-can."""
 
 from __future__ import annotations
 
@@ -21,38 +21,41 @@ if TYPE_CHECKING:
 BITRATES = (50_000, 100_000, 250_000, 500_000, 1_000_000)
 """Bit rates by their index in 2001h (Table 6), bit/s."""
 ANSWER = 1.0
-"""Longest wait for positions that were asked for, s."""
+"""Longest wait for requested positions, s."""
 RESTART = 3.0
 """Longest wait for the boot-up after a reset, s."""
 ENCODER = ("Basic Config Register", "Encoder Resolution")
-"""What must be known to make a position of an encoder's counts."""
+"""Entries that convert the encoder's counts to a position."""
 UNITS = {"time": "s", "position_1": "mm", "position_2": "mm", "encoder": "", "encoder_position": "mm"}
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What a TX-Driver has measured at one instant."""
+    """Measurement of a TX-Driver at one instant."""
 
     positions: tuple[float, ...]
-    """Of each channel, mm: -16 to 16 in steps of 2^-27."""
+    """Position of each channel, mm: -16 to 16 in steps of 2^-27."""
     encoder: int | None
-    """Counts, four to a period; `None` if PDOs do not carry them (bit 1 of 2004h). Of a linear encoder -32768 to 32767, of a rotary one from 0 on."""
+    """Encoder counts, four to a period; `None` if PDOs do not carry them (bit 1 of 2004h). -32768 to 32767
+    for a linear encoder, from 0 on for a rotary one."""
     trigger: str
-    """"timer" (PDO1, its update time), "sync" (PDO2) or "remote" (PDO3, asked for)."""
+    """"timer" (PDO1, at its update time), "sync" (PDO2) or "remote" (PDO3, on request)."""
     time: float
-    """When it was heard, s: the time of the bench, or since the connection."""
+    """Time of reception, s: on a bench its simulated time, else since the connection."""
     encoder_position: float | None = None
-    """Position of a linear encoder, mm: its counts times its resolution (2009h). `None` of a rotary one, without an encoder, and while `start` has not read what
-    the node's encoder is."""
+    """Position of a linear encoder, mm: its counts times its resolution (2009h). `None` for a rotary one,
+    without an encoder, and before `start` has read the type of the node's encoder."""
 
 
 class TxDriver:
-    """A TX-Driver. Nothing is sent until something is asked for.
+    """A TX-Driver. Nothing is sent before the first command or request.
 
-    bus: any bus of python-can, which stays its owner's, or a `narx.Bench` with the node on it (`bench.add_tx_driver`). node_id: 1 to 127. channels: sensors of
-    the driver, 1 or 2. timeout: for one answer, s; a request is sent three times. Raises ParameterError for a node-id that cannot be.
+    bus: any bus of python-can, which `close` leaves open, or a `narx.Bench` with the node on it
+    (`bench.add_tx_driver`). node_id: 1 to 127. channels: sensors of the driver, 1 or 2. timeout: for one
+    answer, s; a request is sent three times. Raises ParameterError for a node-id out of range.
 
-    A node powers up Pre-operational: then its `parameters` can be read and written. `start` makes it Operational: then it sends positions.
+    A node powers up Pre-operational: then its `parameters` can be read and written. `start` makes it
+    Operational: then it sends positions.
     """
 
     def __init__(
@@ -65,19 +68,19 @@ class TxDriver:
             self._link: Link = BenchLink(bus._bench)
         else:
             self._master = _core.TxMaster(node_id, channels, timeout)
-            # Of a master a link wants no more than both kinds have.
+            # A link calls only methods that both kinds of master have.
             master = cast(_core.Master, self._master)
             stepped = not getattr(bus, "realtime", True)
             self._link = SteppedLink(bus, master) if stepped else BusLink(bus, master)
 
     @property
     def node_id(self) -> int:
-        """Its address, 1 to 127."""
+        """Node-id, 1 to 127."""
         return self._master.node_id
 
     @property
     def channels(self) -> int:
-        """Sensors of the driver, 1 or 2."""
+        """Number of sensors of the driver, 1 or 2."""
         return self._channels
 
     @property
@@ -86,22 +89,24 @@ class TxDriver:
         return Objects(self._ask)
 
     def start(self) -> None:
-        """Makes it Operational: it sends positions, and refuses SDOs. Whether its PDOs carry the encoder, and what that is, is read before. Raises NoAnswerError if
-        it is not there."""
+        """Makes the node Operational: it sends positions, and refuses SDOs. Before that it reads whether the
+        PDOs carry the encoder, and the encoder's type. Raises NoAnswerError if the node does not answer."""
         if self.state is not NodeState.STOPPED and not self._answers():
             raise NoAnswerError(self._silence("does not answer"))
         self._command("start")
 
     def stop(self) -> None:
-        """Makes it Stopped: it answers nothing but NMT."""
+        """Makes the node Stopped: it reacts to nothing but NMT."""
         self._command("stop")
 
     def preoperational(self) -> None:
-        """Makes it Pre-operational: its parameters can be read and written, and it sends no positions."""
+        """Makes the node Pre-operational: its parameters can be read and written, and it sends no
+        positions."""
         self._command("pre-operational")
 
     def reset(self, wait: bool = True) -> None:
-        """Restarts it: with `wait`, until its boot-up is heard, or NoAnswerError after 3 s."""
+        """Restarts the node. With `wait`, returns when its boot-up is heard, or raises NoAnswerError after
+        3 s."""
         boots = self._master.boots
         self._command("reset")
         if wait and not self._link.wait(lambda: self._master.boots != boots, RESTART):
@@ -109,37 +114,40 @@ class TxDriver:
 
     @property
     def state(self) -> NodeState | None:
-        """The state of its last heartbeat or boot-up; `None` before one was heard. A node tells it every 2 s if `heartbeat` is set."""
+        """State in the last heartbeat or boot-up; `None` before the first. A node sends a heartbeat every 2 s
+        if `heartbeat` is set."""
         state = self._master.state
         return None if state is None else NodeState(state)
 
     @property
     def connected(self) -> bool:
-        """Whether it was heard within 5 s."""
+        """True if the node was heard within 5 s."""
         return self._master.is_present(self._link.now)
 
     @property
     def errors(self) -> set[str]:
-        """What it has complained of (Table 13) since the connection, or `clear_errors`."""
+        """Errors that the node has reported (Table 13) since the connection, or since `clear_errors`."""
         return {meaning or f"error {code:04X}h" for code, meaning in self._master.errors()}
 
     def clear_errors(self) -> None:
-        """Forgets what it has complained of."""
+        """Clears `errors`."""
         self._master.clear_errors()
 
     @property
     def malformed(self) -> int:
-        """Frames of the node that mean nothing: most likely it has another number of channels."""
+        """Number of the node's frames that cannot be decoded: most likely it has another number of
+        channels."""
         return self._master.malformed
 
     @property
     def reading(self) -> Reading | None:
-        """The last positions, without asking; `None` before any was heard."""
+        """The last positions received, without a request; `None` before the first."""
         last = self._master.reading
         return None if last is None else self._reading(last)
 
     def read(self) -> Reading:
-        """Asks for the positions now (PDO3). Raises NoAnswerError within a second if there are none: only an Operational node sends them."""
+        """Requests the positions now (PDO3). Raises NoAnswerError within a second if none come: only an
+        Operational node sends them."""
         before = self._master.asked
         self._master.ask_positions()
         self._link.wake()
@@ -151,12 +159,12 @@ class TxDriver:
 
     @property
     def positions(self) -> tuple[float, ...]:
-        """Positions of each channel, mm, asked for now."""
+        """Positions of each channel, mm, requested now."""
         return self.read().positions
 
     @property
     def encoder(self) -> int | None:
-        """Counts of the encoder, asked for now; `None` if PDOs do not carry them."""
+        """Counts of the encoder, requested now; `None` if PDOs do not carry them."""
         return self.read().encoder
 
     def sync(self) -> None:
@@ -165,10 +173,11 @@ class TxDriver:
         self._link.wake()
 
     def record(self, seconds: float, period: float | None = None) -> Trace:
-        """Keeps every position that is heard for `seconds`: "time" (s), "position_1", "position_2" (mm), "encoder" (counts) and "encoder_position" (mm, of a linear
-        encoder), arrays of shape (n,).
+        """Records every position received for `seconds`: "time" (s), "position_1", "position_2" (mm),
+        "encoder" (counts) and "encoder_position" (mm, of a linear encoder), arrays of shape (n,).
 
-        period: a SYNC is sent every so many s. Without, the node sends by itself (parameter "Update Time", ms).
+        period: time between two SYNCs, s. Without it no SYNC is sent: the node sends by itself (parameter
+        "Update Time", ms).
         """
         if period is not None and period <= 0.0:
             raise ParameterError(f"period {period} s: must be above 0")
@@ -185,7 +194,7 @@ class TxDriver:
 
     @property
     def encoder_position(self) -> float | None:
-        """Position of a linear encoder, mm, asked for now: `Reading.encoder_position`."""
+        """Position of a linear encoder, mm, requested now: `Reading.encoder_position`."""
         return self.read().encoder_position
 
     @property
@@ -196,12 +205,12 @@ class TxDriver:
     @comparators.setter
     def comparators(self, fractions: tuple[float, float]) -> None:
         first, second = fractions
-        # Both are checked before the first is written.
+        # `load` checks both before it writes the first.
         self.parameters.load({"Comparator 1": first, "Comparator 2": second})
 
     @property
     def heartbeat(self) -> bool:
-        """Whether it sends a heartbeat every 2 s (bit 2 of 2004h); can be set."""
+        """True if the node sends a heartbeat every 2 s (bit 2 of 2004h); can be set."""
         return bool(int(self.parameters["Can Config Register"]) & 4)
 
     @heartbeat.setter
@@ -210,7 +219,7 @@ class TxDriver:
 
     @property
     def sends_encoder(self) -> bool:
-        """Whether its PDOs carry the encoder (bit 1 of 2004h); can be set."""
+        """True if the node's PDOs carry the encoder (bit 1 of 2004h); can be set."""
         return bool(int(self.parameters["Can Config Register"]) & 2)
 
     @sends_encoder.setter
@@ -218,38 +227,38 @@ class TxDriver:
         self._configure(2, on)
 
     def reset_encoder(self) -> None:
-        """The present place of a linear encoder becomes 0 (200Ah)."""
+        """Sets the present position of a linear encoder to 0 (200Ah)."""
         self.parameters["Reset Encoder"] = 1
 
     def set_node_id(self, node_id: int) -> None:
-        """Gives the node another address, 1 to 127, and restarts it with that; from then on this is its master. Raises NoAnswerError if it is not heard
-        within 3 s."""
+        """Gives the node another node-id, 1 to 127, and restarts it; from then on this is the master of the
+        new node-id. Raises NoAnswerError if the node is not heard within 3 s."""
         self.parameters["Node-ID"] = node_id
         self._command("reset")
         self._master.node_id = node_id
         end = self._link.now + RESTART
-        # Its boot-up may have been heard before, or may come late: an answer is the proof.
+        # Its boot-up may have come before the loop, or may come late; only an answer proves that it is there.
         while not self._answers():
             if self._link.now >= end:
                 raise NoAnswerError(f"node {node_id} was not heard within {RESTART:g} s after its restart")
 
     def set_bitrate(self, bitrate: int) -> None:
-        """Gives the node another bit rate, bit/s: 50, 100, 250, 500 or 1000 kbit/s. It acts after a `reset`; this bus keeps its own, so that the node is
-        heard on another one then."""
+        """Gives the node another bit rate, bit/s: 50, 100, 250, 500 or 1000 kbit/s. It takes effect after a
+        `reset`. This bus keeps its own bit rate, so the node must then be accessed through another one."""
         if bitrate not in BITRATES:
             raise ParameterError(f"bitrate {bitrate} bit/s: must be one of {', '.join(map(str, BITRATES))}")
         self.parameters["Bitrate Index"] = BITRATES.index(bitrate)
 
     def wait(self, seconds: float) -> None:
-        """Lets time pass: simulated on a bench, else that of the clock."""
+        """Lets time pass, s: simulated time on a bench, else real time."""
         self._link.wait(lambda: False, seconds)
 
     def wait_for(self, done: Callable[[], bool], timeout: float = 10.0) -> bool:
-        """Lets time pass until `done`, at most `timeout` s: whether it was done."""
+        """Lets time pass until `done`, at most `timeout` s; returns whether it was done."""
         return self._link.wait(done, timeout)
 
     def close(self) -> None:
-        """Lets go of the bus; the node goes on as it is. The second time nothing happens."""
+        """Releases the bus; the node stays in its state. A second call does nothing."""
         if not self._closed:
             self._closed = True
             self._link.close()
@@ -276,14 +285,15 @@ class TxDriver:
         self.parameters["Can Config Register"] = register | bit if on else register & ~bit
 
     def _answers(self) -> bool:
-        """Whether it answers, if only that it does not want to; what its PDOs carry is known then."""
+        """Returns whether the node answers, even with a refusal, and reads whether its PDOs carry the
+        encoder."""
         try:
             if int(self.parameters["Can Config Register"]) & 2:
-                # The master keeps what it hears of the encoder.
+                # The master evaluates the answers about the encoder.
                 for name in ENCODER:
                     self.parameters[name]
         except AbortError:
-            # It is Operational.
+            # An Operational node refuses SDOs.
             return True
         except NoAnswerError:
             return False
@@ -292,7 +302,7 @@ class TxDriver:
     def _command(self, command: str) -> None:
         self._master.command(command)
         self._link.wake()
-        # It is on the bus before anything else is.
+        # Time for the command to be sent before anything else.
         self._link.wait(lambda: False, 0.002)
 
     def _ask(self, row: Object, raw: int | None) -> int:
@@ -306,7 +316,7 @@ class TxDriver:
 
         self._master.request(row.index, row.subindex, raw)
         self._link.wake()
-        # The master gives up by itself, and says so.
+        # The master's own time-out ends the wait earlier, with an error.
         if not self._link.wait(done, 60.0):
             raise NoAnswerError(self._silence("does not answer"))
         return answer[0]

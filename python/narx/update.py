@@ -6,11 +6,12 @@ from narx.errors import NarxError
 from narx.link import Link
 
 LOOK = 0.5
-"""Progress is looked at, and a stop is heard, at least this often, s."""
+"""Longest time between two checks of the progress and of Ctrl-C, s."""
 
 
 def update(link: Link, image: bytes, progress: Callable[[str, int, int], None] | None = None) -> None:
-    """Sends an image and waits until it runs. An exception of `progress`, or Ctrl-C, ends it on the drive, too."""
+    """Sends an image and waits until it runs. An exception of `progress`, or Ctrl-C, aborts it on the drive,
+    too."""
     told: tuple[str, int, int] | None = None
 
     def done() -> bool:
@@ -21,7 +22,7 @@ def update(link: Link, image: bytes, progress: Callable[[str, int, int], None] |
             progress(*state)
         is_over = link.master.poll_update()
         if is_over and progress is not None and told is not None:
-            # A drive that has just started counts from 0.
+            # A drive that has just restarted reports 0 bytes, so the last call reports all of them.
             stage, _, total = told
             progress(stage, total, total)
         return is_over
@@ -29,11 +30,11 @@ def update(link: Link, image: bytes, progress: Callable[[str, int, int], None] |
     link.master.update(image)
     link.wake()
     try:
-        # Every time-out is the master's, which knows how long each stage may take.
+        # The master has a time-out for each stage.
         while not link.wait(done, LOOK):
             pass
     except BaseException:
-        # What the drive itself has ended is over.
+        # Nothing to abort if the drive itself has ended the update.
         if link.master.update_progress() is not None:
             link.master.abort_update()
             link.wait(lambda: ended(link), 1.0)
@@ -41,7 +42,7 @@ def update(link: Link, image: bytes, progress: Callable[[str, int, int], None] |
 
 
 def ended(link: Link) -> bool:
-    """Whether an aborted update is over."""
+    """Returns whether an aborted update is over."""
     try:
         return link.master.poll_update()
     except NarxError:

@@ -1,4 +1,4 @@
-"""What a sweep varies: a grid, expanded into variants, each with a seed of its own."""
+"""Variants of a sweep: a grid, expanded into variants, each with a seed of its own."""
 
 from __future__ import annotations
 
@@ -23,16 +23,17 @@ if TYPE_CHECKING:
 Grid: TypeAlias = Union[
     Mapping[str, Any], Mapping[int, Any], Mapping[str | int, Any], Sequence[Mapping[str, Any]], "DataFrame"
 ]
-"""Name -> value, or values to vary, of which every combination is a variant; or the variants themselves, one by one."""
+"""Name -> value, or several values, of which every combination is a variant; or a list of the variants
+themselves."""
 
 
 def arguments_of(call: Any) -> tuple[str, ...]:
-    """The arguments of something compiled."""
+    """Returns the names of the arguments of a compiled function or class."""
     return tuple(inspect.signature(call).parameters)
 
 
 WHOLE = ("motor", "load", "parameters")
-"""Arguments of a bench that are made of several names of a grid."""
+"""Arguments of a bench that are built from several names of a grid."""
 MOTOR = arguments_of(Motor)
 LOAD = {f"load_{name}": name for name in arguments_of(Load)}
 BENCH = tuple(name for name in arguments_of(_core.Bench) if name not in WHOLE)
@@ -41,14 +42,14 @@ EXPERIMENT = tuple(name for name in arguments_of(_core.Experiment) if name not i
 
 @dataclass(frozen=True)
 class Variant(Mapping[str | int, Any]):
-    """One variant of a sweep: a mapping of the names of its grid to their values here."""
+    """One variant of a sweep: a mapping of the grid's names to their values in it."""
 
     index: int
-    """Its number in the sweep."""
+    """Number of the variant in the sweep."""
     seed: int
-    """Of all noise on its bench, and for draws of one's own."""
+    """Seed of all noise on its bench, and for random values of your own."""
     point: Mapping[str | int, Any]
-    """What is varied."""
+    """Names and values that are varied."""
 
     def __getitem__(self, name: str | int) -> Any:
         try:
@@ -67,9 +68,10 @@ class Variant(Mapping[str | int, Any]):
         return len(self.point)
 
     def bench(self, **defaults: Any) -> Bench:
-        """The bench of this variant, with its seed: `defaults` are arguments as in a grid, which the variant's own values override.
+        """Returns the bench of this variant, with its seed. `defaults` are arguments as in a grid; the
+        variant's own values override them.
 
-        Names that belong neither to motor, load or bench nor to the drive's parameters are left to the caller.
+        Names that belong neither to motor, load or bench nor to the drive's parameters are ignored.
         """
         all_given = [*defaults.items(), *self.point.items()]
         known = {name: value for name, value in all_given if is_known(name, BENCH)}
@@ -77,7 +79,8 @@ class Variant(Mapping[str | int, Any]):
 
 
 def expand(grid: Grid, samples: int, seed: int) -> list[Variant]:
-    """The variants of a grid, each `samples` times. A value that is None or NaN is not given."""
+    """Returns the variants of a grid, each `samples` times. A value that is None or NaN counts as not
+    given."""
     if samples < 1:
         raise ParameterError(f"samples {samples}: must be a whole number, 1 or more")
     if seed < 0:
@@ -90,17 +93,18 @@ def expand(grid: Grid, samples: int, seed: int) -> list[Variant]:
 
 
 def variant(index: int, point: Mapping[str | int, Any], seed: int) -> Variant:
-    """A point with its seed: its own, or one that follows from those of the sweep and from its place."""
+    """Makes a variant of a point. Its seed is the point's own, or is derived from the sweep's seed and the
+    variant's number."""
     values = {name: value for name, value in point.items() if name != "seed"}
     own = point.get("seed")
     if own is None:
-        # 15 digits survive every table and every other program.
+        # 15 digits are exact in every table format and in other programs.
         own = int(np.random.SeedSequence([seed, index]).generate_state(1, np.uint64)[0]) >> 16
     return Variant(index, int(own), values)
 
 
 def points_of(grid: Grid) -> Iterable[dict[str | int, Any]]:
-    """Every combination, or what was listed."""
+    """Returns every combination of the grid's values, or the listed variants."""
     if isinstance(grid, Mapping):
         axes = {name: axis(name, values) for name, values in grid.items()}
         return (given(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values()))
@@ -112,7 +116,7 @@ def points_of(grid: Grid) -> Iterable[dict[str | int, Any]]:
 
 
 def axis(name: str | int, values: Any) -> list[Any]:
-    """The values of a name: several of anything that can be gone through, else one."""
+    """Returns the values of a name: several if `values` can be iterated, else one."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
         return [values]
     found = list(values)
@@ -122,13 +126,13 @@ def axis(name: str | int, values: Any) -> list[Any]:
 
 
 def given(point: dict[Any, Any]) -> dict[str | int, Any]:
-    """Without what is not given; numbers of numpy as Python's own."""
+    """Removes values that are not given, and converts numbers of numpy to Python's own."""
     plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in point.items()}
     return {name: value for name, value in plain.items() if value is not None and value == value}  # noqa: PLR0124
 
 
 def is_known(name: str | int, own: Sequence[str]) -> bool:
-    """Whether a name belongs to motor, load or parameters, or to those given."""
+    """Returns whether a name belongs to motor, load or parameters, or to `own`."""
     if isinstance(name, str) and (name in own or name in MOTOR or name in LOAD or name in ("motor", "load")):
         return True
     try:
@@ -139,7 +143,7 @@ def is_known(name: str | int, own: Sequence[str]) -> bool:
 
 
 def check(variants: Iterable[Variant]) -> None:
-    """Refuses a name that an experiment does not know, before anything runs."""
+    """Raises ParameterError for a name that an experiment does not know, before anything runs."""
     names = dict.fromkeys(name for variant in variants for name in variant)
     for name in names:
         if not is_known(name, EXPERIMENT):
@@ -148,7 +152,7 @@ def check(variants: Iterable[Variant]) -> None:
 
 
 def arguments(values: Mapping[str | int, Any], seed: int, own: Sequence[str]) -> dict[str, Any]:
-    """Keyword arguments of a bench or an experiment, whose own names are `own`."""
+    """Returns the keyword arguments of a bench or an experiment, whose own names are `own`."""
     rest = dict(values)
     motor = motor_of(rest.pop("motor", None), {name: rest.pop(name) for name in MOTOR if name in rest})
     load = load_of(rest.pop("load", None), {LOAD[name]: rest.pop(name) for name in LOAD if name in rest})
@@ -157,7 +161,7 @@ def arguments(values: Mapping[str | int, Any], seed: int, own: Sequence[str]) ->
 
 
 def motor_of(motor: Motor | str | None, changes: Mapping[str, Any]) -> Motor:
-    """A motor or a preset with changes, or one of figures alone."""
+    """Returns a motor or a preset with changes, or one that is built from its data alone."""
     if motor is None:
         try:
             return Motor(**changes)
@@ -170,7 +174,7 @@ def motor_of(motor: Motor | str | None, changes: Mapping[str, Any]) -> Motor:
 
 
 def load_of(load: Load | None, changes: Mapping[str, Any]) -> Load | None:
-    """A load with changes."""
+    """Returns a load with changes."""
     if not changes:
         return load
     whole = load or Load()

@@ -15,11 +15,12 @@ use narx_sim::trace::Trace;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyMapping};
 
-/// A virtual drive with its motor on a simulated bench, and a master on its bus: what `narx.Bench` is made of.
+/// A virtual drive with its motor on a simulated bench, and a master on its bus; the compiled part of
+/// `narx.Bench`.
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Bench(Shared);
 
-/// What a run leaves: columns by name, units by name, and the recording.
+/// Result of a run: columns by name, units by name, and the recording.
 pub(crate) type Run<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>, Bound<'py, PyBytes>);
 
 #[pymethods]
@@ -55,19 +56,20 @@ impl Bench {
         self.0.with(py, |session| session.bench().time())
     }
 
-    /// Digest of everything that the drive has answered since it last booted.
+    /// Digest of all outputs of the drive since it last booted.
     #[getter]
     fn digest(&self, py: Python<'_>) -> u64 {
         self.0.with(py, |session| session.bench().digest())
     }
 
-    /// Where a limit of the drive holds the motor back, in words.
+    /// Limits of the drive that restrict this motor, a sentence each.
     #[getter]
     fn notes(&self, py: Python<'_>) -> Vec<String> {
         self.0.with(py, |session| session.commissioning().notes.iter().map(ToString::to_string).collect())
     }
 
-    /// Lets `seconds` pass, to the nearest control tick, and keeps a row of each tick or forgets all rows.
+    /// Runs the simulation for `seconds`, to the nearest control tick, and keeps a row of each tick, or
+    /// removes all rows.
     #[pyo3(signature = (seconds, trace=true))]
     fn advance(&self, py: Python<'_>, seconds: f64, trace: bool) -> PyResult<()> {
         let seconds = error::magnitude("seconds", seconds, "s")?;
@@ -78,14 +80,14 @@ impl Bench {
         self.0.run(py, ticks)
     }
 
-    /// The rows since this was last called, and the recording since the drive booted.
+    /// Returns the rows since the previous call, and the recording since the drive booted.
     fn take_run<'py>(&self, py: Python<'py>) -> PyResult<Run<'py>> {
         let taken =
             self.0.with(py, |session| (session.bench_mut().take_trace(), session.bench().recording()));
         run(py, taken)
     }
 
-    /// Breaks something, or mends it (`active` false). A fault is named as `faults` has it.
+    /// Injects a fault, or removes it (`active` false). `fault` is a name of `faults`.
     fn set_fault(
         &self,
         py: Python<'_>,
@@ -104,24 +106,24 @@ impl Bench {
         Ok(())
     }
 
-    /// Names of what can break.
+    /// Names of the faults that can be injected.
     #[staticmethod]
     fn faults() -> Vec<&'static str> {
         Injection::NAMES.to_vec()
     }
 
-    /// Mends everything.
+    /// Removes all faults.
     fn clear_faults(&self, py: Python<'_>) {
         self.0.with(py, |session| session.bench_mut().plant_mut().clear_all());
     }
 
-    /// Another load.
+    /// Replaces the load.
     fn set_load(&self, py: Python<'_>, load: &Load) {
         let config = load.config();
         self.0.with(py, |session| session.bench_mut().plant_mut().set_load(config));
     }
 
-    /// Puts a value on an input of the board, named as `inputs` has it.
+    /// Sets an input of the board to a value; `input` is a name of `inputs`.
     fn set_input(&self, py: Python<'_>, input: &str, value: f64) -> PyResult<()> {
         let input = error::choice("input", input, &Input::ALL.map(|input| (input.name(), input)))?;
         let set = self.0.with(py, |session| session.bench_mut().plant_mut().set_input(input, value));
@@ -134,7 +136,8 @@ impl Bench {
         Input::ALL.map(Input::name).to_vec()
     }
 
-    /// Powers up a TX-Driver on this bus and shaft. encoder: counts per revolution of one on the shaft. measuring_range: mm.
+    /// Powers up a TX-Driver on this bus and shaft. encoder: counts per revolution of an encoder on the
+    /// shaft. measuring_range: mm.
     fn add_tx_driver(
         &self,
         py: Python<'_>,
@@ -156,7 +159,7 @@ impl Bench {
             .map_err(error::parameter)
     }
 
-    /// A master of a TX-Driver at this bench's bus. timeout: s.
+    /// Returns a master of a TX-Driver on this bench's bus. timeout: s.
     #[pyo3(signature = (node_id, channels=1, timeout=0.1))]
     fn tx_master(&self, py: Python<'_>, node_id: i128, channels: i128, timeout: f64) -> PyResult<TxMaster> {
         let master = TxMaster::with_station(node_id, channels, timeout)?;
@@ -164,7 +167,7 @@ impl Bench {
         Ok(master)
     }
 
-    /// Forgets the rows so far.
+    /// Removes the rows so far.
     fn drop_rows(&self, py: Python<'_>) {
         self.0.with(py, |session| {
             session.bench_mut().take_trace();
@@ -172,13 +175,13 @@ impl Bench {
     }
 }
 
-/// A trace and a recording for Python.
+/// Converts a trace and a recording for Python.
 pub(crate) fn run(py: Python<'_>, (table, recording): (Trace, Vec<u8>)) -> PyResult<Run<'_>> {
     let (columns, units) = trace::columns(py, table)?;
     Ok((columns, units, PyBytes::new(py, &recording)))
 }
 
-/// A fault by its name, as `faults` has it.
+/// Returns a fault by its name in `faults`.
 pub(crate) fn injection(
     py: Python<'_>,
     fault: &str,
@@ -195,7 +198,7 @@ pub(crate) fn injection(
     })
 }
 
-/// What a bench is made of.
+/// Builds the configuration of a bench.
 pub(crate) fn config(
     motor: &Motor,
     supply_voltage: f64,
@@ -215,7 +218,7 @@ pub(crate) fn config(
     Ok(config)
 }
 
-/// Parameters by number; a key that is a string is a name of the dictionary.
+/// Returns parameters by number; a key that is a string is a name of the dictionary.
 fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, f64)>> {
     parameters
         .items()?
@@ -230,7 +233,7 @@ fn numbered(parameters: &Bound<'_, PyMapping>) -> PyResult<Vec<(u16, f64)>> {
         .collect()
 }
 
-/// The number of a parameter that is given by number or name; case does not matter.
+/// Returns the number of a parameter that is given by number or name; case does not matter.
 #[pyfunction]
 #[pyo3(name = "parameter_number")]
 pub(crate) fn number(key: &Bound<'_, PyAny>) -> PyResult<u16> {

@@ -11,24 +11,25 @@ use pyo3::types::PyDict;
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// A log that is being read; `finish` gives what was read.
+/// Reader of a log; `finish` returns the result.
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct LogReader(Mutex<CanLog>);
 
-/// A frame as another reader has it: time, channel, bits of `frame_flags`, identifier, length, data.
+/// A frame from another reader: time, channel, bits of `frame_flags`, identifier, length, data.
 type Given = (f64, PyBackedStr, u8, u32, u8, PyBackedBytes);
-/// A signal: name, unit, what its numbers mean by number.
+/// A signal: name, unit, and the meanings of its numbers.
 type Described = (&'static str, &'static str, Vec<(u16, &'static str)>);
-/// A table: name, whether a device has sent it, time, signals, their columns.
+/// A table: name, true if a device sends the message, time, signals, their columns.
 type Columns<'py> = (String, bool, Bound<'py, PyArray1<f64>>, Vec<(Described, Bound<'py, PyAny>)>);
-/// Columns of the frames by name, names of the channels, tables, lines that are no frame, number of lines.
+/// Result of a reader: columns of the frames by name, names of the channels, tables, lines that are no frame,
+/// number of lines.
 type Read<'py> =
     (Bound<'py, PyDict>, Vec<String>, Vec<Columns<'py>>, Vec<(usize, String, &'static str)>, usize);
 
 #[pymethods]
 impl LogReader {
-    /// slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of TX-Drivers whose PDOs of 8 bytes have
-    /// the encoder in them.
+    /// slave, monitor: addresses of the drive and its master; `None` for any. encoders: node-ids of
+    /// TX-Drivers whose PDOs of 8 bytes contain the encoder's value.
     #[new]
     fn new(slave: Option<i128>, monitor: Option<i128>, encoders: Vec<i128>) -> PyResult<Self> {
         let address = |name: &str, value: Option<i128>| match value.map(u8::try_from) {
@@ -49,7 +50,7 @@ impl LogReader {
         Ok(Self(Mutex::new(CanLog::new(Config { ends, encoders }))))
     }
 
-    /// Reads a log of can-utils, on every processor or on so many threads.
+    /// Reads a log of can-utils, on `threads` threads or on every processor.
     #[pyo3(signature = (text, threads=None))]
     fn candump(&self, py: Python<'_>, text: &[u8], threads: Option<usize>) {
         let threads = threads.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from));
@@ -65,7 +66,7 @@ impl LogReader {
         }
     }
 
-    /// What was read; the columns move into numpy. The reader is empty then.
+    /// Returns the result; the columns move into numpy, and the reader is empty afterwards.
     fn finish<'py>(&self, py: Python<'py>) -> PyResult<Read<'py>> {
         let mut log = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let CanLog { frames, tables, errors, lines, .. } = log.take();
@@ -96,7 +97,7 @@ pub(crate) fn frame_flags() -> Vec<(&'static str, u8)> {
     flag::ALL.to_vec()
 }
 
-/// What the column "message" of frames says that stand in no table: unknown, malformed, error.
+/// Values of the frames' column "message" for frames in no table: unknown, malformed, error.
 #[pyfunction]
 pub(crate) fn frame_kinds() -> (u8, u8, u8) {
     (Kind::Unknown as u8, Kind::Malformed as u8, Kind::Error as u8)
@@ -128,7 +129,7 @@ fn array(py: Python<'_>, values: Values) -> Bound<'_, PyAny> {
     }
 }
 
-/// The data of frames, `width` bytes each.
+/// Returns the data of frames, `width` bytes each.
 fn data<'py>(
     py: Python<'py>,
     first: Vec<[u8; 8]>,

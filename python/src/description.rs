@@ -1,4 +1,4 @@
-//! What a drive is made of, by its description: parameters, measurements and signals of the scope, with their scales.
+//! Description of a drive: parameters, measurements and signals of the scope, with their scales.
 
 use crate::error;
 use crate::files;
@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 use std::sync::{Arc, LazyLock};
 
-/// The tables of a drive. Without a text they are those of this package's own drive.
+/// The tables of a drive. Without a text they are those of this package.
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Description(Arc<Tables>);
 
@@ -35,11 +35,11 @@ struct Row {
     about: String,
 }
 
-/// A signal of the measurements: name, unit, value and when it was heard.
+/// A signal of the measurements: name, unit, value and time of reception.
 pub(crate) type Signal = (String, String, Option<(f64, f64)>);
 
 static OWN: LazyLock<Arc<Tables>> = LazyLock::new(|| {
-    // The tests hold the description to the tables.
+    // It is never empty: tests check that the description equals the tables.
     Arc::new(Tables::read(files::xml().as_bytes()).unwrap_or_default())
 });
 
@@ -52,12 +52,12 @@ impl Description {
         Tables::read(text).map(|tables| Self(Arc::new(tables))).map_err(error::refused)
     }
 
-    /// Every parameter in the order of the document: a dictionary each, as `narx.parameters.Row` takes it.
+    /// Returns every parameter in the order of the document: a dictionary each, for `narx.parameters.Row`.
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.0.parameters.iter().map(|row| row.fields(py)).collect()
     }
 
-    /// The number of a parameter that is given by number or name; case does not matter.
+    /// Returns the number of a parameter that is given by number or name; case does not matter.
     fn number(&self, key: &Bound<'_, PyAny>) -> PyResult<u16> {
         let Ok(name) = key.extract::<String>() else {
             let number: Option<u16> = if key.is_instance_of::<PyBool>() { None } else { key.extract().ok() };
@@ -72,14 +72,15 @@ impl Description {
         })
     }
 
-    /// The raw value of a parameter's value in its unit, to the nearest step of its scale.
+    /// Converts a parameter's value in its unit to its raw value, rounded to the nearest step of its scale.
     fn to_raw(&self, number: u16, value: &Bound<'_, PyAny>) -> PyResult<i64> {
         let row = self.0.known(number)?;
         let scale = Scale::from(row);
         scale.entered(entered(scale, value)?).map_err(error::parameter)
     }
 
-    /// A parameter's raw value in its unit; whole numbers stay whole. raw: its 32 bits, however they were extended.
+    /// Converts a parameter's raw value to its unit; whole numbers stay whole. raw: its 32 bits, with or
+    /// without sign extension.
     #[allow(clippy::wrong_self_convention, reason = "the converse of `to_raw`")]
     fn from_raw<'py>(&self, py: Python<'py>, number: u16, raw: i64) -> PyResult<Bound<'py, PyAny>> {
         let row = self.0.known(number)?;
@@ -136,7 +137,7 @@ impl Row {
 }
 
 impl Tables {
-    /// Those of this package's own drive.
+    /// Returns the tables of this package.
     pub(crate) fn own() -> Arc<Self> {
         Arc::clone(&OWN)
     }
@@ -154,7 +155,7 @@ impl Tables {
                         || row.category.to_string(),
                         |category| format!("{}-{}", category.number, category.name),
                     );
-                    // The text stands between the tag and the next one.
+                    // The text is between the tag and the next one.
                     let about = text.get(place + 1..).unwrap_or_default();
                     let about = about.split(|byte| *byte == b'<').next().unwrap_or_default();
                     let about = String::from_utf8_lossy(about).into_owned();
@@ -169,7 +170,7 @@ impl Tables {
         Ok(tables)
     }
 
-    /// The row of a number.
+    /// Returns the row with this number.
     pub(crate) fn row(&self, number: u16) -> Option<&DescribedParameter> {
         self.parameters.iter().map(|row| &row.row).find(|row| row.number == number)
     }
@@ -178,7 +179,7 @@ impl Tables {
         self.row(number).ok_or_else(|| error::parameter(format!("there is no parameter {number}")))
     }
 
-    /// Every signal of the measurements, where it was heard with its time in s.
+    /// Returns every signal of the measurements; received ones with value and time in s.
     pub(crate) fn measurements(&self, heard: &Measurements) -> Vec<Signal> {
         let signal = |field: &DescribedField| {
             let frame = Opcode::new(field.opcode).and_then(|opcode| heard.frame(opcode));
@@ -194,7 +195,8 @@ impl Tables {
         self.fields.iter().filter(move |field| (first..first + 9).contains(&field.opcode))
     }
 
-    /// A parameter that the drive does not read or write, by its own names and ranges.
+    /// Returns the error for a parameter that the drive does not read or write, with the description's name
+    /// and range.
     pub(crate) fn refusal(&self, refusal: &Refusal) -> PyErr {
         let Some(row) = self.row(refusal.number) else { return error::refusal(refusal) };
         let scale = Scale::from(row);
@@ -208,7 +210,7 @@ impl Tables {
     }
 }
 
-/// A number that somebody has entered: a truth value and a text are none.
+/// Converts a number that a user has entered; a bool and a text are errors.
 pub(crate) fn entered(scale: Scale<'_>, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let number: Option<f64> =
         if is_truth(value) || value.is_instance_of::<PyString>() { None } else { value.extract().ok() };
@@ -221,7 +223,7 @@ pub(crate) fn entered(scale: Scale<'_>, value: &Bound<'_, PyAny>) -> PyResult<f6
     })
 }
 
-/// A bool of Python or of numpy.
+/// Returns whether the value is a bool of Python or of numpy.
 pub(crate) fn is_truth(value: &Bound<'_, PyAny>) -> bool {
     let name = value.get_type().name();
     value.is_instance_of::<PyBool>() || name.is_ok_and(|name| name == "bool_" || name == "bool")

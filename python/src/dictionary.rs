@@ -2,7 +2,8 @@
 
 use pyo3::prelude::*;
 
-/// The records of a log download: index, time in s, and (what, raw value) of each; `None` where the drive could read none.
+/// Decodes the records of a log download: index, time in s, and (what, raw value) of each; `None` for a
+/// record that the drive could not read.
 #[pyfunction]
 pub(crate) fn log_records(data: &[u8], size: usize) -> Vec<Option<LogRecord>> {
     let record = |bytes: &[u8]| {

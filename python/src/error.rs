@@ -1,5 +1,5 @@
-//! Errors of the classes in `narx.errors`, and arguments that are checked. Every refusal names what, its value and what
-//! is allowed.
+//! Errors of the classes in `narx.errors`, and checks of arguments. Every error names its subject, the value
+//! and the allowed range.
 
 use narx_core::bus::narmotion::ParameterStatus;
 use narx_core::master::{DownloadError, Refusal, UpdateError};
@@ -7,27 +7,27 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use std::fmt::Display;
 
-/// An argument or a parameter of the drive that cannot have its value.
+/// Returns a ParameterError: an argument or a parameter of the drive is invalid.
 pub(crate) fn parameter(message: impl Display) -> PyErr {
     raise("ParameterError", &message)
 }
 
-/// Bytes that are not a recording, or not one that this version can replay.
+/// Returns a RecordingError: the bytes are not a recording, or not one that this version can replay.
 pub(crate) fn recording(message: impl Display) -> PyErr {
     raise("RecordingError", &message)
 }
 
-/// The drive does not answer.
+/// Returns a NoAnswerError: the drive does not answer.
 pub(crate) fn no_answer(message: impl Display) -> PyErr {
     raise("NoAnswerError", &message)
 }
 
-/// The drive, or this master, does not do what it is asked for now.
+/// Returns a RefusedError: the drive, or this master, refuses the request now.
 pub(crate) fn refused(message: impl Display) -> PyErr {
     raise("RefusedError", &message)
 }
 
-/// A node does not do what it is asked for: an SDO abort with its code.
+/// Returns an AbortError: a node refuses a request, with the code of its SDO abort.
 pub(crate) fn abort(py: Python<'_>, message: String, code: u32) -> PyErr {
     let class = py.import("narx.errors").and_then(|module| module.getattr("AbortError"));
     match class.and_then(|class| class.call1((message, code))) {
@@ -36,12 +36,12 @@ pub(crate) fn abort(py: Python<'_>, message: String, code: u32) -> PyErr {
     }
 }
 
-/// A parameter that the drive does not read or write.
+/// Returns the error for a parameter that the drive does not read or write.
 pub(crate) fn refusal(refusal: &Refusal) -> PyErr {
     refused_parameter(refusal.status, refusal)
 }
 
-/// The same in other words.
+/// Returns the error for a parameter that the drive does not read or write, with another message.
 pub(crate) fn refused_parameter(status: ParameterStatus, message: impl Display) -> PyErr {
     match status {
         ParameterStatus::WrongState | ParameterStatus::Storage | ParameterStatus::NotEquipped => {
@@ -51,19 +51,20 @@ pub(crate) fn refused_parameter(status: ParameterStatus, message: impl Display) 
     }
 }
 
-/// A request that is done in another way than it was asked for. The caller of the caller of the method that has called is who asked.
+/// Warns that a request is carried out in another way than requested. The warning is attributed to the caller
+/// of the Python function that has called the compiled method.
 pub(crate) fn warn(py: Python<'_>, class: &str, message: &str) -> PyResult<()> {
     let class = py.import("narx.errors")?.getattr(class)?;
     py.import("warnings")?.call_method1("warn", (message, class, 3))?;
     Ok(())
 }
 
-/// A file that is no image, or not one for this drive.
+/// Returns an ImageError: the file is no image, or not one for this drive.
 pub(crate) fn image(message: impl Display) -> PyErr {
     raise("ImageError", &message)
 }
 
-/// An update after which the drive runs what it ran before.
+/// Converts the error of an update, after which the drive runs its previous image.
 pub(crate) fn update(error: UpdateError) -> PyErr {
     match error {
         UpdateError::NoAnswer | UpdateError::Silent => no_answer(error),
@@ -74,7 +75,7 @@ pub(crate) fn update(error: UpdateError) -> PyErr {
     }
 }
 
-/// A download that came to nothing.
+/// Converts the error of a download.
 pub(crate) fn download(error: DownloadError) -> PyErr {
     match error {
         DownloadError::NoAnswer => no_answer(error),
@@ -83,7 +84,7 @@ pub(crate) fn download(error: DownloadError) -> PyErr {
     }
 }
 
-/// `name` must be a finite number that `allowed` says in words and `accepts` decides.
+/// Checks that `name` is a finite number that `accepts` accepts; `allowed` describes the range in words.
 pub(crate) fn number(
     name: &str,
     value: f64,
@@ -98,24 +99,24 @@ pub(crate) fn number(
     Err(parameter(format!("{name} {value}{unit}: must be {allowed}")))
 }
 
-/// `name` must be a finite number.
+/// Checks that `name` is a finite number.
 pub(crate) fn finite(name: &str, value: f64, unit: &str) -> PyResult<f64> {
     number(name, value, unit, "a finite number", |_| true)
 }
 
-/// `name` must be a finite number, 0 or more.
+/// Checks that `name` is a finite number, 0 or more.
 pub(crate) fn magnitude(name: &str, value: f64, unit: &str) -> PyResult<f64> {
     number(name, value, unit, "a finite number, 0 or more", |value| value >= 0.0)
 }
 
-/// `name` must be a whole number within `min..=max`.
+/// Checks that `name` is a whole number within `min..=max`.
 pub(crate) fn whole(name: &str, value: f64, unit: &str, min: f64, max: f64) -> PyResult<i64> {
     let allowed = format!("a whole number from {min} to {max}");
     number(name, value, unit, &allowed, |value| value.fract() == 0.0 && (min..=max).contains(&value))
         .map(|value| value as i64)
 }
 
-/// `name` must be one of the named values.
+/// Returns the value of `name`, which must be one of the named choices.
 pub(crate) fn choice<T: Copy>(name: &str, value: &str, choices: &[(&str, T)]) -> PyResult<T> {
     let found = choices.iter().find(|(choice, _)| *choice == value);
     found.map(|(_, chosen)| *chosen).ok_or_else(|| {
@@ -124,7 +125,7 @@ pub(crate) fn choice<T: Copy>(name: &str, value: &str, choices: &[(&str, T)]) ->
     })
 }
 
-/// `, did you mean "x"?` for the names that look most like `wanted`.
+/// Returns `; did you mean "x"?` for the names that are most similar to `wanted`.
 pub(crate) fn suggestion<'a>(py: Python<'_>, wanted: &str, names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     let close = || -> PyResult<Vec<String>> {

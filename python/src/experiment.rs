@@ -11,14 +11,15 @@ use pyo3::types::{PyDict, PyMapping};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 
-/// A bench that powers up, is asked for a speed and runs.
+/// A bench that powers up, gets a request for a speed and runs.
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Experiment(narx_sim::experiment::Experiment);
 
 #[pymethods]
 impl Experiment {
-    /// motor to seed are those of `narx.Bench`. rpm: set-point; without one the middle of what commissioning allows. seconds: from
-    /// the Drive request to the end. fault to fault_high are those of `narx.Bench.inject`; fault_time: s after the request.
+    /// motor to seed are those of `narx.Bench`. rpm: set-point; without one the middle of the range of
+    /// commissioning. seconds: from the Drive request to the end. fault to fault_high are those of
+    /// `narx.Bench.inject`; fault_time: s after the request.
     #[new]
     #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, rpm=None, seconds=2.0,
                         fault=None, fault_value=None, fault_phase=None, fault_high=false, fault_time=0.0))]
@@ -52,7 +53,7 @@ impl Experiment {
         }))
     }
 
-    /// Runs it: columns by name, units by name and the recording, since power-up.
+    /// Runs the experiment; returns columns by name, units by name and the recording, since power-up.
     fn run<'py>(&self, py: Python<'py>) -> PyResult<Run<'py>> {
         let mut interrupted = Ok(());
         let mut goes_on = || {
@@ -73,8 +74,9 @@ pub(crate) fn experiment_figures() -> Vec<(&'static str, &'static str)> {
     FIGURES.to_vec()
 }
 
-/// Runs experiments on so many threads, or on every core, and calls `tell` with the index and the figures of each as it ends, or with the text of an error.
-/// Only figures are kept. What `tell` raises, or Ctrl-C, ends it.
+/// Runs experiments on `threads` threads, or on every core. `tell` is called when each one ends, with its
+/// index and its figures, or with the text of its error. Only figures are kept. An error of `tell`, or
+/// Ctrl-C, ends the run.
 #[pyfunction]
 #[pyo3(signature = (experiments, tell, threads=None))]
 pub(crate) fn run_experiments(
@@ -94,7 +96,7 @@ pub(crate) fn run_experiments(
             threads,
             |job, stop| {
                 let run = || job.run(|| !stop.load(Ordering::Relaxed));
-                // One that breaks down must not take the others with it.
+                // A panic of one experiment must not end the others.
                 let run = catch_unwind(AssertUnwindSafe(run)).map_err(|_| "the simulation broke down".into());
                 run.and_then(|run| run.map_err(|error| error.to_string()))
             },

@@ -1,4 +1,4 @@
-//! The files that other tools read, as they are committed.
+//! Files for other tools, as they are committed.
 
 use crate::error;
 use narx_core::bus::narmotion::Addresses;
@@ -6,13 +6,14 @@ use narx_core::description::Document;
 use narx_sim::bench::IDENTITY;
 use pyo3::prelude::*;
 
-/// The CAN database of the drive's messages (DBC).
+/// Returns the CAN database of the drive's messages (DBC).
 #[pyfunction]
 pub(crate) const fn dbc() -> &'static str {
     include_str!("../../docs/narx.dbc")
 }
 
-/// The electronic data sheet of a TX-Driver with so many channels, whose PDOs have the encoder or not (EDS).
+/// Returns the electronic data sheet (EDS) of a TX-Driver with this number of channels, whose PDOs have the
+/// encoder or not.
 #[pyfunction]
 #[pyo3(signature = (channels=1, encoder=false))]
 pub(crate) fn eds(channels: i128, encoder: bool) -> PyResult<&'static str> {
@@ -25,7 +26,8 @@ pub(crate) fn eds(channels: i128, encoder: bool) -> PyResult<&'static str> {
     }
 }
 
-/// The description that a drive of this version serves (XML); one with other addresses or another board differs in its first line.
+/// Returns the description (XML) that a drive of this version serves. With other addresses or another board
+/// its first line differs.
 #[pyfunction]
 pub(crate) fn xml() -> String {
     let document = Document { identity: IDENTITY, addresses: Addresses::FACTORY, tick_rate: 10_000 };

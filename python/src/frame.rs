@@ -1,4 +1,4 @@
-//! Frames and the messages in them.
+//! Frames and their messages.
 
 use crate::error;
 use crate::master;
@@ -10,10 +10,11 @@ use narx_host::can_log::{Value, node};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyFrozenSet};
 
-/// A frame as Python has it: identifier, extended, remote, data. A remote frame has as many zeros as it asks for.
+/// A frame in Python: identifier, extended, remote, data. A remote frame has as many zeros as it requests
+/// bytes.
 pub(crate) type Parts<'py> = (u32, bool, bool, Bound<'py, PyBytes>);
 
-/// The frame of these parts.
+/// Builds a frame of its parts.
 pub(crate) fn new(id: u32, extended: bool, remote: bool, data: &[u8]) -> PyResult<Frame> {
     let number = if extended { Id::extended(id) } else { u16::try_from(id).ok().and_then(Id::standard) };
     let bits = if extended { 29 } else { 11 };
@@ -24,17 +25,18 @@ pub(crate) fn new(id: u32, extended: bool, remote: bool, data: &[u8]) -> PyResul
     frame.ok_or_else(|| error::parameter(format!("data of {} bytes: must have at most 8", data.len())))
 }
 
-/// The parts of a frame.
+/// Returns the parts of a frame.
 pub(crate) fn parts<'py>(py: Python<'py>, frame: &Frame) -> Parts<'py> {
     let zeros = [0; 8];
     let data = if frame.is_remote() { &zeros[..usize::from(frame.dlc().min(8))] } else { frame.payload() };
     (frame.id().raw(), matches!(frame.id(), Id::Extended { .. }), frame.is_remote(), PyBytes::new(py, data))
 }
 
-/// A decoded message: name, opcode, whether the drive has sent it, source, destination, values and units by field.
+/// A decoded message: name, opcode, true if the drive sends it, source, destination, values and units by
+/// field.
 type Decoded<'py> = (&'static str, u16, bool, u8, u8, Bound<'py, PyDict>, Bound<'py, PyDict>);
 
-/// The message in a frame, by the tables of PROTOCOL.md; `None` if the drive's protocol has no such frame.
+/// Decodes a frame, by the tables of PROTOCOL.md; `None` if the drive's protocol has no such frame.
 #[pyfunction]
 pub(crate) fn decode<'py>(
     py: Python<'py>,
@@ -51,11 +53,11 @@ pub(crate) fn decode<'py>(
     Ok(Some((message.name, message.opcode.raw(), from_drive, id.source, id.destination, values, units)))
 }
 
-/// A decoded message of eddyCAN: name, whether the node has sent it, values and units by signal.
+/// A decoded message of eddyCAN: name, true if the node sends it, values and units by signal.
 type NodeDecoded<'py> = (&'static str, bool, Bound<'py, PyDict>, Bound<'py, PyDict>);
 
-/// The message of a TX-Driver or its master in a frame with an 11-bit identifier; `None` if eddyCAN has no such frame. encoder: PDOs of 8
-/// bytes have it in them.
+/// Decodes a frame of a TX-Driver or its master, with an 11-bit identifier; `None` if eddyCAN has no such
+/// frame. encoder: PDOs of 8 bytes contain the encoder's value.
 #[pyfunction]
 pub(crate) fn decode_node<'py>(
     py: Python<'py>,
@@ -69,7 +71,7 @@ pub(crate) fn decode_node<'py>(
     let message = &node::MESSAGES[decoded.place];
     let (values, units) = (PyDict::new(py), PyDict::new(py));
     for (signal, value) in node::signals(decoded.place).iter().zip(decoded.values()) {
-        // What a layout does not carry is not there.
+        // Values that the layout does not carry are left out.
         match *value {
             Value::Quantity(value) if value.is_nan() => continue,
             Value::Quantity(value) => values.set_item(signal.name, value)?,
@@ -84,7 +86,7 @@ pub(crate) fn decode_node<'py>(
     Ok(Some((message.name, message.from_node, values, units)))
 }
 
-/// The fields of a STATUS_WORD.
+/// Returns the fields of a STATUS_WORD.
 pub(crate) fn status(py: Python<'_>, bits: u32) -> PyResult<Bound<'_, PyDict>> {
     let words = Words([(bits >> 16) as u16, bits as u16, 0, 0]);
     match MESSAGES.iter().find(|message| message.opcode == Opcode::STATUS_WORD) {
@@ -138,7 +140,7 @@ fn value<'py>(py: Python<'py>, values: &Bound<'py, PyDict>, field: &Field, raw: 
     }
 }
 
-/// Whole numbers stay whole.
+/// Sets a value; whole numbers stay whole.
 fn set(values: &Bound<'_, PyDict>, name: &str, value: Decimal) -> PyResult<()> {
     if value.exponent == 0 {
         values.set_item(name, value.digits)
@@ -147,7 +149,7 @@ fn set(values: &Bound<'_, PyDict>, name: &str, value: Decimal) -> PyResult<()> {
     }
 }
 
-/// The nearest 64-bit float.
+/// Returns the nearest 64-bit float.
 pub(crate) fn float(value: Decimal) -> f64 {
     let power = (0..value.exponent.unsigned_abs()).fold(1.0, |power, _| power * 10.0);
     if value.exponent < 0 { value.digits as f64 / power } else { value.digits as f64 * power }

@@ -1,5 +1,5 @@
-//! `narx._core`: the control core and the bench for Python. Types are converted here; every fact comes from core and sim, and what
-//! a user meets is made from it in the package's Python files.
+//! `narx._core`: the control core and the bench for Python. This crate only converts types: all facts come
+//! from core and sim. The package's Python files build the public interface on it.
 
 mod bench;
 mod blocks;

@@ -1,4 +1,4 @@
-//! The master of a drive: that of a bench, or one whose frames Python carries.
+//! Master of a drive: that of a bench, or one whose frames Python carries.
 
 use crate::description::{Description, Signal, Tables, is_truth};
 use crate::error;
@@ -19,27 +19,27 @@ use std::cell::Cell;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The other end of a drive's bus. Times are seconds from any beginning.
+/// The master of a drive, at the other end of its bus. Times are seconds from any beginning.
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Master {
     host: Host,
-    /// What the drive is known to be made of.
+    /// Tables of the drive, as known at present.
     tables: Mutex<Arc<Tables>>,
 }
 
-/// Where it is.
+/// Place of a master.
 enum Host {
-    /// At the host's place of a bench, whose time is its time.
+    /// On a bench, with its simulated time.
     Bench(Shared),
-    /// Nowhere: frames come and go by calls.
+    /// On no bus: Python passes its frames.
     Free(Arc<Mutex<Free>>),
 }
 
 struct Free {
     master: Core,
-    /// The last time that it was told, microseconds.
+    /// Latest time that was passed in, microseconds.
     now: u64,
-    /// The image of the update.
+    /// Image of the update.
     image: Vec<u8>,
 }
 
@@ -63,7 +63,7 @@ impl Master {
         Arc::clone(&self.tables.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Does something to the master, at its time.
+    /// Calls `act` with the master and its time.
     fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Core, u64) -> T + Send) -> T {
         match &self.host {
             Host::Bench(session) => session.with(py, |session| {
@@ -78,7 +78,7 @@ impl Master {
         }
     }
 
-    /// What the bench knows exactly; `None` off a bench.
+    /// Returns a value that a bench knows exactly; `None` without a bench.
     fn exact<T: Send>(&self, py: Python<'_>, look: impl FnOnce(&Session) -> T + Send) -> Option<T> {
         match &self.host {
             Host::Bench(session) => Some(session.with(py, |session| look(session))),
@@ -89,7 +89,8 @@ impl Master {
 
 #[pymethods]
 impl Master {
-    /// A master on no bus yet. slave, monitor: addresses of the drive and of this master. setpoint_period, timeout: s.
+    /// Makes a master on no bus. slave, monitor: addresses of the drive and of this master. setpoint_period,
+    /// timeout: s.
     #[new]
     #[pyo3(signature = (slave=170, monitor=85, setpoint_period=0.05, silent=false, read_parameters=true, timeout=0.1))]
     fn new(
@@ -140,7 +141,8 @@ impl Master {
         Ok(())
     }
 
-    /// The next frame that is due at `now`: id, extended, remote, data. A bench's master sends its own.
+    /// Returns the next frame that is due at `now`: id, extended, remote, data. A bench sends the frames of
+    /// its master itself.
     fn poll_frame<'py>(&self, py: Python<'py>, now: f64) -> Option<frame::Parts<'py>> {
         self.tell(now);
         let Host::Free(free) = &self.host else { return None };
@@ -148,7 +150,7 @@ impl Master {
         Some(frame::parts(py, &frame))
     }
 
-    /// When to poll again at the latest; infinity without a reason.
+    /// Returns the latest time of the next poll; infinity if there is none.
     fn next_poll(&self, py: Python<'_>, now: f64) -> f64 {
         self.tell(now);
         match self.with(py, |master, now| master.next_poll(now)) {
@@ -157,9 +159,10 @@ impl Master {
         }
     }
 
-    /// Checks a set-point, rpm, negative in reverse, by the drive's limits in rpm: values of parameters by number; a bench knows them. Returns the number
-    /// of a parameter that is not among them, `None` when nothing is missing and nothing is wrong. least: 0 where there is no reverse. Warns where the drive turns at one speed
-    /// whatever is asked for.
+    /// Checks a set-point, rpm, negative in reverse, against the drive's limits in rpm. values: parameters by
+    /// number; a bench knows them itself. Returns the number of a parameter that is missing in `values`;
+    /// `None` if none is missing and the set-point is allowed. least: 0 if the set-point has no direction.
+    /// Warns if the drive runs at one speed, whatever is requested.
     fn check_speed(
         &self,
         py: Python<'_>,
@@ -193,13 +196,14 @@ impl Master {
         }
     }
 
-    /// What the motor was asked for: the motor mode of the last request word, `None` before the first.
+    /// Motor mode of the last request word; `None` before the first.
     #[getter]
     fn requested(&self, py: Python<'_>) -> Option<u8> {
         self.with(py, |master, _| master.requested().map(|mode| mode as u8))
     }
 
-    /// Asks for a speed, rpm, negative in reverse. On a bench it waits for the drive's self-tests.
+    /// Requests a start at a speed, rpm, negative in reverse. On a bench the start waits for the drive's
+    /// self-tests.
     fn start(&self, py: Python<'_>, rpm: &Bound<'_, PyAny>) -> PyResult<()> {
         let rpm = rpm_of(rpm)?;
         match &self.host {
@@ -209,7 +213,7 @@ impl Master {
         Ok(())
     }
 
-    /// Asks for another speed in the same direction, rpm.
+    /// Requests another speed in the same direction, rpm.
     fn set_speed(&self, py: Python<'_>, rpm: &Bound<'_, PyAny>) -> PyResult<()> {
         let rpm = error::whole("rpm", number(rpm, 0.0)?, "", 0.0, RPM_MAX)? as u16;
         match &self.host {
@@ -219,7 +223,7 @@ impl Master {
         Ok(())
     }
 
-    /// Asks for Standby.
+    /// Requests Standby.
     fn stop(&self, py: Python<'_>) {
         match &self.host {
             Host::Bench(session) => session.with(py, Session::stop),
@@ -227,12 +231,12 @@ impl Master {
         }
     }
 
-    /// Asks for a shutdown.
+    /// Requests a shutdown.
     fn shut_down(&self, py: Python<'_>) {
         self.with(py, |master, _| master.shut_down());
     }
 
-    /// A start still waits for a bench's drive to be ready.
+    /// True while a start waits until the drive of a bench is ready.
     #[getter]
     fn start_pending(&self, py: Python<'_>) -> bool {
         self.exact(py, Session::is_start_pending).unwrap_or(false)
@@ -244,31 +248,32 @@ impl Master {
         self.with(py, |master, _| master.setpoint())
     }
 
-    /// Transmits nothing.
+    /// True for a master that transmits nothing.
     #[getter]
     fn silent(&self, py: Python<'_>) -> bool {
         self.with(py, |master, _| master.config().silent)
     }
 
-    /// From one set-point to the next, s.
+    /// Time between two set-points, s.
     #[getter]
     fn setpoint_period(&self, py: Python<'_>) -> f64 {
         self.with(py, |master, _| seconds(master.config().setpoint_period))
     }
 
-    /// The drive was heard lately.
+    /// True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that is
+    /// longer.
     #[getter]
     fn connected(&self, py: Python<'_>) -> bool {
         self.with(py, |master, now| master.is_connected(now))
     }
 
-    /// When anything was last heard of the drive, s; `None` before.
+    /// Time at which any message of the drive was last heard, s; `None` before the first.
     #[getter]
     fn last_heard(&self, py: Python<'_>) -> Option<f64> {
         self.with(py, |master, _| master.report().last.map(seconds))
     }
 
-    /// The drive's state; `None` while it is not known. A bench knows it.
+    /// State of the drive; `None` while unknown. A bench knows it exactly.
     #[getter]
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let exact = self.exact(py, |session| session.bench().status().state);
@@ -276,7 +281,7 @@ impl Master {
         state.map(|state| state::member(py, state)).transpose()
     }
 
-    /// Names of the set bits of FAULT_WORD; `None` before it was heard. A bench knows it.
+    /// Names of the set bits of FAULT_WORD; `None` before the first. A bench knows them exactly.
     #[getter]
     fn faults(&self, py: Python<'_>) -> Option<HashSet<String>> {
         let exact = self.exact(py, |session| session.bench().status().faults);
@@ -284,14 +289,14 @@ impl Master {
         exact.or_else(heard).map(|faults| names(faults).collect())
     }
 
-    /// CRITICAL_FAULT as it was last heard: faults, extended code, and what that means.
+    /// The last CRITICAL_FAULT: faults, extended code, and its meaning.
     #[getter]
     fn critical(&self, py: Python<'_>) -> Option<(HashSet<String>, u16, Option<&'static str>)> {
         let Heard { value, .. } = self.with(py, |master, _| master.report().critical)?;
         Some((names(value.faults).collect(), value.code, value.cause().map(|cause| cause.meaning)))
     }
 
-    /// STATUS_WORD: its fields by the names of PROTOCOL.md; `None` before it was heard.
+    /// The last STATUS_WORD: its fields by the names of PROTOCOL.md; `None` before the first.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some(Heard { value, .. }) = self.with(py, |master, _| master.report().status) else {
@@ -300,13 +305,13 @@ impl Master {
         frame::status(py, StatusWord::encode(value)).map(Some)
     }
 
-    /// The set-point that the drive has accepted, rpm.
+    /// Set-point that the drive has accepted, rpm.
     #[getter]
     fn accepted_speed(&self, py: Python<'_>) -> Option<u16> {
         self.with(py, |master, _| Some(master.report().accepted_speed?.value))
     }
 
-    /// BUILD_INFO: number, from modified sources, date YYYYMMDD.
+    /// BUILD_INFO: build number, true if built from modified sources, date YYYYMMDD.
     #[getter]
     fn build(&self, py: Python<'_>) -> Option<(u16, bool, u32)> {
         let build = self.with(py, |master, _| master.report().build)?.value;
@@ -320,37 +325,38 @@ impl Master {
         Some((device.hardware, device.software, device.device_number, device.address))
     }
 
-    /// Every signal of the measurements: name, unit, and value with the time when it was heard.
+    /// Every signal of the measurements: name, unit, and value with the time of its reception.
     fn measurements(&self, py: Python<'_>) -> Vec<Signal> {
         let tables = self.tables();
         self.with(py, |master, _| tables.measurements(master.measurements()))
     }
 
-    /// From now on the drive is what this says.
+    /// Replaces the tables of the drive by those of a description.
     fn describe(&self, description: &Description) {
         *self.tables.lock().unwrap_or_else(PoisonError::into_inner) = description.tables();
     }
 
-    /// Length of the drive's description in words, and its CRC-32 (0 where the drive does not tell it); `None` before it was asked for.
+    /// Length of the drive's description in words, and its CRC-32 (0 if the drive does not report it); `None`
+    /// before it was read.
     #[getter]
     fn description(&self, py: Python<'_>) -> Option<(u16, u32)> {
         let told = self.with(py, |master, _| master.report().description)?.value;
         Some((told.words, told.check))
     }
 
-    /// When the drive last acknowledged a reboot, s.
+    /// Time at which the drive last acknowledged a reboot, s.
     #[getter]
     fn reboot(&self, py: Python<'_>) -> Option<f64> {
         self.with(py, |master, _| master.report().reboot).map(seconds)
     }
 
-    /// Mechanical speed by what the control mode uses, rpm.
+    /// Mechanical speed from the source that the control mode uses, rpm.
     #[getter]
     fn speed(&self, py: Python<'_>) -> Option<i16> {
         self.with(py, |master, _| Some(master.speed()?.value))
     }
 
-    /// Raw value of a parameter as it was last heard; `None` before.
+    /// Raw value of a parameter as last heard; `None` before.
     fn parameter(&self, py: Python<'_>, number: u16) -> Option<i64> {
         let tables = self.tables();
         let row = tables.row(number)?;
@@ -358,18 +364,19 @@ impl Master {
         Some(row.kind.widen(heard.value))
     }
 
-    /// Reads every parameter in the background.
+    /// Starts to read every parameter in the background.
     fn read_parameters(&self, py: Python<'_>) {
         self.with(py, |master, _| master.read_parameters());
     }
 
-    /// Parameters that are still to be read in the background.
+    /// Number of parameters that are still to be read in the background.
     #[getter]
     fn parameters_to_read(&self, py: Python<'_>) -> usize {
         self.with(py, |master, _| master.parameters_to_read())
     }
 
-    /// Asks for something: "read", "write" and the services of PROTOCOL.md by their names. Its answer is that of `poll_answer`.
+    /// Queues a request: "read", "write" or one of the services of PROTOCOL.md by its name. `poll_answer`
+    /// returns the answer.
     #[pyo3(signature = (what, number=0, raw=0))]
     fn request(&self, py: Python<'_>, what: &str, number: u16, raw: i64) -> PyResult<()> {
         let request = request(what, number, raw)?;
@@ -387,7 +394,8 @@ impl Master {
         self.with(py, |master, _| master.request(Request::DigitalOutputs(outputs))).map_err(error::refused)
     }
 
-    /// The next answer, `None` before it is there: the raw value that a parameter has now, 0 for other requests.
+    /// Returns the next answer, `None` before it has come: the raw value that a parameter has now, 0 for
+    /// other requests.
     fn poll_answer(&self, py: Python<'_>) -> PyResult<Option<i64>> {
         let Some(Answer { request, result }) = self.with(py, |master, _| master.poll_answer()) else {
             return Ok(None);
@@ -405,7 +413,8 @@ impl Master {
         }
     }
 
-    /// Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first` on.
+    /// Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first`
+    /// on.
     #[pyo3(signature = (what, first=0, count=0))]
     fn download(&self, py: Python<'_>, what: &str, first: u32, count: u32) -> PyResult<()> {
         let download = match what {
@@ -416,7 +425,7 @@ impl Master {
         self.with(py, |master, _| master.download(download)).map_err(error::refused)
     }
 
-    /// Words that have come: their place in the download, and their bytes, high byte first.
+    /// Returns the words that have arrived: their place in the download, and their bytes, high byte first.
     fn poll_chunks<'py>(&self, py: Python<'py>) -> Vec<(u32, Bound<'py, PyBytes>)> {
         let chunks = self.with(py, |master, _| {
             std::iter::from_fn(|| master.poll_chunk())
@@ -426,18 +435,18 @@ impl Master {
         chunks.into_iter().map(|(offset, bytes)| (offset, PyBytes::new(py, &bytes))).collect()
     }
 
-    /// Words received and in all; `None` before the length is known, and without a download.
+    /// Number of words received, and the total; `None` before the length is known, and without a download.
     fn download_progress(&self, py: Python<'_>) -> Option<(u32, u32)> {
         self.with(py, |master, _| master.download_progress())
             .map(|progress| (progress.received, progress.total))
     }
 
-    /// Its length in words, once the download is complete and all its chunks were taken.
+    /// Returns the length of the download in words, once it is complete and all its chunks were taken.
     fn poll_download(&self, py: Python<'_>) -> PyResult<Option<u32>> {
         self.with(py, |master, _| master.poll_download()).transpose().map_err(error::download)
     }
 
-    /// Ends the download.
+    /// Aborts the download.
     fn abort_download(&self, py: Python<'_>) {
         self.with(py, |master, _| master.abort_download());
     }
@@ -456,26 +465,27 @@ impl Master {
         begun.map_err(error::refused)
     }
 
-    /// What the update is about, bytes of that which are done, and length of the image; `None` without an update.
+    /// Stage of the update, number of bytes that are done in it, and length of the image; `None` without an
+    /// update.
     fn update_progress(&self, py: Python<'_>) -> Option<(&'static str, u32, u32)> {
         let UpdateProgress { stage, done, total } = self.with(py, |master, _| master.update_progress())?;
         Some((stage.label(), done, total))
     }
 
-    /// Whether the drive runs the image now and keeps it. Raises what went wrong.
+    /// Returns whether the drive runs the image now and keeps it. Raises the error of the update.
     fn poll_update(&self, py: Python<'_>) -> PyResult<bool> {
         let end = self.with(py, |master, _| master.poll_update());
         end.transpose().map(|end| end.is_some()).map_err(error::update)
     }
 
-    /// Ends the update.
+    /// Aborts the update.
     fn abort_update(&self, py: Python<'_>) {
         self.with(py, |master, _| master.abort_update());
     }
 }
 
 impl Master {
-    /// It is `now`; time never runs back.
+    /// Advances the time to `now`; it never goes back.
     fn tell(&self, now: f64) {
         if let Host::Free(free) = &self.host {
             let mut free = free.lock().unwrap_or_else(PoisonError::into_inner);
@@ -484,11 +494,11 @@ impl Master {
     }
 }
 
-/// What a MOTOR_CMD can carry: whole rpm of 16 bits.
+/// Largest set-point of MOTOR_CMD: whole rpm of 16 bits.
 const RPM_MAX: f64 = u16::MAX as f64;
 
 fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
-    // A value of any kind has 32 bits.
+    // Parameters of every type have 32 bits; the cast keeps them.
     let raw = raw as i32;
     Ok(match what {
         "read" => Request::Read { number },
@@ -498,7 +508,8 @@ fn request(what: &str, number: u16, raw: i64) -> PyResult<Request> {
     })
 }
 
-/// A refused reboot has no answer, and for one that is about a parameter the parameter is named.
+/// Converts the error of a request. An error about a parameter names it, and one of a reboot explains why it
+/// has no answer.
 fn request_error(tables: &Tables, request: Request, error: RequestError) -> PyErr {
     match error {
         RequestError::NoAnswer => error::no_answer(match request {
@@ -513,7 +524,7 @@ fn request_error(tables: &Tables, request: Request, error: RequestError) -> PyEr
     }
 }
 
-/// Names of the set bits.
+/// Returns the names of the set bits.
 pub(crate) fn names(faults: FaultWord) -> impl Iterator<Item = String> {
     faults.iter_names().map(|(name, _)| name.to_ascii_lowercase()).collect::<Vec<_>>().into_iter()
 }
@@ -526,12 +537,12 @@ fn seconds(microseconds: u64) -> f64 {
     microseconds as f64 / 1e6
 }
 
-/// A speed that somebody has entered.
+/// Converts a speed that a user has entered.
 fn rpm_of(rpm: &Bound<'_, PyAny>) -> PyResult<i32> {
     self::rpm(number(rpm, -RPM_MAX)?)
 }
 
-/// A truth value and a text are no speed.
+/// Converts a number that a user has entered; a bool and a text are errors.
 fn number(rpm: &Bound<'_, PyAny>, min: f64) -> PyResult<f64> {
     let entered: Option<f64> = if is_truth(rpm) { None } else { rpm.extract().ok() };
     entered.ok_or_else(|| {
@@ -540,7 +551,7 @@ fn number(rpm: &Bound<'_, PyAny>, min: f64) -> PyResult<f64> {
     })
 }
 
-/// A speed that can be asked for.
+/// Converts a speed to whole rpm in the range of MOTOR_CMD.
 pub(crate) fn rpm(rpm: f64) -> PyResult<i32> {
     error::whole("rpm", rpm, "", -RPM_MAX, RPM_MAX).map(|rpm| rpm as i32)
 }

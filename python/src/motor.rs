@@ -13,12 +13,14 @@ use std::hash::{Hash, Hasher};
 
 /// A star-connected three-phase motor with equal phases, from its data sheet.
 ///
-/// pole_pairs: 1 to 255. resistance: line to line, ohm. inductance: line to line, H. torque_constant: mean torque per
-/// DC ampere in ideal six-step, N m/A = 60 / (2 pi speed constant in rpm/V). inertia: rotor, kg m2. static_friction:
-/// Coulomb, N m. viscous_friction: N m s/rad. back_emf: "trapezoidal" (flat top of 120 degrees) or "sinusoidal".
-/// hall_offset_deg: hall sensors come this much late, electrical degrees. rated_current: DC, A; without it commissioning takes the current that heats the
-/// winding by 6 W, at most 6 A. max_speed: largest set-point, mechanical rpm; without it the speeds at which a given rated current still flows, or without
-/// one those that the motor reaches without load. Raises ParameterError, which names what cannot be.
+/// pole_pairs: 1 to 255. resistance: line to line, ohm. inductance: line to line, H. torque_constant: mean
+/// torque per DC ampere in ideal six-step, N m/A = 60 / (2 pi speed constant in rpm/V). inertia: rotor,
+/// kg m2. static_friction: Coulomb, N m. viscous_friction: N m s/rad. back_emf: "trapezoidal" (flat top of
+/// 120 degrees) or "sinusoidal". hall_offset_deg: delay of the hall sensors' edges, electrical degrees.
+/// rated_current: DC, A; without it commissioning takes the current that heats the winding by 6 W, at most
+/// 6 A. max_speed: largest set-point, mechanical rpm; without it the largest speed at which a given rated
+/// current still flows, or without a rated current the no-load speed. Raises ParameterError, which names the
+/// argument that is out of range.
 #[pyclass(module = "narx", frozen, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Motor {
@@ -26,7 +28,7 @@ pub(crate) struct Motor {
     hall_offset_deg: f64,
     rated_current: Option<f64>,
     max_speed: Option<f64>,
-    /// Where what no data sheet says comes from: cogging.
+    /// Preset with the properties that no data sheet lists, such as cogging.
     preset: Option<&'static str>,
 }
 
@@ -76,7 +78,7 @@ impl Motor {
         PRESETS.iter().map(|preset| preset.name).collect()
     }
 
-    /// A real motor by its name; every figure's source is in `sim/src/presets.rs`.
+    /// Returns a real motor by its name; `sim/src/presets.rs` has the source of every figure.
     #[staticmethod]
     fn preset(py: Python<'_>, name: &str) -> PyResult<Self> {
         let preset = presets::preset(name).ok_or_else(|| {
@@ -88,7 +90,8 @@ impl Motor {
         Ok(Self { config, hall_offset_deg: 0.0, rated_current, max_speed: None, preset: Some(preset.name) })
     }
 
-    /// The same motor but for some arguments of the constructor. What a preset says beyond those, such as cogging, stays.
+    /// Returns this motor with some arguments of the constructor changed. Properties of a preset beyond
+    /// those, such as cogging, are kept.
     #[pyo3(signature = (**changes))]
     fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let arguments = self.arguments(py)?;
@@ -107,19 +110,20 @@ impl Motor {
         let MotorConfig { static_friction, viscous_friction, back_emf, .. } = config;
         let figures =
             MotorConfig { pole_pairs, resistance, inductance, torque_constant, inertia, ..self.config };
-        // The name alone does not say how wide a trapezoid's top is.
+        // The name of the shape does not determine the width of a trapezoid's top.
         let same_shape = given.get().back_emf() == self.back_emf();
         let back_emf = if same_shape { self.config.back_emf } else { back_emf };
         let config = MotorConfig { static_friction, viscous_friction, back_emf, ..figures };
         Ok(Self { config, hall_offset_deg, rated_current, max_speed, preset: self.preset })
     }
 
-    /// Pickles by what makes it anew.
+    /// Pickles the arguments that rebuild the motor.
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
         Ok((py.import("narx._core")?.getattr("restore_motor")?, (self.preset, self.arguments(py)?)))
     }
 
-    /// The parameters of a drive for this motor on `supply_voltage` volts by the design rules: name -> value in its unit.
+    /// Returns the parameters of a drive for this motor on `supply_voltage` volts by the design rules: name
+    /// -> value in its unit.
     #[pyo3(signature = (supply_voltage, mode="sensorless"))]
     fn commission<'py>(
         &self,
@@ -132,7 +136,8 @@ impl Motor {
         dictionary(py, &commissioning.parameters)
     }
 
-    /// The speeds that a drive for this motor takes on `supply_voltage` volts, and the load that it can have at each.
+    /// Returns the speeds that a drive for this motor accepts on `supply_voltage` volts, and the allowed load
+    /// at each.
     #[pyo3(signature = (supply_voltage, mode="sensorless"))]
     fn operating_range(&self, supply_voltage: f64, mode: &str) -> PyResult<OperatingRange> {
         let commissioning =
@@ -152,13 +157,13 @@ impl Motor {
         self.base().filter(same).map(|preset| preset.name)
     }
 
-    /// Rated DC current, A, where it is known.
+    /// Rated DC current, A; `None` if unknown.
     #[getter]
     fn rated_current(&self) -> Option<f64> {
         self.rated_current
     }
 
-    /// Largest set-point that was asked for, mechanical rpm.
+    /// Largest set-point, mechanical rpm; `None` if it was not given.
     #[getter]
     fn max_speed(&self) -> Option<f64> {
         self.max_speed
@@ -219,7 +224,7 @@ impl Motor {
         if self.config.back_emf == BackEmf::Sinusoidal { sinusoidal } else { trapezoidal }
     }
 
-    /// Hall sensors come this much late, electrical degrees.
+    /// Delay of the hall sensors' edges, electrical degrees.
     #[getter]
     fn hall_offset_deg(&self) -> f64 {
         self.hall_offset_deg
@@ -235,7 +240,7 @@ impl Motor {
 }
 
 impl Motor {
-    /// A session with this motor, everything else at its default.
+    /// Returns the configuration of a session with this motor, everything else at its default.
     pub(crate) fn session(&self, supply: f64, mode: Mode) -> SessionConfig {
         SessionConfig {
             rated_current: self.rated_current,
@@ -250,7 +255,7 @@ impl Motor {
         presets::preset(self.preset?)
     }
 
-    /// What the constructor makes it of.
+    /// Returns the arguments of the constructor that build this motor.
     fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let arguments = PyDict::new(py);
         arguments.set_item("pole_pairs", self.pole_pairs())?;
@@ -268,7 +273,8 @@ impl Motor {
     }
 }
 
-/// The speeds (rpm) that a commissioned drive takes, and the load (N m) that the motor can have at each, beside its own friction.
+/// The speeds (rpm) that a commissioned drive accepts, and the load (N m) that is allowed at each, besides
+/// the motor's own friction.
 #[pyclass(module = "narx", frozen)]
 pub(crate) struct OperatingRange(Commissioning);
 
@@ -286,8 +292,9 @@ impl OperatingRange {
         self.0.speed_max
     }
 
-    /// The limit that sets the largest set-point: "voltage", "peak current" (ripple below 12 A), "control ticks" (two a sector), "samples" (four of
-    /// back-EMF a sector), "reported speed" (32,767 rpm), or "asked" (the motor's max_speed).
+    /// Limit that determines the largest set-point: "voltage", "peak current" (ripple below 12 A), "control
+    /// ticks" (two a sector), "samples" (four of back-EMF a sector), "reported speed" (32,767 rpm), or
+    /// "asked" (the motor's max_speed).
     #[getter]
     fn speed_limit(&self) -> &'static str {
         self.0.speed_limit.name()
@@ -311,13 +318,14 @@ impl OperatingRange {
         self.0.torque.iter().map(|point| point.torque).collect()
     }
 
-    /// Limit of the torque at each speed: "rated current", "phase current", "power", "bus current" or "voltage".
+    /// Limit of the torque at each speed: "rated current", "phase current", "power", "bus current" or
+    /// "voltage".
     #[getter]
     fn torque_limit(&self) -> Vec<&'static str> {
         self.0.torque.iter().map(|point| point.limit.name()).collect()
     }
 
-    /// Limits of the drive that hold this motor back, a sentence each.
+    /// Limits of the drive that restrict this motor, a sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.0.notes.iter().map(ToString::to_string).collect()
@@ -332,18 +340,18 @@ impl OperatingRange {
     }
 }
 
-/// What pickles a motor: the function that makes it anew, and its arguments.
+/// Pickled form of a motor: the function that rebuilds it, and its arguments.
 type Reduced<'py> = (Bound<'py, PyAny>, (Option<&'static str>, Bound<'py, PyDict>));
 
 impl Hash for Motor {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        // Motors that are equal have these equal; few others do.
+        // Equal motors have equal values of these; different motors rarely do.
         let MotorConfig { pole_pairs, resistance, inductance, inertia, .. } = self.config;
         (pole_pairs, resistance.to_bits(), inductance.to_bits(), inertia.to_bits()).hash(state);
     }
 }
 
-/// A motor as it was pickled.
+/// Rebuilds a pickled motor.
 #[pyfunction]
 pub(crate) fn restore_motor(
     py: Python<'_>,
@@ -359,20 +367,20 @@ pub(crate) fn restore_motor(
     }
 }
 
-/// A load on the shaft. All torques oppose the motion; the constant one also holds at standstill.
+/// A load on the shaft. All torques oppose the motion; the constant one also acts at standstill.
 ///
-/// constant: N m, like Coulomb friction. viscous: N m s/rad. quadratic: N m s2/rad2. inertia: kg m2, rigidly coupled. Raises ParameterError for one that is not
-/// finite, or negative.
+/// constant: N m, like Coulomb friction. viscous: N m s/rad. quadratic: N m s2/rad2. inertia: kg m2, rigidly
+/// coupled. Raises ParameterError for a value that is not finite, or negative.
 #[pyclass(module = "narx", frozen, get_all, eq, hash)]
 #[derive(PartialEq)]
 pub(crate) struct Load {
-    /// Like Coulomb friction, N m.
+    /// Constant torque, like Coulomb friction, N m.
     constant: f64,
-    /// Grows with the speed, N m s/rad.
+    /// Torque proportional to the speed, N m s/rad.
     viscous: f64,
-    /// Grows with its square, N m s2/rad2.
+    /// Torque proportional to the square of the speed, N m s2/rad2.
     quadratic: f64,
-    /// Rigidly coupled, kg m2.
+    /// Inertia, rigidly coupled, kg m2.
     inertia: f64,
 }
 
@@ -389,7 +397,7 @@ impl Load {
         })
     }
 
-    /// Pickles by what makes it anew.
+    /// Pickles the arguments that rebuild the load.
     const fn __getnewargs__(&self) -> (f64, f64, f64, f64) {
         let Self { constant, viscous, quadratic, inertia } = *self;
         (constant, viscous, quadratic, inertia)
@@ -402,7 +410,7 @@ impl Load {
 }
 
 impl Load {
-    /// What the bench is built with.
+    /// Returns the load's configuration for a bench.
     pub(crate) const fn config(&self) -> LoadConfig {
         let Self { constant, viscous, quadratic, inertia } = *self;
         LoadConfig { constant, viscous, quadratic, inertia }
@@ -412,17 +420,17 @@ impl Load {
 impl Hash for Load {
     fn hash<H: Hasher>(&self, state: &mut H) {
         let Self { constant, viscous, quadratic, inertia } = self;
-        // 0 and -0 are equal.
+        // 0 and -0 are equal, so they must have the same hash.
         [constant, viscous, quadratic, inertia].map(|value| (value + 0.0).to_bits()).hash(state);
     }
 }
 
-/// The control mode of that name.
+/// Returns the control mode with this name.
 pub(crate) fn mode(name: &str) -> PyResult<Mode> {
     error::choice("mode", name, &Mode::ALL.map(|mode| (mode.name(), mode)))
 }
 
-/// What can be set, by name: whole numbers where the scale has no fraction.
+/// Returns the parameters that can be set, by name: whole numbers if the scale has no fraction.
 fn dictionary<'py>(py: Python<'py>, parameters: &Parameters) -> PyResult<Bound<'py, PyDict>> {
     let values = PyDict::new(py);
     for (row, raw) in parameters.iter().filter(|(row, _)| row.access != Access::ReadOnly && !row.command) {

@@ -1,4 +1,4 @@
-//! Replaying recordings, and making them of what a scope has recorded.
+//! Replay of recordings, and conversion of the scope's records to recordings.
 
 use crate::error;
 use crate::trace;
@@ -12,13 +12,13 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyBytes, PyDict};
 
-/// What ran again: columns, units, ticks, digest, recorded digest (`None` of a part), what the last tick answered, label, and whether
-/// the recording version behaves as this one.
+/// Result of a replay: columns, units, ticks, digest, recorded digest (`None` for a part), outputs of the
+/// last tick, label, and true if the recording version has the same behaviour as this one.
 type Answer<'py> =
     (Bound<'py, PyDict>, Bound<'py, PyDict>, u64, u64, Option<u64>, Option<String>, String, bool);
 
-/// Runs a drive through a recording, or its first `until` ticks, and compares what it answers with what was recorded; or a node or TX-Driver through its
-/// transcript.
+/// Runs a drive through a recording, or its first `until` ticks, and compares its outputs with the recorded
+/// ones; or runs a node or TX-Driver through its transcript.
 #[pyfunction]
 #[pyo3(signature = (recording, until=None))]
 pub(crate) fn replay<'py>(
@@ -34,7 +34,7 @@ pub(crate) fn replay<'py>(
     Ok((columns, units, ticks, digest, recorded_digest, outputs, label, same_behaviour))
 }
 
-/// Of a transcript there is no table: what a node was told has other shapes than columns.
+/// Runs a recording or a transcript. A transcript has no table: its calls have other shapes than columns.
 fn run(bytes: &[u8], until: Option<u64>) -> Result<Replayed, ReplayError> {
     let header = header(bytes)?;
     if !header.kind.is_transcript() {
@@ -55,8 +55,9 @@ fn run(bytes: &[u8], until: Option<u64>) -> Result<Replayed, ReplayError> {
     })
 }
 
-/// The recording that a scope's record of inputs is (big-endian words, as they are downloaded), the number of its first tick since power-up, and
-/// whether its replay agrees with the drive's second checkpoint (`None` without one).
+/// Converts a scope's record of inputs (big-endian words, as downloaded) to a recording. Returns the
+/// recording, the number of its first tick since power-up, and whether its replay agrees with the drive's
+/// second checkpoint (`None` without one).
 #[pyfunction]
 pub(crate) fn scope_recording<'py>(
     py: Python<'py>,

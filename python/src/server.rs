@@ -1,4 +1,4 @@
-//! The virtual drive that other programs reach as slcan: what `narx bench` serves.
+//! The virtual drive that other programs reach through slcan, for `narx bench`.
 
 use crate::bench;
 use crate::error;
@@ -10,22 +10,23 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long [`Server::step`] runs: Ctrl-C is heard that soon.
+/// Duration of [`Server::step`], and longest delay of Ctrl-C.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// A drive on a bench, in step with the clock, that clients reach over TCP or a pseudo-terminal.
+/// A drive on a bench, in step with the clock, to which clients connect over TCP or a pseudo-terminal.
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct Server {
     host: Mutex<Host>,
-    /// What stands on its bus and what limits it, in words.
+    /// Devices on the bus, and limits of the drive, in words.
     #[pyo3(get)]
     notes: Vec<String>,
 }
 
 #[pymethods]
 impl Server {
-    /// Powers up a commissioned drive; arguments up to seed as those of `narx.Bench`. tx_drivers: node-ids with commas between, ":dual" behind those with two
-    /// channels. speed: simulated over real time, 0 being as fast as it can. seconds: simulated time after which it ends.
+    /// Powers up a commissioned drive; arguments up to seed as those of `narx.Bench`. tx_drivers: node-ids
+    /// with commas between, ":dual" behind those with two channels. speed: simulated over real time; 0 is as
+    /// fast as possible. seconds: simulated time after which it ends.
     #[new]
     #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, tx_drivers=None, speed=1.0,
                         seconds=None))]
@@ -64,7 +65,8 @@ impl Server {
         Ok(Self { host: Mutex::new(Host::new(bench, speed, end)), notes })
     }
 
-    /// Takes clients over TCP at "HOST:PORT", or at a port of this machine alone; port 0 is any free one. Returns python-can's channel.
+    /// Accepts clients over TCP at "HOST:PORT", or at a port that only this machine reaches; port 0 is any
+    /// free one. Returns python-can's channel.
     fn listen(&self, address: &str) -> PyResult<String> {
         let local = format!("127.0.0.1:{address}");
         let address = if address.contains(':') { address } else { &local };
@@ -75,7 +77,7 @@ impl Server {
         Ok(format!("socket://{address}"))
     }
 
-    /// Takes clients over a pseudo-terminal, at `link` if one is given. Returns python-can's channel.
+    /// Accepts clients over a pseudo-terminal, at `link` if one is given. Returns python-can's channel.
     #[pyo3(signature = (link=None))]
     fn open_terminal(&self, link: Option<PathBuf>) -> PyResult<String> {
         let opened = self.host().open_terminal(link.as_deref());
@@ -85,7 +87,7 @@ impl Server {
             .map_err(|error| error::parameter(format!("pty{name}: {error}")))
     }
 
-    /// Runs for a tenth of a second by the clock; false at the end.
+    /// Runs for a tenth of a second of real time; false at the end.
     fn step(&self, py: Python<'_>) -> bool {
         py.detach(|| {
             let (mut host, begun) = (self.host(), Instant::now());
@@ -98,12 +100,13 @@ impl Server {
         })
     }
 
-    /// Lines for people since the last call: who came and went, and every second what the drive does.
+    /// Returns messages for the user since the previous call: clients that have connected or disconnected,
+    /// and every second the drive's state.
     fn take_news(&self) -> Vec<String> {
         self.host().take_news()
     }
 
-    /// How python-can opens a channel.
+    /// Returns the call that opens a channel in python-can.
     #[staticmethod]
     fn call(channel: &str) -> String {
         call(channel)

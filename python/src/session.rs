@@ -1,4 +1,5 @@
-//! A session that the bench and its master share. It runs without Python's lock, so that other threads go on.
+//! A session that the bench and its masters share. It runs without Python's lock, so that other threads
+//! continue.
 
 use crate::tx_master::Station;
 use narx_sim::session::Session;
@@ -9,14 +10,14 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 #[derive(Clone)]
 pub(crate) struct Shared(Arc<Mutex<Table>>);
 
-/// The session, and who else sits at its bus.
+/// The session, and the other masters on its bus.
 struct Table {
     session: Session,
-    /// Masters of TX-Drivers, as long as somebody has them.
+    /// Masters of TX-Drivers that are still in use.
     stations: Vec<Weak<Mutex<Station>>>,
 }
 
-/// Ticks between two looks at Python's signals, so that Ctrl-C ends a long run: some 10 ms of work.
+/// Ticks between two checks of Python's signals, some 10 ms of work, so that Ctrl-C ends a long run.
 const CHUNK: u64 = 1000;
 
 impl Shared {
@@ -24,7 +25,7 @@ impl Shared {
         Self(Arc::new(Mutex::new(Table { session, stations: Vec::new() })))
     }
 
-    /// Another master at the host's place; it hears what passes from now on.
+    /// Adds a master at the host's place on the bus; it receives frames from now on.
     pub(crate) fn seat(&self, py: Python<'_>, station: &Arc<Mutex<Station>>) {
         let station = Arc::downgrade(station);
         self.with_table(py, |table| {
@@ -33,12 +34,12 @@ impl Shared {
         });
     }
 
-    /// Does something to the session, once nobody else does.
+    /// Calls `act` with the session, once it is free.
     pub(crate) fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Session) -> T + Send) -> T {
         self.with_table(py, |table| act(&mut table.session))
     }
 
-    /// Runs so many control ticks.
+    /// Runs this many control ticks.
     pub(crate) fn run(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
         let mut left = ticks;
         while left > 0 {
@@ -51,13 +52,14 @@ impl Shared {
     }
 
     fn with_table<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Table) -> T + Send) -> T {
-        // Whoever waits for the session must not hold Python's lock: its owner may need that to end.
+        // A thread that waits for the session must not hold Python's lock: the session's owner may need that
+        // lock to finish.
         py.detach(|| act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner)))
     }
 }
 
 impl Table {
-    /// One control tick, with the frames of all masters.
+    /// Runs one control tick, with the frames of all masters.
     fn step(&mut self) {
         if self.stations.is_empty() {
             return self.session.step();
@@ -66,7 +68,7 @@ impl Table {
         let now = self.session.bench().now_ns() / 1000;
         self.each(|station, session| {
             while let Some(frame) = station.poll_frame(now) {
-                // A few commands and a request at a time do not fill a queue of 64.
+                // It cannot fail: a few commands and one request at a time do not fill a queue of 64.
                 let _ = session.bench_mut().send(frame);
             }
         });

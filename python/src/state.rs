@@ -4,14 +4,14 @@ use narx_core::motor::State;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// `narx.State`: an `IntEnum` with the numbers of the specification (section 7).
+/// Builds `narx.State`: an `IntEnum` with the numbers of the specification (section 7).
 pub(crate) fn states(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     let members = State::ALL.map(|state| (words(&state), state as u8));
     let doc = "States of the drive, with the numbers of the specification (section 7).";
     enumeration(py, "narx", "State", doc, &members)
 }
 
-/// An `IntEnum`. Names become upper case.
+/// Builds an `IntEnum`. Names become upper case.
 pub(crate) fn enumeration<'py>(
     py: Python<'py>,
     module: &str,
@@ -28,12 +28,12 @@ pub(crate) fn enumeration<'py>(
     Ok(class)
 }
 
-/// The member of `narx.State` for a state.
+/// Returns the member of `narx.State` for a state.
 pub(crate) fn member(py: Python<'_>, state: State) -> PyResult<Bound<'_, PyAny>> {
     py.import("narx._core")?.getattr("State")?.call1((state as u8,))
 }
 
-/// The words of a Rust name: `RotorLock` is `rotor_lock`.
+/// Returns the words of a Rust name: `RotorLock` becomes `rotor_lock`.
 pub(crate) fn words(name: &impl std::fmt::Debug) -> String {
     let mut words = String::new();
     for letter in format!("{name:?}").chars() {

@@ -5,7 +5,7 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Arrays and units by name. The columns move into numpy; nothing is copied.
+/// Returns arrays and units by name. The columns move into numpy; nothing is copied.
 pub(crate) fn columns(py: Python<'_>, table: Trace) -> PyResult<(Bound<'_, PyDict>, Bound<'_, PyDict>)> {
     let (columns, units) = (PyDict::new(py), PyDict::new(py));
     let signals = table.signals().to_vec();

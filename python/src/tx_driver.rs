@@ -7,7 +7,8 @@ use narx_sim::sensor::{EddyCurrentConfig, Encoder, Target};
 use narx_sim::tx_driver::TxDriverConfig;
 use pyo3::prelude::*;
 
-/// A TX-Driver that looks at the shaft's surface, with a rotary encoder of `encoder` counts on the shaft; measuring range in mm.
+/// Builds the configuration of a TX-Driver that measures the distance of the shaft's surface, with a rotary
+/// encoder of `encoder` counts on the shaft; measuring range in mm.
 pub(crate) fn config(
     node_id: i128,
     channels: i128,

@@ -1,4 +1,4 @@
-//! The master of a TX-Driver: on the bus of a bench, or one whose frames Python carries.
+//! Master of a TX-Driver: on the bus of a bench, or one whose frames Python carries.
 
 use crate::error;
 use crate::frame;
@@ -13,23 +13,24 @@ use pyo3::types::PyDict;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The other end of a node's bus. Times are seconds from any beginning.
+/// The master of a node, at the other end of its bus. Times are seconds from any beginning.
 #[pyclass(module = "narx._core", frozen)]
 pub(crate) struct TxMaster(Arc<Mutex<Station>>);
 
-/// A master with what it has heard.
+/// A master with its received readings and errors.
 pub(crate) struct Station {
     master: Core,
-    /// The last time that it was told, microseconds.
+    /// Latest time that was passed in, microseconds.
     now: u64,
-    /// The last reading that was asked for.
+    /// The last reading that came on request (PDO3).
     asked: Option<(Reading, PdoKind, u64)>,
-    /// Every reading, if somebody wants them.
+    /// Every reading since `keep`; `None` if they are not kept.
     rows: Option<Vec<(u64, Reading)>>,
     errors: BTreeSet<u16>,
 }
 
-/// The last positions, mm, the encoder's counts, a linear encoder's position, mm, what has triggered them, and when they came, s.
+/// The last positions, mm, the encoder's counts, a linear encoder's position, mm, their trigger, and the time
+/// of reception, s.
 type Last = ([f64; 2], i32, Option<f64>, String, f64);
 
 impl Station {
@@ -71,7 +72,7 @@ impl Station {
 
 #[pymethods]
 impl TxMaster {
-    /// A master on no bus yet. timeout: s.
+    /// Makes a master on no bus. timeout: s.
     #[new]
     #[pyo3(signature = (node_id, channels=1, timeout=0.1))]
     fn new(node_id: i128, channels: i128, timeout: f64) -> PyResult<Self> {
@@ -86,13 +87,14 @@ impl TxMaster {
         Ok(())
     }
 
-    /// The next frame that is due at `now`: id, extended, remote, data. On a bench it is sent without.
+    /// Returns the next frame that is due at `now`: id, extended, remote, data. A bench sends the frames of
+    /// its masters itself.
     fn poll_frame<'py>(&self, py: Python<'py>, now: f64) -> Option<frame::Parts<'py>> {
         let frame = self.with(|station| station.poll_frame(microseconds(now)))?;
         Some(frame::parts(py, &frame))
     }
 
-    /// When to poll again at the latest, s.
+    /// Returns the latest time of the next poll, s.
     fn next_poll(&self, now: f64) -> f64 {
         self.with(|station| station.master.next_poll(microseconds(now))) as f64 / 1e6
     }
@@ -114,12 +116,12 @@ impl TxMaster {
         self.with(|station| station.master.sync()).map_err(not_taken)
     }
 
-    /// Asks for PDO3.
+    /// Requests PDO3.
     fn ask_positions(&self) -> PyResult<()> {
         self.with(|station| station.master.ask_positions()).map_err(not_taken)
     }
 
-    /// Reads an entry, or writes it.
+    /// Queues a request that reads an entry, or writes it if `value` is given.
     #[pyo3(signature = (index, subindex, value=None))]
     fn request(&self, index: u16, subindex: u8, value: Option<u32>) -> PyResult<()> {
         let entry = Entry::find(index, subindex).map_err(error::parameter)?;
@@ -127,7 +129,7 @@ impl TxMaster {
         self.with(|station| station.master.request(request)).map_err(not_taken)
     }
 
-    /// The value that was read or written, once the answer is there.
+    /// Returns the value that was read or written, once the answer has come.
     fn poll_answer(&self, py: Python<'_>) -> PyResult<Option<u32>> {
         let Some(answer) = self.with(|station| station.master.poll_answer()) else { return Ok(None) };
         let (Request::Read(entry) | Request::Write(entry, _)) = answer.request;
@@ -140,24 +142,25 @@ impl TxMaster {
         })
     }
 
-    /// The last positions, mm, counts, a linear encoder's position, mm, what has triggered them ("timer", "sync", "remote") and when they came, s.
+    /// The last positions, mm, counts, a linear encoder's position, mm, their trigger ("timer", "sync",
+    /// "remote") and the time of reception, s.
     #[getter]
     fn reading(&self) -> Option<Last> {
         self.with(|station| station.master.reading().map(|reading| station.last(reading)))
     }
 
-    /// The same of the last that was asked for.
+    /// The last positions that came on request, in the form of `reading`.
     #[getter]
     fn asked(&self) -> Option<Last> {
         self.with(|station| station.asked.map(|reading| station.last(reading)))
     }
 
-    /// Keeps every reading from now on, or no more.
+    /// Starts to keep every reading, or stops it.
     fn keep(&self, keep: bool) {
         self.with(|station| station.rows = keep.then(Vec::new));
     }
 
-    /// The readings that were kept: columns by name. Time in s, positions in mm.
+    /// Returns the kept readings: columns by name. Time in s, positions in mm.
     fn take_rows<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let rows = self.with(|station| station.rows.take()).unwrap_or_default();
         let columns = PyDict::new(py);
@@ -181,47 +184,47 @@ impl TxMaster {
         Ok(columns)
     }
 
-    /// The state of the last heartbeat.
+    /// State in the last heartbeat.
     #[getter]
     fn state(&self) -> Option<u8> {
         self.with(|station| station.master.report().state).map(|state| state as u8)
     }
 
-    /// Whether the node was heard within 5 s.
+    /// Returns whether the node was heard within 5 s.
     fn is_present(&self, now: f64) -> bool {
         self.with(|station| station.master.is_present(station.now.max(microseconds(now))))
     }
 
-    /// Boot-up messages.
+    /// Number of boot-up messages.
     #[getter]
     fn boots(&self) -> u32 {
         self.with(|station| station.master.report().boots)
     }
 
-    /// Frames of the node that mean nothing: most likely PDOs of another layout.
+    /// Number of the node's frames that cannot be decoded: most likely PDOs of another layout.
     #[getter]
     fn malformed(&self) -> u32 {
         self.with(|station| station.master.report().malformed)
     }
 
-    /// What the node has complained of (Table 13): code and meaning, "" if the table does not list it.
+    /// Errors that the node has reported (Table 13): code and meaning, "" if the table does not list it.
     fn errors(&self) -> Vec<(u16, &'static str)> {
         let codes = self.with(|station| station.errors.clone());
         codes.into_iter().map(|code| (code, ErrorCode::decode(code).map_or("", ErrorCode::meaning))).collect()
     }
 
-    /// Forgets them.
+    /// Clears the errors.
     fn clear_errors(&self) {
         self.with(|station| station.errors.clear());
     }
 
-    /// The node's address.
+    /// Node-id of the node.
     #[getter]
     fn node_id(&self) -> u8 {
         self.with(|station| station.master.config().node.raw())
     }
 
-    /// The node has another address from now on.
+    /// Changes the node-id that this master uses.
     #[setter]
     fn set_node_id(&self, node_id: i128) -> PyResult<()> {
         let node = node(node_id)?;
@@ -231,7 +234,7 @@ impl TxMaster {
         Ok(())
     }
 
-    /// Whether PDOs carry the encoder, as far as is known.
+    /// True if PDOs carry the encoder, as far as is known.
     #[getter]
     fn encoder(&self) -> bool {
         self.with(|station| station.master.config().layout.encoder)
@@ -258,7 +261,7 @@ impl TxMaster {
         Arc::clone(&self.0)
     }
 
-    /// Nobody holds it for longer than a frame takes.
+    /// Locks the station; it is never locked for longer than one frame takes.
     fn with<T>(&self, act: impl FnOnce(&mut Station) -> T) -> T {
         act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -279,14 +282,14 @@ pub(crate) fn channels(channels: i128) -> PyResult<Channels> {
     }
 }
 
-/// The object dictionary (Table 4) in order: a dictionary each, as `narx.objects.Object` takes it.
+/// Returns the object dictionary (Table 4) in order: a dictionary each, for `narx.objects.Object`.
 #[pyfunction]
 pub(crate) fn tx_objects(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     OBJECTS.iter().map(|row| object(py, row)).collect()
 }
 
 fn object<'py>(py: Python<'py>, row: &Object) -> PyResult<Bound<'py, PyDict>> {
-    // A fraction of the measuring range.
+    // The unit is a fraction of the measuring range.
     let (unit, scale) = match row.unit {
         "2^-30" => ("", 2.0_f64.powi(-30)),
         "-" => ("", 1.0),
@@ -308,7 +311,7 @@ fn object<'py>(py: Python<'py>, row: &Object) -> PyResult<Bound<'py, PyDict>> {
     Ok(fields)
 }
 
-/// `narx.NodeState`: an `IntEnum` with the numbers of Table 12.
+/// Builds `narx.NodeState`: an `IntEnum` with the numbers of Table 12.
 pub(crate) fn states(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     let members = NmtState::ALL.map(|state| (crate::state::words(&state), state as u8));
     let doc = "States of a TX-Driver, with the numbers of its heartbeats (eddyCAN specification, Table 12).";

@@ -1,4 +1,5 @@
-//! A virtual drive alone on its bus, with several clients at the host's place: what `can.Bus(interface="narx")` is made of.
+//! A virtual drive alone on its bus, with several clients at the host's place; the compiled part of
+//! `can.Bus(interface="narx")`.
 
 use crate::bench;
 use crate::error;
@@ -12,9 +13,10 @@ use pyo3::types::PyMapping;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 
-/// Frames of the clients in the controller that they share: one on the bus, and one to follow it without a gap.
+/// Number of the clients' frames in the controller that they share: one on the bus, and one to follow it
+/// without a gap.
 const IN_CONTROLLER: usize = 2;
-/// Frames that may wait for that.
+/// Number of frames that may wait for a place in the controller.
 const WAITING: usize = 1024;
 
 #[pyclass(module = "narx._core", frozen)]
@@ -22,9 +24,9 @@ pub(crate) struct VirtualBus(Mutex<World>);
 
 struct World {
     bench: Bench,
-    /// Frames of the clients in the order in which they came.
+    /// Waiting frames of the clients in the order in which they came.
     waiting: VecDeque<(u64, Frame)>,
-    /// Whose frames are in the controller.
+    /// Clients whose frames are in the controller.
     sent: VecDeque<u64>,
 }
 
@@ -33,7 +35,8 @@ type Passed<'py> = (f64, Option<u64>, frame::Parts<'py>);
 
 #[pymethods]
 impl VirtualBus {
-    /// Powers up a commissioned drive; arguments as those of `narx.Bench`. tx_drivers: node-ids of TX-Drivers of one channel beside it.
+    /// Powers up a commissioned drive; arguments as those of `narx.Bench`. tx_drivers: node-ids of TX-Drivers
+    /// of one channel beside it.
     #[new]
     #[pyo3(signature = (motor, supply_voltage=48.0, load=None, mode="sensorless", parameters=None, ambient=25.0, seed=1, tx_drivers=None))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
@@ -64,7 +67,7 @@ impl VirtualBus {
         self.with(py, |world| world.bench.now_ns()) as f64 / 1e9
     }
 
-    /// Queues a frame of a client: whether there was room.
+    /// Queues a frame of a client; returns whether there was room.
     fn send(
         &self,
         py: Python<'_>,
@@ -84,7 +87,8 @@ impl VirtualBus {
         }))
     }
 
-    /// Runs until simulated time is `until`, or until a frame has passed, if `until_frame`: the frames that have.
+    /// Runs until simulated time is `until`, or until a frame has passed, if `until_frame`; returns the
+    /// frames that have passed.
     fn advance<'py>(&self, py: Python<'py>, until: f64, until_frame: bool) -> Vec<Passed<'py>> {
         let until = (until * 1e9).round() as u64;
         let passed = self.with(py, |world| {
@@ -108,19 +112,19 @@ impl VirtualBus {
 }
 
 impl World {
-    /// One control tick.
+    /// Runs one control tick.
     fn step(&mut self, passed: &mut Vec<(u64, Option<u64>, Frame)>) {
         while self.sent.len() < IN_CONTROLLER
             && let Some((place, _)) = self.waiting.iter().enumerate().min_by_key(|(_, (_, frame))| frame.id())
             && let Some((client, frame)) = self.waiting.remove(place)
         {
-            // Two frames find room.
+            // There is always room for two frames.
             if self.bench.send(frame).is_ok() {
                 self.sent.push_back(client);
             }
         }
         self.bench.step();
-        // The host is nobody: its clients overhear.
+        // Frames for the host itself are dropped: its clients get all frames of the bus below.
         while self.bench.receive().is_some() {}
         while let Some(heard) = self.bench.overhear() {
             let own = heard.sender == self.bench.host();

@@ -173,8 +173,8 @@ def test_one_client_spins_the_motor_and_another_overhears_every_frame(connect):
     assert max(abs(speed) for speed in speeds(listener)) >= 1980
 
 
-def test_the_example_of_the_readme_spins_the_motor(drive, capsys, monkeypatch):
-    blocks = (ROOT / "README.md").read_text().split("```python\n")[1:]
+def test_the_example_of_the_page_spins_the_motor(drive, capsys, monkeypatch):
+    blocks = (ROOT / "docs" / "VIRTUAL-DRIVE.md").read_text().split("```python\n")[1:]
     (example,) = [text for text in (block.split("```")[0] for block in blocks) if "can.Bus" in text]
     monkeypatch.chdir(ROOT)
     # Twice: the second time the drive is in Fault, for its master had fallen silent.

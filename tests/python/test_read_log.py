@@ -95,7 +95,7 @@ def theirs(line: str) -> can.Message | None:
 
 
 def impossible(line: str, frame: can.Message) -> bool:
-    """python-can reads some lines as frames that no bus has: those are errors here (DESIGN.md, Wrappings)."""
+    """python-can reads some lines as frames that no bus has: those are errors here (docs/design/python.md, Logs as columns)."""
     data = line.split("#", 1)[1].split(" ")[0]
     digits = line.split("#")[0].split()[-1]
     return (

@@ -1,4 +1,4 @@
-//! A commissioned drive on a bench: how it is set up, commanded and run.
+//! A commissioned drive on a bench: set-up, commands and runs.
 
 use crate::motor::Motor;
 use js_sys::{Object, Reflect};
@@ -16,38 +16,40 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** A load on the shaft. All torques oppose the motion; the constant one also holds at standstill. All default to 0. */
+/** A load on the shaft. All torques oppose the motion; the constant one also acts at standstill. All default
+ * to 0. */
 export interface LoadOptions {
-    /** N m. */
+    /** Constant torque, N m. */
     constant?: number;
-    /** N m s/rad. */
+    /** Torque proportional to the speed, N m s/rad. */
     viscous?: number;
-    /** N m s2/rad2. */
+    /** Torque proportional to the square of the speed, N m s2/rad2. */
     quadratic?: number;
-    /** kg m2, rigidly coupled. */
+    /** Inertia, rigidly coupled, kg m2. */
     inertia?: number;
 }
 
-/** What is on the bench, and how the drive is set up. A plain object: the same options and calls give the same bits. */
+/** Set-up of a bench and its drive: a plain object. The same options and calls give the same bits. */
 export interface BenchOptions {
-    /** V. */
+    /** Supply voltage, V. */
     supplyVoltage: number;
     load?: LoadOptions;
     /** Control mode; default "hall". */
     mode?: Mode;
     /** Speed of the mode "open-loop", rpm; default the slowest closed-loop speed. */
     openLoopSpeed?: number;
-    /** The hall sensors come this much late, electrical degrees; commissioning does not know it. Default 0. */
+    /** Delay of the hall sensors' edges, electrical degrees, unknown to commissioning. Default 0. */
     hallOffset?: number;
-    /** Parameters of the drive by name or number, in their units; they win over those of commissioning. */
+    /** Parameters of the drive by name or number, in their units; they override those of commissioning. */
     parameters?: Record<string | number, number>;
-    /** Degrees Celsius; default 25. */
+    /** Ambient temperature, degrees Celsius; default 25. */
     ambient?: number;
     /** Seed of all noise, a whole number; default 1. */
     seed?: number;
-    /** The bench has an operator of its own, who obeys `start`, `setSpeed` and `stop`; default true. Without, the drive obeys the frames of `send`. */
+    /** True if the bench has an operator of its own, which carries out `start`, `setSpeed` and `stop`;
+     * default true. Without it, the drive is commanded by the frames of `send`. */
     operator?: boolean;
-    /** Keep every frame of the bus for `takeFrames`; default where there is no operator. */
+    /** Keep every frame of the bus for `takeFrames`; default true if there is no operator. */
     frames?: boolean;
     /** Record for `recording` and `digest`; default true. */
     recording?: boolean;
@@ -68,35 +70,35 @@ const OPTIONS: [&str; 11] = [
     "recording",
 ];
 const LOAD_OPTIONS: [&str; 4] = ["constant", "viscous", "quadratic", "inertia"];
-/// Above this a number no longer counts one by one.
+/// Largest number below which every whole number is exact.
 const SEED_MAX: f64 = 9_007_199_254_740_991.0;
-/// One call must end in reasonable time, s.
+/// Longest run of one call, s.
 const RUN_MAX: f64 = 3600.0;
-/// Frames that wait for `takeFrames`, some 17 s of a full bus; older ones are forgotten.
+/// Largest number of frames that wait for `takeFrames`, some 17 s of a full bus; older ones are dropped.
 const FRAMES_MAX: usize = 65_536;
 
-/// A drive with its motor on a simulated bench. Same options and calls, same bits.
+/// A drive with its motor on a simulated bench. The same options and calls give the same bits.
 #[wasm_bindgen]
 #[derive(Clone, Debug)]
 pub struct Bench {
     host: Host,
-    /// Frames that nobody has taken yet, if they are kept.
+    /// Frames that were not taken yet; `None` if they are not kept.
     pub(crate) frames: Option<VecDeque<Received>>,
 }
 
-/// Who sits at the host's place of the bus.
+/// Device at the host's place of the bus.
 #[derive(Clone, Debug)]
 enum Host {
     /// An operator.
     Operator(Box<Session>),
-    /// Nobody: frames come and go by calls.
+    /// No device: the caller passes the frames.
     Nobody(Box<(Core, Commissioning)>),
 }
 
 #[wasm_bindgen]
 impl Bench {
-    /// Commissions the drive for the motor and powers it up; it stays in Standby until `start`. Throws where an
-    /// option cannot be.
+    /// Commissions the drive for the motor and powers it up; it stays in Standby until `start`. Throws for an
+    /// invalid option.
     #[wasm_bindgen(constructor)]
     pub fn new(
         motor: &Motor,
@@ -118,14 +120,15 @@ impl Bench {
         Ok(Self { host, frames })
     }
 
-    /// The operator asks for a speed, mechanical rpm, negative in reverse, and repeats it while time runs. It waits for the drive's self-tests.
+    /// Requests a speed through the operator, mechanical rpm, negative in reverse, and repeats it while time
+    /// runs. The request waits for the drive's self-tests.
     pub fn start(&mut self, rpm: f64) -> Result<(), JsValue> {
         let rpm = magnitude("start", rpm, -f64::from(u16::MAX))?;
         self.operator("start")?.start(rpm as i32);
         Ok(())
     }
 
-    /// The operator asks for another speed, rpm, in the direction of `start`.
+    /// Requests another speed through the operator, rpm, in the direction of `start`.
     #[wasm_bindgen(js_name = setSpeed)]
     pub fn set_speed(&mut self, rpm: f64) -> Result<(), JsValue> {
         let rpm = magnitude("setSpeed", rpm, 0.0)?;
@@ -133,14 +136,14 @@ impl Bench {
         Ok(())
     }
 
-    /// The operator asks for Standby, which also acknowledges a fault.
+    /// Requests Standby through the operator, which also acknowledges a fault.
     pub fn stop(&mut self) -> Result<(), JsValue> {
         self.operator("stop")?.stop();
         Ok(())
     }
 
-    /// Lets time run, to the nearest control tick, and returns the rows since the last ones that were taken, one for each tick. `trace` false: without
-    /// rows, which is faster.
+    /// Runs the simulation for `seconds`, to the nearest control tick, and returns the rows since the
+    /// previous ones were taken, one for each tick. With `trace` false it keeps no rows, which is faster.
     pub fn run(&mut self, seconds: f64, trace: Option<bool>) -> Result<Trace, JsValue> {
         if !(0.0..=RUN_MAX).contains(&seconds) {
             let message =
@@ -153,27 +156,27 @@ impl Bench {
         Ok(self.core_mut().take_trace().into())
     }
 
-    /// Lets so many control ticks pass, default one. Their rows are those of the next `takeTrace`, or `run`.
+    /// Runs this many control ticks, default one. The next `takeTrace` or `run` returns their rows.
     pub fn step(&mut self, ticks: Option<u32>) {
         self.core_mut().set_trace(true);
         (0..ticks.unwrap_or(1)).for_each(|_| self.tick());
     }
 
-    /// The rows since the last ones that were taken.
+    /// Returns the rows since the previous ones were taken.
     #[wasm_bindgen(js_name = takeTrace)]
     pub fn take_trace(&mut self) -> Trace {
         self.core_mut().take_trace().into()
     }
 
-    /// The bench as it stands, motor, drive, bus, recording and all: a second one, which goes on by itself. Keep some to return to an instant; the digest is then
-    /// what it would have been.
+    /// Returns an independent copy of the bench in its present state, with motor, drive, bus and recording.
+    /// Keep copies to return to an instant; the digest then continues as it would have from there.
     pub fn copy(&self) -> Self {
         self.clone()
     }
 }
 
 impl Bench {
-    /// What it is made of.
+    /// Returns the simulated bench.
     pub(crate) const fn core(&self) -> &Core {
         match &self.host {
             Host::Operator(session) => session.bench(),
@@ -181,7 +184,7 @@ impl Bench {
         }
     }
 
-    /// The same, to change it.
+    /// Returns the simulated bench, to change it.
     pub(crate) const fn core_mut(&mut self) -> &mut Core {
         match &mut self.host {
             Host::Operator(session) => session.bench_mut(),
@@ -210,7 +213,7 @@ impl Bench {
             Host::Operator(session) => session.step(),
             Host::Nobody(bench) => {
                 bench.0.step();
-                // Whoever is at the host's place overhears what it receives.
+                // Frames for the host itself are dropped: `overhear` returns all frames of the bus.
                 while bench.0.receive().is_some() {}
             }
         }
@@ -256,7 +259,7 @@ pub(crate) fn load(given: &JsValue) -> Result<LoadConfig, JsValue> {
     })
 }
 
-/// Parameters by number; a key that is not a number is a name of the dictionary.
+/// Returns parameters by number; a key that is not a number is a name of the dictionary.
 fn parameters(options: &Options) -> Result<Vec<(u16, f64)>, JsValue> {
     let Some(given) = options.value("parameters")? else { return Ok(Vec::new()) };
     if !given.is_object() {
@@ -274,7 +277,7 @@ fn parameters(options: &Options) -> Result<Vec<(u16, f64)>, JsValue> {
     keys.iter().map(pair).collect()
 }
 
-/// What a MOTOR_CMD can carry: whole rpm of 16 bits.
+/// Checks a speed for MOTOR_CMD: whole rpm of 16 bits.
 fn magnitude(call: &str, rpm: f64, min: f64) -> Result<f64, JsValue> {
     let max = f64::from(u16::MAX);
     if rpm.fract() == 0.0 && (min..=max).contains(&rpm) {

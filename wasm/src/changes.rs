@@ -1,4 +1,4 @@
-//! What may happen to a bench: frames, faults, loads, inputs, further devices on its bus.
+//! Changes to a bench: frames, faults, loads, inputs, further devices on its bus.
 
 use crate::bench::{Bench, load};
 use js_sys::{Array, Object};
@@ -18,17 +18,18 @@ const TYPES: &str = r#"
 export interface BusFrame extends Frame {
     readonly extended: boolean;
     readonly remote: boolean;
-    /** End of the frame, s since power-up. */
+    /** Time of its end, s since power-up. */
     readonly time: number;
-    /** It came by `send`, or from the bench's operator. */
+    /** True if it was sent by `send`, or by the bench's operator. */
     readonly sent: boolean;
 }
 
-/** What a fault is told besides its name. */
+/** Arguments of a fault. */
 export interface InjectionOptions {
-    /** "ambient" in degrees Celsius, "supply" and "pressure" in V, "leak" in ohm, "hall-glitches" per second. */
+    /** Value of "ambient" in degrees Celsius, of "supply" and "pressure" in V, of "leak" in ohm, of
+     * "hall-glitches" per second. */
     value?: number;
-    /** Of "driver", "open-phase", "hall-stuck" and "hall-swapped". */
+    /** Phase of "driver", "open-phase", "hall-stuck" and "hall-swapped". */
     phase?: "A" | "B" | "C";
     /** Level of "hall-stuck"; default false. */
     high?: boolean;
@@ -36,13 +37,13 @@ export interface InjectionOptions {
 
 /** An eddyCAN TX-Driver on the bus and the shaft of a bench. */
 export interface TxDriverOptions {
-    /** 1 to 127. */
+    /** Node-id, 1 to 127. */
     nodeId: number;
-    /** Sensors of it; default 1. */
+    /** Number of sensors; default 1. */
     channels?: 1 | 2;
     /** Counts per revolution of an incremental encoder on the shaft, 1 to 65 535; default none. */
     encoder?: number;
-    /** mm; default 2. */
+    /** Measuring range, mm; default 2. */
     measuringRange?: number;
 }
 
@@ -61,7 +62,8 @@ const PHASES: [(&str, Phase); 3] = [("A", Phase::A), ("B", Phase::B), ("C", Phas
 
 #[wasm_bindgen]
 impl Bench {
-    /// Queues a frame at the host's place of the bus, as from now. Throws a `RangeError` where 64 of them wait already.
+    /// Queues a frame at the host's place of the bus, with the present time. Throws a `RangeError` if 64
+    /// frames wait already.
     pub fn send(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "Frame")] frame: &JsValue,
@@ -70,7 +72,8 @@ impl Bench {
         self.core_mut().send(frame).map_err(|refused| range_error(&refused))
     }
 
-    /// The frames that have passed on the bus since the last call, those that were sent among them; at most 65 536, the last ones. None if they are not kept.
+    /// Returns the frames that have passed on the bus since the previous call, including those that were
+    /// sent: at most the last 65 536. It returns none if frames are not kept.
     #[wasm_bindgen(js_name = takeFrames, unchecked_return_type = "BusFrame[]")]
     pub fn take_frames(&mut self) -> Array {
         let host = self.core().host();
@@ -84,7 +87,7 @@ impl Bench {
         heard.into_iter().map(shape).collect()
     }
 
-    /// Breaks something, until `clear`: what has a physical cause, not the fault bit that comes of it.
+    /// Injects a fault, until `clear`. A fault is a physical cause, not the fault bit that results from it.
     pub fn inject(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "InjectionName")] fault: &JsValue,
@@ -96,7 +99,7 @@ impl Bench {
         Ok(())
     }
 
-    /// Mends one fault of `inject`, or everything.
+    /// Removes one fault of `inject`, or all faults.
     pub fn clear(
         &mut self,
         #[wasm_bindgen(unchecked_optional_param_type = "InjectionName")] fault: &JsValue,
@@ -113,13 +116,13 @@ impl Bench {
         Ok(())
     }
 
-    /// Names of what `inject` can break.
+    /// Returns the names of the faults that `inject` knows.
     #[wasm_bindgen(unchecked_return_type = "InjectionName[]")]
     pub fn injections() -> Vec<String> {
         Injection::NAMES.map(str::to_owned).to_vec()
     }
 
-    /// Another load on the shaft from now on; commissioning does not know of it.
+    /// Replaces the load on the shaft; commissioning is not repeated.
     #[wasm_bindgen(js_name = setLoad)]
     pub fn set_load(
         &mut self,
@@ -130,7 +133,8 @@ impl Bench {
         Ok(())
     }
 
-    /// Puts a value on an input of the board, in the unit of what it measures. Throws where no wire can carry it.
+    /// Sets an input of the board to a value, in the unit of its measured quantity. Throws for a value that
+    /// the input cannot have.
     #[wasm_bindgen(js_name = setInput)]
     pub fn set_input(
         &mut self,
@@ -150,7 +154,8 @@ impl Bench {
         self.core_mut().plant_mut().set_input(found, value).map_err(refused)
     }
 
-    /// Powers up an eddyCAN TX-Driver on the drive's bus, in factory state. Its sensors watch the shaft's surface, a quarter of a revolution apart.
+    /// Powers up an eddyCAN TX-Driver on the drive's bus, in factory state. Its sensors measure the distance
+    /// of the shaft's surface, a quarter of a revolution apart.
     #[wasm_bindgen(js_name = addTxDriver)]
     pub fn add_tx_driver(
         &mut self,
@@ -166,7 +171,7 @@ impl Bench {
         added.map(drop).map_err(|refused| range_error(&refused))
     }
 
-    /// The inputs of the board and what they take.
+    /// Returns the inputs of the board and their ranges.
     #[wasm_bindgen(unchecked_return_type = "Input[]")]
     pub fn inputs() -> Array {
         let shape = |input: Input| {
@@ -196,13 +201,13 @@ fn tx_driver(options: &JsValue) -> Result<TxDriverConfig, JsValue> {
     }
     if let Some(counts) = options.whole("encoder", 1.0, u16::MAX.into())? {
         config.encoder = Some(Encoder::Rotary { counts: counts as u16 });
-        // Every count of 16 bits is one of the entry's values.
+        // It cannot fail: the entry accepts every count of 16 bits.
         let _ = config.configuration.set(Entry::CountsPerRevolution, counts as u32);
     }
     Ok(config)
 }
 
-/// A fault by its name.
+/// Returns a fault by its name.
 fn injection(fault: &JsValue, value: Option<f64>, options: &Options) -> Result<Injection, JsValue> {
     let phase = options.choice("phase", &PHASES)?;
     let high = options.flag("high")?.unwrap_or(false);

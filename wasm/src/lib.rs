@@ -1,14 +1,15 @@
-//! The bench in browsers and Node: the same core and bench, with types converted and nothing else done. The other half of the
+//! The bench in browsers and Node. The crate only converts types of core and bench. The other half of the
 //! package, the core without a bench, is `wasm/core`.
 //!
 //! | file | JavaScript | Rust |
 //! |---|---|---|
 //! | `motor.rs` | `Motor` | [`narx_sim::plant::MotorConfig`], [`narx_sim::presets`] |
-//! | `bench.rs` | `Bench`: set up, commanded, run | [`narx_sim::session::Session`], [`narx_sim::bench::Bench`] |
+//! | `bench.rs` | `Bench`: set-up, runs | [`narx_sim::bench::Bench`] |
+//! | `bench.rs` | `Bench`: commands | [`narx_sim::session::Session`] |
 //! | `changes.rs` | `Bench`: frames, faults, loads, inputs | [`narx_sim::plant::Plant`] |
-//! | `observed.rs` | `Bench`: what is seen of it | [`narx_sim::bench::Bench`] |
+//! | `observed.rs` | `Bench`: observation | [`narx_sim::bench::Bench`] |
 //!
-//! Names mirror Python's in camel case. Values are SI units, speeds mechanical rpm.
+//! Names are those of Python in camel case. Values are SI units, speeds mechanical rpm.
 #![forbid(unsafe_code)]
 
 mod bench;

@@ -11,25 +11,27 @@ const TYPES: &str = r#"
 /** Shape of the phase back-EMF against the rotor's angle. */
 export type BackEmf = "trapezoidal" | "sinusoidal";
 
-/** A star-connected three-phase motor with equal phases; resistance and inductance line to line, as data sheets print them. */
+/** A star-connected three-phase motor with equal phases; resistance and inductance line to line, as data
+ * sheets print them. */
 export interface MotorOptions {
-    /** 1 to 255. */
+    /** Pole pairs, 1 to 255. */
     polePairs: number;
-    /** Line to line, ohm. */
+    /** Resistance line to line, ohm. */
     resistance: number;
-    /** Line to line, H. */
+    /** Inductance line to line, H. */
     inductance: number;
     /** Mean torque per DC ampere in ideal six-step, N m/A: 60 / (2 pi speed constant in rpm/V). */
     torqueConstant: number;
-    /** Rotor, kg m2. */
+    /** Inertia of the rotor, kg m2. */
     inertia: number;
     /** Coulomb friction, N m; default 0. */
     staticFriction?: number;
     /** Viscous friction, N m s/rad; default 0. */
     viscousFriction?: number;
-    /** Default "trapezoidal", with a flat top of 120 degrees. */
+    /** Shape of the back-EMF; default "trapezoidal", with a flat top of 120 degrees. */
     backEmf?: BackEmf;
-    /** Rated DC current, A, from which commissioning takes the current that the motor needs; default the drive's 6 A. */
+    /** Rated DC current, A, from which commissioning takes the current that the motor needs; default the
+     * drive's 6 A. */
     ratedCurrent?: number;
 }
 "#;
@@ -57,7 +59,7 @@ pub struct Motor {
 
 #[wasm_bindgen]
 impl Motor {
-    /// A motor from its data sheet. Throws where a figure is missing or cannot be.
+    /// Makes a motor from its data sheet. Throws for a missing or invalid value.
     #[wasm_bindgen(constructor)]
     pub fn new(
         #[wasm_bindgen(unchecked_param_type = "MotorOptions")] options: &JsValue,
@@ -79,13 +81,13 @@ impl Motor {
         Ok(Self { config, rated_current: options.magnitude("ratedCurrent")?, preset: None })
     }
 
-    /// Names of the real motors that `preset` knows.
+    /// Returns the names of the real motors that `preset` knows.
     #[wasm_bindgen(unchecked_return_type = "MotorName[]")]
     pub fn presets() -> Vec<String> {
         PRESETS.iter().map(|preset| preset.name.to_owned()).collect()
     }
 
-    /// A real motor by its name; every figure's source is in `sim/src/presets.rs`.
+    /// Returns a real motor by its name; `sim/src/presets.rs` has the source of every figure.
     pub fn preset(
         #[wasm_bindgen(unchecked_param_type = "MotorName")] name: &JsValue,
     ) -> Result<Motor, JsValue> {
@@ -121,13 +123,13 @@ impl Motor {
         self.config.pole_pairs
     }
 
-    /// Line to line, ohm.
+    /// Resistance line to line, ohm.
     #[wasm_bindgen(getter)]
     pub fn resistance(&self) -> f64 {
         self.config.resistance
     }
 
-    /// Line to line, H.
+    /// Inductance line to line, H.
     #[wasm_bindgen(getter)]
     pub fn inductance(&self) -> f64 {
         self.config.inductance
@@ -139,7 +141,7 @@ impl Motor {
         self.config.torque_constant
     }
 
-    /// Rotor, kg m2.
+    /// Inertia of the rotor, kg m2.
     #[wasm_bindgen(getter)]
     pub fn inertia(&self) -> f64 {
         self.config.inertia
@@ -153,7 +155,7 @@ impl Motor {
 }
 
 impl Motor {
-    /// What the bench is built with.
+    /// Returns the motor's configuration for a bench.
     pub(crate) const fn config(&self) -> &MotorConfig {
         &self.config
     }

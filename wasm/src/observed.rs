@@ -1,4 +1,4 @@
-//! What can be seen of a bench.
+//! Observation of a bench.
 
 use crate::bench::Bench;
 use js_sys::{Array, Float64Array, Int8Array, Object};
@@ -12,18 +12,19 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Why the drive stopped. */
+/** Cause of the drive's stop. */
 export interface Fault {
     /** Extended fault code. */
     readonly code: number;
     readonly meaning: string;
 }
 
-/** The true values of an instant, which no drive sees, and what the gates do then: enough for a picture. Arrays are of phases A, B, C. */
+/** True values of an instant, which no drive can measure, and the state of the gates, for pictures. Arrays
+ * are of phases A, B, C. */
 export interface Observation {
-    /** s. */
+    /** Time since power-up, s. */
     readonly time: number;
-    /** Mechanical, rpm. */
+    /** Mechanical speed, rpm. */
     readonly speed: number;
     /** Mechanical angle of the shaft, rad, unwrapped. */
     readonly position: number;
@@ -37,13 +38,13 @@ export interface Observation {
     readonly backEmf: Float64Array;
     /** Star point against ground, V. */
     readonly neutral: number;
-    /** V. */
+    /** Bus voltage, V. */
     readonly busVoltage: number;
-    /** Mean of the last period, A. */
+    /** Mean bus current of the last period, A. */
     readonly busCurrent: number;
-    /** Mean of the last period, N m. */
+    /** Mean torque of the last period, N m. */
     readonly torque: number;
-    /** Which switch of each leg is on: 1 high, -1 low, 0 none. */
+    /** Conducting switch of each leg: 1 high, -1 low, 0 none. */
     readonly gates: Int8Array;
     /** Hall lines: bit 0 is A. */
     readonly hall: number;
@@ -74,13 +75,13 @@ impl Bench {
         self.core().node().board().tick_rate
     }
 
-    /// Signals of every trace, and of `value`.
+    /// Returns the signals of every trace, and of `value`.
     #[wasm_bindgen(unchecked_return_type = "Signal[]")]
     pub fn signals() -> Array {
         signals(&SIGNALS)
     }
 
-    /// The present value of a signal.
+    /// Returns the present value of a signal.
     pub fn value(
         &self,
         #[wasm_bindgen(unchecked_param_type = "SignalName")] name: &JsValue,
@@ -91,12 +92,12 @@ impl Bench {
         value.ok_or_else(|| unknown(name, &SIGNALS))
     }
 
-    /// The present value of every signal, in the order of `signals()`.
+    /// Returns the present value of every signal, in the order of `signals()`.
     pub fn values(&self) -> Vec<f64> {
         self.core().values().to_vec()
     }
 
-    /// What is true now, for pictures.
+    /// Returns the true values of the present instant.
     #[wasm_bindgen(unchecked_return_type = "Observation")]
     pub fn observe(&self) -> Object {
         let plant = self.core().plant();
@@ -150,7 +151,7 @@ impl Bench {
         self.core().status().faults.iter_names().map(|(name, _)| name.to_ascii_lowercase()).collect()
     }
 
-    /// Why the drive stopped, if it did.
+    /// Cause of the drive's stop; `undefined` if it has not stopped.
     #[wasm_bindgen(getter, unchecked_return_type = "Fault | undefined")]
     pub fn fault(&self) -> JsValue {
         let code = self.core().status().extended_code;
@@ -175,24 +176,26 @@ impl Bench {
         self.commissioning().speed_max
     }
 
-    /// Where a limit of the drive holds the motor back, in words.
+    /// Limits of the drive that restrict this motor, a sentence each.
     #[wasm_bindgen(getter)]
     pub fn notes(&self) -> Vec<String> {
         self.commissioning().notes.iter().map(ToString::to_string).collect()
     }
 
-    /// Recording of the drive since it last booted: what `replay` of `narx/core` takes, and a `.narxrec` file holds. Empty without recording.
+    /// Returns the recording of the drive since it last booted, for `replay` of `narx/lab` or a `.narxrec`
+    /// file. It is empty if nothing is recorded.
     pub fn recording(&self) -> Vec<u8> {
         self.core().recording()
     }
 
-    /// Digest of everything that the drive has answered since it last booted, as 16 lower-case hexadecimal digits: that of its recording.
+    /// Returns the digest of all outputs of the drive since it last booted, as in its recording: 16
+    /// lower-case hexadecimal digits.
     #[wasm_bindgen(getter)]
     pub fn digest(&self) -> String {
         format!("{:016x}", self.core().digest())
     }
 
-    /// Control modes.
+    /// Returns the names of the control modes.
     #[wasm_bindgen(unchecked_return_type = "Mode[]")]
     pub fn modes() -> Vec<String> {
         Mode::ALL.iter().map(|mode| mode.name().to_owned()).collect()

@@ -1,4 +1,5 @@
-// What a drive is made of, by the description that it serves itself (XML). The tables of this package serve until that was read, and where a drive has none.
+// Description of a drive, from the XML text that the drive itself serves. The tables of this package are used
+// before it was read, and for a drive that serves none.
 
 import type { Master, MeasurementSignal, Parameter, ScopeSignal } from "./core.js";
 import type { Link } from "./link.js";
@@ -10,29 +11,31 @@ export interface Tables {
     readonly measurements: readonly MeasurementSignal[];
 }
 
-/** Where descriptions are kept, by build number and CRC. */
+/** Storage of descriptions, by build number and CRC. */
 export interface Descriptions {
     get(key: string): Uint8Array | undefined;
     set(key: string, text: Uint8Array): void;
 }
 
-/** Whose tables serve: this package's own before the drive's description was asked for, and of a drive without one. */
+/** Source of the tables: "own" are those of this package, before the drive's description was requested, and
+ * for a drive without one. */
 export type DescriptionState = "own" | "reading" | "read" | "refused";
 
-/** Those that were read since this program began. */
+/** Descriptions that were read since this program began. */
 const KEPT: Descriptions = new Map<string, Uint8Array>();
 
 export function tablesOf(master: Master): Tables {
     return { parameters: master.parameters(), signals: master.scopeSignals(), measurements: master.measurementSignals() };
 }
 
-/** Reads descriptions when a drive is first heard, and again when it comes back: it may be another one then. */
+/** Reads the description when a drive is first heard, and again when it comes back, because it may then be
+ * another drive. */
 export class Describer {
     #link: Link;
     #kept: Descriptions;
     #asked = false;
     state: DescriptionState = "own";
-    /** Why the description was refused. */
+    /** Reason why the description was refused. */
     problem: string | undefined;
 
     constructor(link: Link, kept: Descriptions = KEPT) {
@@ -40,7 +43,7 @@ export class Describer {
         this.#kept = kept;
     }
 
-    /** What runs from now on may have other tables. */
+    /** Reads the description again at the next poll; a new image may have other tables. */
     forget(): void {
         this.#asked = false;
     }
@@ -65,10 +68,10 @@ export class Describer {
             this.#enter("read");
         } catch (error) {
             this.#link.describe(undefined, 0);
-            // A drive that does not even tell a length has no description.
+            // A drive that does not even report a length has no description.
             this.#enter(tells ? "refused" : "own", error instanceof Error ? error.message : String(error));
         }
-        // Parameters of this drive alone are not among those that the master reads in the background.
+        // The master's reading in the background does not include parameters that only this drive has.
         const { master, tables } = this.#link;
         for (const { number } of tables.parameters) {
             if (master.parameter(number) === undefined && !this.#link.isOwn(number)) {
@@ -77,7 +80,7 @@ export class Describer {
         }
     }
 
-    /** One that is kept, or else the download's. */
+    /** Returns the stored description, or else downloads it. */
     async #text(tells: () => void): Promise<Uint8Array> {
         const { master } = this.#link;
         let found: Uint8Array | undefined;

@@ -1,4 +1,4 @@
-// A drive as its master sees it: on a bench, or on a real bus.
+// A drive, seen from its master: on a bench, or on a real bus.
 
 import {
     speedParameters,
@@ -34,12 +34,12 @@ export type { Log, Parameters, Scope };
 
 /** Longest wait for a start, s. */
 const START_MAX = 10;
-/** A command is on the bus and the drive has acted on it within this time, s. */
+/** Longest time until a command was sent and the drive has acted on it, s. */
 const ANSWER = 0.05;
 /** Longest waits for a hall calibration to begin and to end, s. */
 const [CALIBRATION_BEGIN, CALIBRATION_MAX] = [3, 60];
 const [CALIBRATION_REQUEST, CALIBRATION_STATE, CALIBRATION_DONE] = ["Hall calibration request", "Hall calibration state", 2] as const;
-/** What MOTOR_CMD can carry, rpm. */
+/** Largest set-point of MOTOR_CMD, rpm. */
 const SPEED_MAX = 65_535;
 const [INITIALIZATION, STANDBY, ROTOR_LOCK, OPEN_LOOP, SENSORLESS, HALL, FAULT] = [0, 1, 2, 3, 4, 5, 6];
 const TURNING: ReadonlySet<number> = new Set([OPEN_LOOP, SENSORLESS, HALL]);
@@ -49,22 +49,24 @@ const REFUSALS = new Map([
     [4, "it was not asked for Standby before"],
 ]);
 
-/** A master, and how its drive is known. */
+/** Configuration of a master, and the use of its drive's description. */
 export interface DriveOptions extends MasterOptions {
-    /** Reads the drive's description (XML) when the drive is first heard, and shows the drive by it; default true. */
+    /** Reads the drive's description (XML) when the drive is first heard, and takes names, units, scales and
+     * ranges from it; default true. */
     readDescription?: boolean;
-    /** Where descriptions are kept beside this program's memory. */
+    /** Storage of descriptions, in addition to this program's memory. */
     descriptions?: Descriptions;
 }
 
-/** What a drive says of itself. */
+/** Identity of a drive. */
 export interface Info {
     readonly build: BuildInfo;
     readonly device: DeviceInfo;
 }
 
-/** A drive. It has no clock and no bus of its own: give it every frame that arrives and send what `poll` has, often (`nextPoll`); promises settle on the way. Times are
- * seconds from any beginning. Set-points are repeated from the beginning, which keeps measurements coming. */
+/** A drive. It has no clock and no bus of its own: pass it every frame that arrives, and send the frames of
+ * `poll`, which must be called often (`nextPoll`); promises settle during these calls. Times are seconds from
+ * any beginning. Set-points are repeated from the beginning, which keeps measurements coming. */
 export class Drive {
     #link: Link;
     readonly parameters: Parameters;
@@ -72,14 +74,14 @@ export class Drive {
     readonly log: Log;
     #describer: Describer;
     #describes: boolean;
-    /** Starts and stops so far: a stop ends a start that is still being checked. */
+    /** Number of starts and stops so far: a stop ends a start that is still being checked. */
     #commands = 0;
     /** The last set-point, rpm, negative in reverse. */
     #asked: number | undefined;
-    /** When, s. */
+    /** Time of the last set-point, s. */
     #askedAt = 0;
 
-    /** Throws where an option cannot be. */
+    /** Throws for an invalid option. */
     constructor({ readDescription = true, descriptions, ...options }: DriveOptions = {}) {
         this.#link = new Link(options);
         this.#describer = new Describer(this.#link, descriptions);
@@ -89,17 +91,17 @@ export class Drive {
         this.log = new Log(this.#link);
     }
 
-    /** The state machine inside. */
+    /** The underlying state machine. */
     get master(): Master {
         return this.#link.master;
     }
 
-    /** Takes a frame that arrived at `now`, s. Only messages of this drive are heard. */
+    /** Takes a frame that arrived at `now`, s. Only messages of this drive are used. */
     handleFrame(frame: Frame, now: number): void {
         this.#link.handleFrame(frame, now);
     }
 
-    /** What is to be sent at `now`, s. */
+    /** Returns the frames to send at `now`, s. */
     poll(now: number): Frame[] {
         if (this.#describes) {
             this.#describer.poll();
@@ -107,20 +109,24 @@ export class Drive {
         return this.#link.poll(now);
     }
 
-    /** When to poll again at the latest, s. What waits looks at every poll, so 10 ms are good where something is waited for. */
+    /** Returns the latest time of the next poll, s. Calls that wait check their condition at every poll, so
+     * poll every 10 ms while one waits. */
     nextPoll(now: number): number {
         return this.master.nextPoll(now);
     }
 
-    /** Asks for a speed, mechanical rpm, negative in reverse, and waits until the motor is in open or closed loop, as the mode has it. A "RangeError" that names
-     * parameter and range refuses a speed beyond the limits of the enabled mode (101 to 104), which the drive would clamp; open loop turns at parameter 88 whatever
-     * is asked for, and `speedWarning` says so. A "StartError" says why a motor does not start. A drive in Fault does not start: `stop` acknowledges the fault. */
+    /** Requests a start at a speed, mechanical rpm, negative in reverse, and waits until the motor is in open
+     * or closed loop, depending on the mode. Rejects with a "RangeError" that names parameter and range for a
+     * speed beyond the limits of the enabled mode (101 to 104), because the drive would clamp it. Open loop
+     * runs at parameter 88, whatever speed is requested; `speedWarning` then has a text. Rejects with a
+     * "StartError" that has the reason if the motor does not start. A drive in Fault does not start: `stop`
+     * acknowledges the fault. */
     async start(rpm: number): Promise<void> {
         const mine = ++this.#commands;
         this.#link.expectVoice("start");
         this.master.checkSpeed(whole("start", rpm, -SPEED_MAX));
         if (await this.#link.wait(() => this.state !== undefined, START_MAX)) {
-            // What does not answer leaves what is known; the wait below ends by its time.
+            // Without an answer the known values are used; the wait below has its own time-out.
             await Promise.allSettled([...speedParameters()].map((number) => this.parameters.get(number)));
         }
         this.#expectSpeed(rpm);
@@ -138,8 +144,8 @@ export class Drive {
         await this.#judge(attempt.idle);
     }
 
-    /** Asks for another speed in the same direction, mechanical rpm. Throws as `start` does for one that the drive would clamp, and a "RefusedError" while nothing
-     * was started. */
+    /** Requests another speed in the same direction, mechanical rpm. Throws as `start` does for one that the
+     * drive would clamp, and a "RefusedError" for a motor that was not started. */
     setSpeed(rpm: number): void {
         this.#link.expectVoice("setSpeed");
         this.#expectSpeed(whole("setSpeed", rpm, 0));
@@ -151,7 +157,8 @@ export class Drive {
         this.master.setSpeed(rpm);
     }
 
-    /** Why the motor turns at another speed than was asked for: the drive has clamped it, or open loop has its own; `undefined` if it does not. */
+    /** Reason why the motor runs at another speed than requested: the drive has clamped it, or open loop has
+     * a speed of its own; `undefined` if it runs at the requested speed. */
     get speedWarning(): string | undefined {
         const { acceptedSpeed, asksToTurn, setpoint, setpointPeriod, speedLimits } = this.master;
         if (this.#asked === undefined || !asksToTurn || !TURNING.has(this.state ?? STANDBY)) {
@@ -160,47 +167,47 @@ export class Drive {
         if (speedLimits?.fixed) {
             return refusal(() => this.master.checkSpeed(this.#asked!));
         }
-        // The drive answers the next MOTOR_CMD, not this instant.
+        // The drive's answer comes only after the next MOTOR_CMD.
         const answered = this.#link.now > this.#askedAt + 3 * setpointPeriod;
         return answered && acceptedSpeed !== undefined && acceptedSpeed !== setpoint ? `speed ${setpoint} rpm: the drive uses ${acceptedSpeed} rpm` : undefined;
     }
 
     #expectSpeed(rpm: number): void {
-        // Open loop starts all the same, and its user is told.
+        // Open loop starts at its own speed in any case; `speedWarning` has the difference.
         if (!this.master.speedLimits?.fixed) {
             this.master.checkSpeed(rpm);
         }
     }
 
-    /** Asks for Standby, which also acknowledges a fault. */
+    /** Requests Standby, which also acknowledges a fault. */
     stop(): void {
         this.#commands += 1;
         this.#link.stop();
     }
 
-    /** Asks for a shutdown: the drive goes into Fault with bit 28. */
+    /** Requests a shutdown: the drive goes into Fault with bit 28. */
     shutDown(): void {
         this.#commands += 1;
         this.#link.expectVoice("shutDown");
         this.master.shutDown();
     }
 
-    /** State, 0 to 7; `undefined` while it is not known. */
+    /** State of the drive, 0 to 7; `undefined` while unknown. */
     get state(): number | undefined {
         return this.master.state;
     }
 
-    /** Its name in the specification. */
+    /** Name of the state in the specification. */
     get stateName(): StateName | undefined {
         return this.master.stateName;
     }
 
-    /** Names of the bits of the fault word that are set. */
+    /** Names of the set bits of the fault word. */
     get faults(): FaultName[] {
         return this.master.faults ?? [];
     }
 
-    /** What the extended code of the last critical fault means; `undefined` without a fault. */
+    /** Meaning of the extended code of the last critical fault; `undefined` without a fault. */
     get fault(): string | undefined {
         const critical = this.master.critical;
         if (this.faults.length === 0 || critical === undefined) {
@@ -209,22 +216,23 @@ export class Drive {
         return critical.meaning ?? `extended fault code 0x${critical.code.toString(16).padStart(4, "0")}`;
     }
 
-    /** The fields of STATUS_WORD as they were last heard. */
+    /** The fields of the last STATUS_WORD. */
     get status(): DriveValues["STATUS_WORD"] | undefined {
         return this.master.status;
     }
 
-    /** Whether the drive was heard lately. */
+    /** True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that is
+     * longer. */
     get connected(): boolean {
         return this.master.connected;
     }
 
-    /** What the drive measures, as far as it was heard. */
+    /** Measurements that were received from the drive. */
     get measurements(): Measurement[] {
         return this.master.measurements();
     }
 
-    /** One of them, in its unit; `undefined` before it was heard. */
+    /** Returns the value of a measurement, in its unit; `undefined` before it was received. */
     measurement(name: MeasurementName): number | undefined {
         const found = this.measurements.find((measurement) => measurement.name === name);
         if (found === undefined && !this.#link.tables.measurements.some((signal) => signal.name === name)) {
@@ -233,32 +241,35 @@ export class Drive {
         return found?.value;
     }
 
-    /** What can be measured. */
+    /** Signals of the drive's measurements. */
     get measurementSignals(): readonly MeasurementSignal[] {
         return this.#link.tables.measurements;
     }
 
-    /** Whose names, units, scales and ranges these are: the drive's own ("read"), or this package's. */
+    /** Source of names, units, scales and ranges: the drive's own description ("read"), or this package's
+     * tables. */
     get descriptionState(): DescriptionState {
         return this.#describer.state;
     }
 
-    /** Why the drive's description was refused. */
+    /** Reason why the drive's description was refused. */
     get descriptionProblem(): string | undefined {
         return this.#describer.problem;
     }
 
-    /** Mechanical speed by what the control mode uses, rpm: that of the hall sensors, by back-EMF, or in open loop that of the field. */
+    /** Mechanical speed, rpm, from the source that the control mode uses: the hall sensors, the back-EMF, or
+     * in open loop the field. */
     get speed(): number | undefined {
         return this.master.speed;
     }
 
-    /** Whether a download has the bus, or is about to: nothing of lower priority comes through before its end, SDOs of TX-Drivers among it. */
+    /** True while a download is under way or about to begin. It takes the bus: frames of lower priority, such
+     * as SDOs of TX-Drivers, pass only after its end. */
     get downloads(): boolean {
         return this.descriptionState === "reading" || this.#link.downloads;
     }
 
-    /** BUILD_INFO and DEVICE_INFO, asked for now. */
+    /** Reads BUILD_INFO and DEVICE_INFO now. */
     async info(): Promise<Info> {
         await Promise.all([this.#request("build info"), this.#request("device info")]);
         const { build, device } = this.master;
@@ -274,47 +285,53 @@ export class Drive {
         return new TextDecoder().decode(bytes).replace(/\0+$/, "");
     }
 
-    /** Programs the drive with an image (the bytes of a `.narximg` file), waits for its restart and confirms that it runs. The drive must be in Standby, or in Fault at
-     * standstill, and takes no start until the end. Whatever goes wrong, `master.abortUpdate` among it, the drive runs what it ran before: an "ImageError" for what is
-     * no image for it, a "RefusedError" where drive or bootloader does not want it, a "NoAnswerError" from a drive without a bootloader, and from one that is lost. */
+    /** Programs the drive with an image (the bytes of a `.narximg` file), waits for its restart and confirms
+     * that it runs. The drive must be in Standby, or in Fault at standstill, and refuses a start until the
+     * update ends. After an error, or `master.abortUpdate`, the drive runs its previous image. Rejects with
+     * an "ImageError" for an image that is invalid for this drive, a "RefusedError" if drive or bootloader
+     * rejects it, and a "NoAnswerError" if the drive has no bootloader, or is lost. */
     update(image: Uint8Array, progress?: (progress: UpdateProgress) => void): Promise<void> {
         this.#describer.forget();
         return this.#link.update(image, progress);
     }
 
-    /** Restarts a stopped drive, and waits until it is in Standby or Fault again. It stores first what was written (parameter 307). */
+    /** Restarts a stopped drive, and waits until it is in Standby or Fault again. The drive first stores
+     * written parameters (parameter 307). */
     async reboot(): Promise<void> {
         await this.#request("reboot");
         this.#describer.forget();
-        // Its self-tests take half a second.
+        // The drive stays in Initialization for half a second of self-tests.
         await this.#link.wait(() => this.state === INITIALIZATION, 0.2);
         if (!(await this.#link.wait(() => this.state === STANDBY || this.state === FAULT, 5))) {
             throw failure("NoAnswerError", "the drive was not heard within 5 s after its reboot");
         }
     }
 
-    /** Sets the digital lines: without a level one is an input. */
+    /** Sets the digital lines: one without a level is an input. */
     async setOutputs(outputs: Outputs): Promise<void> {
         await this.#link.ask(() => this.master.setOutputs(outputs));
     }
 
-    /** Switches the supply of the hall sensors off, or leaves it to parameter 97. */
+    /** Switches the supply of the hall sensors off, or leaves it under control of parameter 97. */
     async setHallSupply(on: boolean): Promise<void> {
         await this.#request(on ? "enable hall supply" : "disable hall supply");
     }
 
-    /** The present mechanical position becomes that of parameter 16. */
+    /** Sets the present mechanical position to the value of parameter 16. */
     async setPosition(): Promise<void> {
         await this.#request("set position");
     }
 
-    /** With the bridge off: the bus current reads 0 and the bus voltage reads parameter 266. */
+    /** Calibrates current and voltage with the bridge off: the bus current then reads 0 and the bus voltage
+     * reads parameter 266. */
     async autoCalibrate(): Promise<void> {
         await this.#request("auto-calibrate");
     }
 
-    /** The next start turns the motor one electrical revolution each way to find order, polarity and offset of the hall sensors. With `run` that start is made now, and the
-     * promise waits until the motor stands again, some 5 s; a "StartError" says that nothing was found. `parameters.storeOnce` keeps what was. */
+    /** Prepares a hall calibration: the next start turns the motor one electrical revolution each way to find
+     * order, polarity and offset of the hall sensors. With `run` that start is made now, and the promise
+     * waits until the motor is at rest again, some 5 s; it rejects with a "StartError" if nothing was found.
+     * `parameters.storeOnce` stores the result. */
     async calibrateHall(run = false): Promise<void> {
         if (run) {
             await this.#link.wait(() => (this.state ?? INITIALIZATION) !== INITIALIZATION, CALIBRATION_BEGIN);
@@ -323,7 +340,7 @@ export class Drive {
         if (!run) {
             return;
         }
-        // It turns at a speed of its own.
+        // Any set-point will do: the calibration turns the motor at its own speed.
         this.#link.start(1);
         const turns = () => this.state === ROTOR_LOCK || this.state === OPEN_LOOP;
         if (await this.#link.wait(() => turns() || this.state === FAULT, CALIBRATION_BEGIN)) {
@@ -333,7 +350,7 @@ export class Drive {
         const [state, name, fault] = [this.state, this.stateName, this.fault];
         const done = (await this.parameters.get(CALIBRATION_STATE as ParameterKey)) === CALIBRATION_DONE;
         this.#link.stop();
-        // The next start wants the drive to have heard that.
+        // Waits until the drive has received Standby, which the next start requires.
         await this.wait(2 * this.master.setpointPeriod);
         if (!done || state !== STANDBY) {
             await this.parameters.set(CALIBRATION_REQUEST as ParameterKey, 0);
@@ -342,12 +359,12 @@ export class Drive {
         }
     }
 
-    /** Until so many seconds have passed in the times of `poll`. */
+    /** Waits until this many seconds have passed in the times of `poll`. */
     async wait(seconds: number): Promise<void> {
         await this.#link.wait(() => false, seconds);
     }
 
-    /** Until `done`, at most `timeout` s: whether it was done. */
+    /** Waits until `done`, at most `timeout` s; resolves to whether it was done. */
     waitFor(done: () => boolean, timeout = 10): Promise<boolean> {
         return this.#link.wait(done, timeout);
     }
@@ -356,7 +373,8 @@ export class Drive {
         await this.#link.ask(() => this.master.request(what));
     }
 
-    /** In which state a start ends is the modes' business. */
+    /** Reads whether the enabled modes end a start in closed loop. The result is a function that returns
+     * `undefined` until the answers have come. */
     #endsInClosedLoop(): () => boolean | undefined {
         let found: boolean | undefined;
         const enabled = ["Closed-loop Hall Effect Sensors enable", "Closed-loop Sensorless enable"] as ParameterKey[];
@@ -364,7 +382,7 @@ export class Drive {
             const values = await Promise.all(enabled.map((name) => this.parameters.get(name)));
             found = values.some((value) => value !== 0);
         };
-        // A drive that does not answer ends the wait by its time.
+        // Without an answer the start ends by its time-out.
         read().catch(() => undefined);
         return () => found;
     }
@@ -397,11 +415,11 @@ export class Drive {
         }
     }
 
-    /** Throws for a start that has failed. */
+    /** Throws a "StartError" for a start that has failed. */
     async #judge(idle: boolean): Promise<void> {
         if (this.state === FAULT) {
             const code = await this.parameters.get("Extended fault code" as ParameterKey);
-            // The code may come later than the state.
+            // The extended code may arrive after the state.
             await this.#link.wait(() => this.fault !== undefined, ANSWER);
             const why = this.fault ?? `code 0x${code.toString(16).padStart(4, "0")}`;
             throw failure("StartError", `the drive is in Fault: ${why} (${this.faults.toSorted().join(", ")})`);
@@ -420,7 +438,7 @@ export class Drive {
     }
 }
 
-/** A speed that a MOTOR_CMD can carry. */
+/** Checks a speed for MOTOR_CMD. */
 function whole(call: string, rpm: number, min: number): number {
     if (!Number.isInteger(rpm) || rpm < min || rpm > SPEED_MAX) {
         throw new RangeError(`${call} ${rpm}: must be a whole number from ${min} to ${SPEED_MAX}`);
@@ -428,7 +446,7 @@ function whole(call: string, rpm: number, min: number): number {
     return rpm;
 }
 
-/** What a check says against; `undefined` if nothing. */
+/** Returns the message of the error that `check` throws; `undefined` if it throws none. */
 function refusal(check: () => void): string | undefined {
     try {
         check();

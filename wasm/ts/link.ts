@@ -1,11 +1,11 @@
-// A master and its time: what is waited for. Nobody blocks and nothing has a clock: whoever owns a drive gives it frames and times,
-// and promises settle on the way.
+// A master, and the calls that wait for it. No call blocks, and there is no clock: the owner of a drive
+// passes frames and times, and promises settle during those calls.
 
 import { Master, parameters, type Chunk, type Frame, type MasterError, type MasterOptions, type Progress, type UpdateProgress } from "./core.js";
 
 import { tablesOf, type Tables } from "./description.js";
 
-/** An error that its name tells from others: that of a master, or "StartError". */
+/** Returns an error with this `name`: that of a master, or "StartError". */
 export function failure(name: MasterError["name"] | "StartError", message: string): Error {
     return Object.assign(new Error(message), { name });
 }
@@ -18,7 +18,7 @@ interface Question {
 
 interface Waiter {
     readonly done: () => boolean;
-    /** s */
+    /** Time at which the wait ends, s. */
     readonly until: number;
     readonly resolve: (done: boolean) => void;
 }
@@ -39,10 +39,11 @@ interface Update {
     told: UpdateProgress | undefined;
 }
 
-/** Answers that the master keeps at most. */
+/** Largest number of answers that the master keeps. */
 const ANSWERS = 8;
 
-/** A start that waits until the drive takes it: it must have been asked for Standby since it last stopped or booted. */
+/** A start that waits until the drive accepts it: it must have received Standby since it last stopped or
+ * booted. */
 class Starter {
     #rpm: number | undefined;
     #asked: number | undefined;
@@ -80,7 +81,7 @@ class Starter {
     }
 }
 
-/** Of one drive. */
+/** Link to one drive. */
 export class Link {
     readonly master: Master;
     #now = 0;
@@ -92,7 +93,7 @@ export class Link {
     #download: Download | undefined;
     #update: Update | undefined;
     #tables: Tables;
-    /** Numbers of this package's own tables. */
+    /** Numbers of the parameters in this package's own tables. */
     #own: ReadonlySet<number>;
 
     constructor(options: MasterOptions) {
@@ -101,28 +102,29 @@ export class Link {
         this.#own = new Set(parameters().map(({ number }) => number));
     }
 
-    /** What the drive is made of, as far as it is known. */
+    /** Tables of the drive, as known at present. */
     get tables(): Tables {
         return this.#tables;
     }
 
-    /** Whether this package's own tables have a parameter. */
+    /** Returns whether this package's own tables have a parameter. */
     isOwn(number: number): boolean {
         return this.#own.has(number);
     }
 
-    /** The drive is what this text says from now on, or without one what this package's tables say. */
+    /** Replaces the tables of the drive by those of its description, or without `text` by those of this
+     * package. */
     describe(text: Uint8Array | undefined, check: number): void {
         this.master.describe(text, check);
         this.#tables = tablesOf(this.master);
     }
 
-    /** The last time that it was told, s. */
+    /** Latest time that was passed in, s. */
     get now(): number {
         return this.#now;
     }
 
-    /** A download goes on, or waits for the one before it. */
+    /** True while a download is under way or waits for another one. */
     get downloads(): boolean {
         return this.#download !== undefined || this.#downloads.length > 0;
     }
@@ -153,7 +155,7 @@ export class Link {
         this.#starter.start(rpm);
     }
 
-    /** Throws for a master that transmits nothing: a command of it would be lost without a word. */
+    /** Throws for a master that transmits nothing: its commands would be lost without notice. */
     expectVoice(command: string): void {
         if (this.master.silent) {
             throw failure("RefusedError", `${command}: the master is silent`);
@@ -165,24 +167,26 @@ export class Link {
         this.master.stop();
     }
 
-    /** Makes a request of the master, and waits for its answer. What `begin` throws is the answer, too. */
+    /** Makes a request of the master, and waits for its answer. Rejects with the error that `begin` throws,
+     * too. */
     ask(begin: () => void): Promise<number> {
         return new Promise((resolve, reject) => this.#waiting.push({ begin, resolve, reject }));
     }
 
-    /** Until `done`, at most `seconds`: whether it was done. */
+    /** Waits until `done`, at most `seconds`; resolves to whether it was done. */
     wait(done: () => boolean, seconds: number): Promise<boolean> {
         return new Promise((resolve) => this.#waiters.push({ done, until: this.#now + seconds, resolve }));
     }
 
-    /** The bytes of a download, one after another. */
+    /** Returns the bytes of a download; downloads run one after another. */
     download(begin: () => void, progress?: (progress: Progress) => void): Promise<Uint8Array> {
         return new Promise((resolve, reject) =>
             this.#downloads.push({ begin, progress, chunks: [], resolve, reject, told: -1 }),
         );
     }
 
-    /** Programs the drive with an image. What the master throws at the beginning is the answer, too. */
+    /** Programs the drive with an image. Rejects with the error that the master throws at the beginning,
+     * too. */
     update(image: Uint8Array, progress?: (progress: UpdateProgress) => void): Promise<void> {
         return new Promise((resolve, reject) => {
             this.master.update(image);
@@ -222,7 +226,8 @@ export class Link {
         }
         this.#receive();
         this.#program();
-        // A loop, not `filter`: Node 20 ends with "unreachable code" when it has inlined what calls WebAssembly into that.
+        // A loop, not `filter`: Node 20 fails with "unreachable code" when it inlines functions that call
+        // WebAssembly into `filter`.
         const waiting: Waiter[] = [];
         for (const waiter of this.#waiters.splice(0)) {
             const done = waiter.done();
@@ -250,7 +255,7 @@ export class Link {
             const words = this.master.pollDownload();
             if (words !== undefined) {
                 this.#download = undefined;
-                // With its last words it is over, and the master tells no progress any more.
+                // The download ends with its last words; the master then reports no more progress.
                 if (download.told !== words) {
                     download.progress?.({ received: words, total: words });
                 }

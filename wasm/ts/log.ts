@@ -16,11 +16,11 @@ const [SLOT_FIRST, SLOT_LAST, NOTHING] = [29, 65, 0xffff];
 const [RECORD_BYTES, INDEX_MAX, WRITE_INDEX, PERIOD, FULL] = [69, 70, 71, 72, 77];
 const SIGNAL_FIRST = 0x2000;
 
-/** Which value of a slot is kept: that of the moment, or one since the record before. */
+/** Kind of the kept value of a slot: the present one, or one over the time since the previous record. */
 export type Keep = "live" | "min" | "max" | "mean";
 const KEEP: readonly Keep[] = ["live", "min", "max", "mean"];
 
-/** What a slot can name. */
+/** Names that a slot can have. */
 export type LogName = MeasurementName | ParameterName;
 
 interface What {
@@ -29,7 +29,8 @@ interface What {
     readonly scale: number;
 }
 
-/** What a slot can name: number there, unit, and what the raw value is worth. A parameter that is a signal, too, is the same value under another number. */
+/** Returns, by name, the number in a slot, the unit, and the value of a raw 1. A measurement that is also a
+ * parameter of the same name has two numbers for the same value; slots use that of the measurement. */
 function what({ parameters, measurements }: Tables): Map<string, What> {
     const rows = parameters.map(({ name, number, unit, scale }) => [name, { number, unit, scale }] as const);
     const signals = measurements.map(
@@ -38,7 +39,7 @@ function what({ parameters, measurements }: Tables): Map<string, What> {
     return new Map<string, What>([...rows, ...signals]);
 }
 
-/** The name of every number, those of parameters that are signals, too, among them. */
+/** Returns the name of every number, including the parameter numbers of values that are also measurements. */
 function names(tables: Tables): Map<number, string> {
     const known = [...what(tables)].map(([name, { number }]) => [number, name] as const);
     return new Map([...tables.parameters.map(({ number, name }) => [number, name] as const), ...known]);
@@ -54,27 +55,27 @@ export class Log {
         this.#parameters = new Parameters(link);
     }
 
-    /** Records in the memory. */
+    /** Returns the number of records in the memory. */
     length(): Promise<number> {
         return this.#parameters.get(WRITE_INDEX);
     }
 
-    /** Records that the memory holds; 0 without one. */
+    /** Returns the number of records that the memory can hold; 0 without a memory. */
     capacity(): Promise<number> {
         return this.#parameters.get(INDEX_MAX);
     }
 
-    /** Whether the memory is full: nothing is written then until it is erased. */
+    /** Returns whether the memory is full: nothing more is written until it is erased. */
     async full(): Promise<boolean> {
         return (await this.#parameters.get(FULL)) !== 0;
     }
 
-    /** The logging state (Table 8) as it was last heard. */
+    /** Logging state (Table 8) of the last STATUS_WORD. */
     get state(): string {
         return String(this.#link.master.status?.["Logging state"] ?? "unknown");
     }
 
-    /** What is logged. */
+    /** Returns the logged values. */
     async slots(): Promise<Partial<Record<LogName, Keep>>> {
         const known = names(this.#link.tables);
         const found: Record<string, Keep> = {};
@@ -87,7 +88,8 @@ export class Log {
         return found;
     }
 
-    /** Chooses what is logged (up to 37 values), and every how many seconds, 0.001 to 3600. `parameters.store` keeps it. */
+    /** Selects the logged values (up to 37), and the period of the records in seconds, 0.001 to 3600.
+     * `parameters.store` stores the settings. */
     async configure(values: readonly LogName[] | Partial<Record<LogName, Keep>>, period: number): Promise<void> {
         const chosen = Array.isArray(values) ? values.map((name) => [name, "live"] as const) : Object.entries(values);
         const known = what(this.#link.tables);
@@ -112,8 +114,9 @@ export class Log {
         }
     }
 
-    /** Records from index `first` on, to the last one or `count` of them: `time` in s since power-up, `index`, and the values. NaN stands for a value that a record
-     * does not have; a record that the drive cannot read any more is left out. */
+    /** Downloads the records from index `first` on, to the last one or `count` of them: `time` in s since
+     * power-up, `index`, and the values. A value that a record does not have is NaN; a record that the drive
+     * cannot read any more is left out. */
     async download(first = 0, count?: number, progress?: (progress: Progress) => void): Promise<Table> {
         const length = await this.length();
         const records = count ?? Math.max(length - first, 0);
@@ -128,7 +131,8 @@ export class Log {
         return table(logRecords(bytes, size), this.#link.tables);
     }
 
-    /** Erases every record; refused while driving. With `wait`, until that is done: minutes for a full memory. */
+    /** Erases every record; refused while driving. With `wait`, resolves when that is done, which takes
+     * minutes for a full memory. */
     async erase(wait = true): Promise<void> {
         await this.#link.ask(() => this.#link.master.request("erase log"));
         for (let idle = 0; wait && idle < 2; ) {

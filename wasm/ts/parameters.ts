@@ -8,8 +8,8 @@ export type ParameterKey = ParameterName | number;
 
 const DEVICE_NUMBER = 1;
 
-/** Reads and writes; values are in the parameters' units. Every call that asks the drive rejects with a `MasterError`, or a `RangeError` that names parameter,
- * value and range. */
+/** Reads and writes parameters; values are in their units. Every call that sends a request to the drive
+ * rejects with a `MasterError`, or with a `RangeError` that names parameter, value and range. */
 export class Parameters {
     #link: Link;
 
@@ -17,18 +17,18 @@ export class Parameters {
         this.#link = link;
     }
 
-    /** What they are, by the drive's own description once that was read. */
+    /** Properties of every parameter, by the drive's own description once it was read. */
     get rows(): readonly Parameter[] {
         return this.#link.tables.parameters;
     }
 
-    /** What one is; `undefined` if there is no such parameter. */
+    /** Returns the properties of a parameter; `undefined` if it does not exist. */
     row(key: ParameterKey): Parameter | undefined {
         const folded = String(key).toLowerCase();
         return this.rows.find(({ number, name }) => number === key || name.toLowerCase() === folded);
     }
 
-    /** Those whose name, category or description has the text; case does not matter. */
+    /** Returns the parameters whose name, category or description contains the text; case does not matter. */
     find(text: string): Parameter[] {
         const folded = text.toLowerCase();
         return this.rows.filter(({ name, category, description }) =>
@@ -36,30 +36,31 @@ export class Parameters {
         );
     }
 
-    /** The value as it was last heard; `undefined` before. Asks nothing. */
+    /** Returns the value as last heard; `undefined` before. Sends no request. */
     known(key: ParameterKey): number | undefined {
         return this.#link.master.parameter(key);
     }
 
-    /** The value now. */
+    /** Reads the value from the drive. */
     get(key: ParameterKey): Promise<number> {
         return this.#link.ask(() => this.#link.master.read(key));
     }
 
-    /** Writes a value, to the nearest step of its scale, and returns what the drive has now. NaN, and a fraction of a parameter without decimals, are refused. */
+    /** Writes a value, rounded to the nearest step of its scale, and returns the value that the drive has
+     * now. Rejects NaN, and a fraction for a parameter without decimals. */
     set(key: ParameterKey, value: number): Promise<number> {
         return this.#link.ask(() => this.#link.master.write(key, value));
     }
 
-    /** Every parameter that can be written and is no command, by name: what `load` takes. */
+    /** Returns every parameter that can be written and is no command, by name, for `load`. */
     async toObject(): Promise<Partial<Record<ParameterName, number>>> {
         const rows = this.rows.filter(({ access, command }) => access !== "read-only" && !command);
         const values = await Promise.all(rows.map(({ number }) => this.get(number)));
         return Object.fromEntries(rows.map(({ name }, at) => [name, values[at]]));
     }
 
-    /** Writes the values that differ from the drive's: the names of those. Every name and value is checked before the first is written; the device number
-     * is left as it is. */
+    /** Writes the values that differ from the drive's; returns their names. All names and values are checked
+     * before the first is written. The device number is not written. */
     async load(values: Partial<Record<ParameterName, number>>): Promise<ParameterName[]> {
         const wanted = Object.entries(values).map(([name, value]) => {
             const row = this.row(name as ParameterName);
@@ -86,7 +87,7 @@ export class Parameters {
         return changed;
     }
 
-    /** Stores every parameter but the device number and the calibration in the drive's memory now. */
+    /** Stores every parameter except the device number and the calibration in the drive's memory now. */
     async store(): Promise<void> {
         await this.#link.ask(() => this.#link.master.request("store"));
     }
@@ -101,9 +102,10 @@ export class Parameters {
         await this.#link.ask(() => this.#link.master.request("reset calibration"));
     }
 
-    /** Stores factory values for everything but the device number and the calibration (category 02). At any moment, while driving too: they act after the next reboot. */
+    /** Stores factory values for everything except the device number and the calibration (category 02). It is
+     * allowed at any time, also while driving. The values take effect at the next reboot. */
     async restoreFactory(): Promise<void> {
-        // The number that counts is the one of power-up; parameter 1 may have been written since.
+        // The drive checks the serial number of its power-up; parameter 1 may have been written since.
         await this.#link.ask(() => this.#link.master.request("device info"));
         const { device } = this.#link.master;
         if (device === undefined) {
@@ -113,7 +115,7 @@ export class Parameters {
     }
 }
 
-/** Why a parameter cannot have a value, with its range; `undefined` if it can. */
+/** Returns the reason why a parameter cannot have a value, with its range; `undefined` if it can. */
 export function misfit({ number, name, unit, scale, min, max }: Parameter, value: number): string | undefined {
     const [steps, space] = [value / scale, unit && ` ${unit}`];
     const inside = value >= min && value <= max;

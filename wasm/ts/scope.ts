@@ -12,7 +12,7 @@ const [STATE, TRIGGER, TRIGGER_SIGNAL, TRIGGER_LEVEL, INPUTS, WORDS] = [260, 290
 const [ROOM, REFUSAL] = [305, 306];
 /** Signals that the drive reads in a control tick. */
 const SIGNALS_A_TICK = 4;
-/** Parameter 306 in words. */
+/** Meanings of parameter 306. */
 const REFUSALS: readonly (string | undefined)[] = [
     undefined,
     "there is no record",
@@ -24,34 +24,37 @@ const REFUSALS: readonly (string | undefined)[] = [
     "a signal is unknown",
 ];
 
-/** What the scope does (parameter 260). */
+/** State of the scope (parameter 260). */
 export type ScopeState = "idle" | "armed" | "recording" | "done";
 const STATES: readonly ScopeState[] = ["idle", "armed", "recording", "done"];
 
-/** What begins a record (parameters 290 to 292). An armed scope can be forced, too, whatever it waits for. */
+/** Condition that begins a record (parameters 290 to 292). An armed scope can also be forced, whatever its
+ * trigger is. */
 export type Trigger =
     | { readonly kind: "forced" | "state change" | "fault" }
     | {
           readonly kind: "above" | "below" | "rising" | "falling";
           readonly signal: ScopeSignalName;
-          /** In the signal's unit. */
+          /** Threshold, in the signal's unit. */
           readonly value: number;
       };
 const KINDS: readonly Trigger["kind"][] = ["forced", "above", "below", "rising", "falling", "state change", "fault"];
 
-/** How the scope is set up. */
+/** Settings of a record. */
 export interface ScopeSetup {
-    /** Samples of each signal; all signals together fill at most the drive's memory (parameter 305). Default 256. Of inputs: control ticks, as far as the memory has room; default 400. */
+    /** Samples of each signal; all signals together fill at most the drive's memory (parameter 305). Default
+     * 256. For a record of inputs: control ticks, limited by the memory; default 400. */
     samples?: number;
     /** Control ticks from one sample to the next, at least one for every four signals; default 1. */
     prescaler?: number;
-    /** Default: nothing but `force`. */
+    /** Condition that begins the record; by default only `force` does. */
     trigger?: Trigger;
     /** Samples from before the trigger, fewer than `samples`; default 0. */
     before?: number;
 }
 
-/** Arms, forces and reads the scope. A record survives faults and further starts until the scope is armed again. */
+/** Arms, forces and reads the scope. A record survives faults and further starts until the scope is armed
+ * again. */
 export class Scope {
     #link: Link;
     #parameters: Parameters;
@@ -61,17 +64,18 @@ export class Scope {
         this.#parameters = new Parameters(link);
     }
 
-    /** What can be recorded. */
+    /** Signals that can be recorded. */
     get signals(): readonly ScopeSignal[] {
         return this.#link.tables.signals;
     }
 
-    /** What it does now. */
+    /** Returns the present state. */
     async state(): Promise<ScopeState> {
         return STATES[await this.#parameters.get(STATE)] ?? "idle";
     }
 
-    /** Sets it up and arms it. Rejects with a "RefusedError" while it is armed or recording, with a RangeError for what the drive cannot keep. */
+    /** Sets the scope up and arms it. Rejects with a "RefusedError" while it is armed or recording, with a
+     * RangeError for settings that the drive does not support. */
     async arm(signals: readonly ScopeSignalName[], setup: ScopeSetup = {}): Promise<void> {
         const known = this.signals;
         const bits = new Set(signals.map((name) => find(known, name).bit));
@@ -83,7 +87,8 @@ export class Scope {
         await this.#setUp(setup, 256, [[CHANNELS, channels]]);
     }
 
-    /** Sets it up to record the inputs of every control tick, and arms it: what `downloadRecording` makes a recording of. 34 to 68 ms have room. */
+    /** Sets the scope up to record the inputs of every control tick, and arms it; `downloadRecording` makes a
+     * recording of them. The memory holds 34 to 68 ms. */
     async armInputs(setup: Omit<ScopeSetup, "prescaler"> = {}): Promise<void> {
         await this.#setUp(setup, 400, [[INPUTS, 1]]);
     }
@@ -145,7 +150,7 @@ export class Scope {
         await this.#press();
     }
 
-    /** Until the record is complete, at most `timeout` s. */
+    /** Waits until the record is complete, at most `timeout` s. */
     async wait(timeout = 10): Promise<void> {
         const end = this.#link.now + timeout;
         for (let state = await this.state(); state !== "done"; state = await this.state()) {
@@ -156,7 +161,8 @@ export class Scope {
         }
     }
 
-    /** The record: a row per sample, `time` in s from the trigger. Rejects with a "RefusedError" while there is none. */
+    /** Downloads the record: a row per sample, `time` in s from the trigger. Rejects with a "RefusedError"
+     * while there is none. */
     async download(progress?: (progress: Progress) => void): Promise<Table<ScopeSignalName>> {
         await this.#expectRecord(false);
         const channels = await this.#parameters.get(CHANNELS);
@@ -175,20 +181,22 @@ export class Scope {
         };
     }
 
-    /** The record of inputs, as a recording that `replay` runs again bit for bit. */
+    /** Downloads the record of inputs, as a recording that `replay` runs again bit for bit. */
     async downloadRecording(progress?: (progress: Progress) => void): Promise<ScopeRecording> {
         await this.#expectRecord(true);
         const bytes = await this.#read(progress);
-        // It brings the control code with it, which nothing else here needs.
+        // Imported here, because that module contains the control code, which nothing else in this file
+        // needs.
         const lab = await import("./lab.js");
-        // In Node a module is there when it is imported.
+        // Only the module for browsers has a function that loads it.
         if (typeof lab.default === "function") {
             await lab.default();
         }
         return lab.scopeRecording(bytes, "recorded by the scope");
     }
 
-    /** Arms it, waits for the trigger at most `timeout` s (without one it is forced) and downloads the record. */
+    /** Arms the scope, waits for the trigger at most `timeout` s, or forces it without one, and downloads the
+     * record. */
     async capture(
         signals: readonly ScopeSignalName[],
         setup: ScopeSetup = {},
@@ -199,7 +207,7 @@ export class Scope {
         return this.download();
     }
 
-    /** Records inputs, waits as `capture` does and downloads the recording. */
+    /** Records inputs, waits for the trigger as `capture` does, and downloads the recording. */
     async record(setup: Omit<ScopeSetup, "prescaler"> = {}, timeout = 10): Promise<ScopeRecording> {
         await this.armInputs(setup);
         await this.#await(setup, timeout);
@@ -208,7 +216,7 @@ export class Scope {
 
     async #await({ trigger, before }: ScopeSetup, timeout: number): Promise<void> {
         if (trigger === undefined) {
-            // What goes before the trigger has to be there first.
+            // The samples before the trigger must have been taken.
             await this.#link.wait(() => false, (before ?? 0) * (await this.#parameters.get(SAMPLING_TIME)));
             await this.force();
         }

@@ -1,4 +1,5 @@
-// What was done to a bench, and when: a plain object that makes the same bits again, for a link, a file, or the way back in time.
+// Script of a bench: its calls with their ticks, as a plain object that gives the same bits again. It can be
+// put into a link or a file, or be used to return to an earlier tick.
 
 import {
     Bench,
@@ -26,17 +27,18 @@ export type Input = { readonly tick: number } & (
     | { readonly call: "addTxDriver"; readonly options: TxDriverOptions }
 );
 
-/** All that a bench's bits depend on. It survives `JSON.stringify`. */
+/** Everything that determines the bits of a bench. It can be passed through `JSON.stringify`. */
 export interface Script {
     readonly motor: MotorName | MotorOptions;
     readonly options: BenchOptions;
-    /** In the order in which they were made. */
+    /** Calls, in the order in which they were made. */
     readonly inputs: readonly Input[];
-    /** Control ticks that were run. */
+    /** Number of control ticks that were run. */
     readonly ticks: number;
 }
 
-/** Runs a script, or its first `until` control ticks: the bench as it was then, without the rows on the way. */
+/** Runs a script, or its first `until` control ticks; returns the bench in its state then, without the rows
+ * of the run. */
 export function perform(script: Script, until = script.ticks): Bench {
     const motor = typeof script.motor === "string" ? Motor.preset(script.motor) : new Motor(script.motor);
     const bench = new Bench(motor, script.options);
@@ -87,35 +89,35 @@ function advance(bench: Bench, tick: number): void {
     }
 }
 
-/** A bench whose calls are written down. */
+/** A bench whose calls are recorded as a script. */
 export class Recorder {
     #bench: Bench;
     #script: { motor: MotorName | MotorOptions; options: BenchOptions; inputs: Input[] };
 
-    /** Throws where the bench cannot be. */
+    /** Throws for invalid options. */
     constructor(motor: MotorName | MotorOptions, options: BenchOptions) {
         this.#script = structuredClone({ motor, options, inputs: [] });
         this.#bench = perform({ ...this.#script, ticks: 0 });
     }
 
-    /** The bench, to run it and to look at it. */
+    /** The bench, for runs and observation. */
     get bench(): Bench {
         return this.#bench;
     }
 
-    /** Makes a call now, and writes it down; one that throws leaves nothing. */
+    /** Makes a call now, and records it; one that throws is not recorded. */
     do(input: Input extends infer One ? Omit<One, "tick"> : never): void {
         const timed = { ...input, tick: this.#bench.ticks } as Input;
         apply(this.#bench, timed);
         this.#script.inputs.push(timed);
     }
 
-    /** What was done so far. */
+    /** Script of all calls so far. */
     get script(): Script {
         return structuredClone({ ...this.#script, ticks: this.#bench.ticks });
     }
 
-    /** Goes back to a control tick, and forgets what came later. */
+    /** Goes back to a control tick, and removes later calls from the script. */
     rewind(tick: number): void {
         const inputs = this.#script.inputs.filter((input) => input.tick <= tick);
         const bench = perform({ ...this.#script, inputs, ticks: tick });

@@ -1,4 +1,4 @@
-// Serves folders on this computer only: `node serve.mjs [PORT]` the built page.
+// Serves folders to this computer only; `node serve.mjs [PORT]` serves the built page.
 
 import { createReadStream } from "node:fs";
 import { stat } from "node:fs/promises";
@@ -15,10 +15,11 @@ const TYPES = {
     ".wasm": "application/wasm",
 };
 
-/** The built page. */
+/** Folder of the built page. */
 export const PAGE = fileURLToPath(new URL("dist", import.meta.url));
 
-/** Serves each prefix, "/" among them, from its folder on 127.0.0.1; port 0 is any. Resolves to the server once it listens. */
+/** Serves each prefix, "/" among them, from its folder on 127.0.0.1; port 0 is any free one. Resolves to the
+ * server once it listens. */
 export function serve(folders, port = 0) {
     const server = createServer((request, response) => {
         answer(folders, request, response).catch(() => response.writeHead(500).end());
@@ -31,7 +32,7 @@ export function serve(folders, port = 0) {
 
 async function answer(folders, request, response) {
     const path = decodeURIComponent(new URL(request.url, "http://localhost").pathname);
-    // The longest prefix that fits.
+    // The longest matching prefix.
     const prefix = Object.keys(folders).filter((name) => path.startsWith(name)).sort((a, b) => b.length - a.length)[0];
     const rest = path.slice(prefix?.length ?? 0);
     const file = join(folders[prefix] ?? "", normalize(`/${rest === "" || rest.endsWith("/") ? `${rest}index.html` : rest}`));

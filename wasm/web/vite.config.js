@@ -7,7 +7,7 @@ const built = fileURLToPath(new URL("../pkg/web", import.meta.url));
 
 const output = fileURLToPath(new URL("dist", import.meta.url));
 
-/** Names every file that was built, for the service worker. */
+/** Writes the name of every built file to files.json, for the service worker. */
 const files = {
     name: "narx-files",
     apply: "build",
@@ -19,7 +19,7 @@ const files = {
 };
 
 export default defineConfig({
-    // One static folder that works wherever it is put.
+    // Relative addresses, so that the folder works wherever it is put.
     base: "./",
     plugins: [svelte(), files],
     resolve: {
@@ -29,6 +29,6 @@ export default defineConfig({
         ],
     },
     worker: { format: "es" },
-    // The colours of style.css are light-dark(); these are the first browsers that know it.
+    // style.css uses light-dark() colours; these are the first browsers that support them.
     build: { target: "es2023", cssTarget: ["chrome123", "firefox120", "safari17.5"] },
 });

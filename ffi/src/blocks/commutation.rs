@@ -1,4 +1,4 @@
-//! Six-step commutation: the table, and position to steps.
+//! Six-step commutation: the table, and the steps for a position.
 
 use super::{direction, init, narx_setting_error_t};
 use crate::handle::{self, Handle};
@@ -26,9 +26,10 @@ impl Handle for narx_commutator_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_commutation_settings_t {
-    /// Commutation ahead of its place, electrical, 0 to 3 000 in 0.01 degree.
+    /// Timing advance, electrical, 0 to 3 000 in 0.01 degree.
     pub advance_cdeg: u16,
-    /// First instant of a period at which a new step can act, in 1/65 536 of it: when you have the answer.
+    /// First instant of a period at which a new step can act, in 1/65 536 of it: when the caller has its
+    /// answer.
     pub earliest: u16,
 }
 
@@ -38,13 +39,14 @@ pub struct narx_commutation_settings_t {
 pub struct narx_steps_t {
     /// The step at the earliest instant.
     pub step: Step,
-    /// How many of `commutations` count.
+    /// Number of valid entries of `commutations`.
     pub commutation_count: u8,
     /// Changes later in the period, in order of time.
     pub commutations: [narx_commutation_t; NARX_COMMUTATIONS_MAX],
 }
 
-/// The step that gives torque in `towards` (0 forward, 1 reverse) to a rotor in `sector`, 0 to 5. Any context; no state.
+/// Writes the step that gives torque in direction `towards` (0 forward, 1 reverse) to a rotor in `sector`, 0
+/// to 5. Any context; no state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_commutation_step_for(
     sector: u8,
@@ -62,8 +64,8 @@ pub unsafe extern "C" fn narx_commutation_step_for(
     pointer::status(run())
 }
 
-/// What a step (a narx_step_t) does to the legs of phases A, B, C: 0 both switches off, 1 low side on, 2 switched with the duty; in
-/// `legs`, 3 bytes. Any context; no state.
+/// Writes the action of a step (a narx_step_t) on the legs of phases A, B, C into `legs`, 3 bytes: 0 both
+/// switches off, 1 low side on, 2 switched with the duty. Any context; no state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_commutation_legs(step: u8, legs: *mut u8) -> narx_status_t {
     let run = || {
@@ -79,8 +81,8 @@ pub unsafe extern "C" fn narx_commutation_legs(step: u8, legs: *mut u8) -> narx_
     pointer::status(run())
 }
 
-/// Makes a commutation that has not seen a rotor yet. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
-/// which.
+/// Makes a commutation that knows no rotor position yet. Returns NARX_ERROR_SETTING if it cannot be built
+/// from the settings; `error`, which may be NULL, then names the setting.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_commutation_init(
     commutation: *mut narx_commutator_t,
@@ -95,9 +97,9 @@ pub unsafe extern "C" fn narx_commutation_init(
     }
 }
 
-/// The steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed` (2^-32 turn a tick, signed), both at its
-/// boundary, and torque in `towards` (0 forward, 1 reverse). A rotor that seems to have fallen back by less than 15 degrees is not commutated
-/// back.
+/// Writes the steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed`
+/// (2^-32 turn a tick, signed), both at the period's boundary, with torque in direction `towards` (0 forward,
+/// 1 reverse). A rotor that seems to have fallen back by less than 15 degrees is not commutated back.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_commutation_step(
     commutation: *mut narx_commutator_t,
@@ -126,7 +128,7 @@ pub unsafe extern "C" fn narx_commutation_step(
     pointer::status(run())
 }
 
-/// Forgets the sector: the bridge was off.
+/// Forgets the sector; call it after the bridge was off.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_commutation_reset(commutation: *mut narx_commutator_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.

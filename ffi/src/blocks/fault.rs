@@ -28,7 +28,8 @@ impl Handle for narx_fault_t {
     const MARK: u32 = u32::from_be_bytes(*b"nxFa");
 }
 
-/// Settings of a narx_fault_t. Quantities are Q16. How long each condition must hold stands beside its NARX_CAUSE_* in PROTOCOL.md.
+/// Settings of a narx_fault_t. Quantities are Q16. The time for which each condition must hold is listed with
+/// its NARX_CAUSE_* in PROTOCOL.md.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_fault_settings_t {
@@ -46,9 +47,10 @@ pub struct narx_fault_settings_t {
     pub warning: i32,
     /// Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below.
     pub over_pressure: i32,
-    /// Largest electrical speed that is asked for, 0 to 10 000 rev/s: 30 % above is overspeed.
+    /// Largest electrical speed that is requested, 0 to 10 000 rev/s: 30 % above is overspeed.
     pub speed_max: i32,
-    /// Which bits are critical, sum of NARX_FAULT_*; what protects the power stage is critical while driving all the same.
+    /// Critical fault mask, sum of NARX_FAULT_*; faults that protect the power stage are critical while
+    /// driving in any case.
     pub critical_mask: u32,
     /// Torque without a hall edge for this long is a stall, 1 to 65 535 ms.
     pub hall_stall_ms: u32,
@@ -56,8 +58,8 @@ pub struct narx_fault_settings_t {
     pub shutdown_lines: u8,
 }
 
-/// What the fault logic looks at in one tick. Quantities are Q16; flags are not 0 where they hold. Zeroed, it is a board at rest without a
-/// supply.
+/// Inputs of the fault logic in one tick. Quantities are Q16; a flag is set if it is not 0. All zeros
+/// describe a board at rest without a supply.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_evidence_t {
@@ -65,7 +67,7 @@ pub struct narx_evidence_t {
     pub bus_voltage: i32,
     /// Mean DC-link current of this tick.
     pub bus_current: i32,
-    /// The same after a first-order filter of 64 ticks.
+    /// Mean DC-link current after a first-order filter of 64 ticks.
     pub bus_current_filtered: i32,
     /// Temperature of the power stage.
     pub temperature: i32,
@@ -75,11 +77,12 @@ pub struct narx_evidence_t {
     pub speed: i32,
     /// Faults of a parameter store: NARX_FAULT_STORE_*.
     pub store_faults: u32,
-    /// What sensorless control has failed of: NARX_CAUSE_SENSORLESS_STALL, _DESYNCHRONISATION or _WRONG_LOCK, or 0.
+    /// Failure of sensorless control: NARX_CAUSE_SENSORLESS_STALL, _DESYNCHRONISATION or _WRONG_LOCK; 0
+    /// without one.
     pub sensorless: u16,
     /// Digital inputs: sum of NARX_LINE_*.
     pub lines: u8,
-    /// What is asked for: 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown.
+    /// The master's request: 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown.
     pub request: u8,
     /// A self-test has failed.
     pub self_test_failed: u8,
@@ -89,9 +92,9 @@ pub struct narx_evidence_t {
     pub hall_jump: u8,
     /// Sectors that the hall sensors have turned in this tick, signed.
     pub hall_sectors: i8,
-    /// No hall edge for the hall time-out.
+    /// No hall edge came for the hall time-out.
     pub hall_stopped: u8,
-    /// The hall closed loop is running: its sensors are judged.
+    /// The hall closed loop is running: its sensors are checked for plausibility.
     pub hall_driving: u8,
     /// The bridge is on, or a start is about to turn it on.
     pub driving: u8,
@@ -101,31 +104,32 @@ pub struct narx_evidence_t {
     pub open_phase: u8,
 }
 
-/// What the fault logic tells.
+/// Outputs of the fault logic.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_faults_t {
-    /// What is present or latched: sum of NARX_FAULT_*.
+    /// Faults that are present or latched: sum of NARX_FAULT_*.
     pub word: u32,
-    /// What is latched of it.
+    /// Latched faults.
     pub critical: u32,
     /// Extended code of the first critical fault, a NARX_CAUSE_*; 0 without one.
     pub cause: u16,
-    /// Not 0: a critical fault is present, the bridge is to go off.
+    /// Not 0: a critical fault is present; the bridge must be switched off.
     pub present: u8,
     /// Not 0: none of the latched causes is present any more.
     pub causes_gone: u8,
 }
 
-/// The drive's factory values at 10 kHz; no speed is too high: to change what differs.
+/// Writes the drive's factory values at 10 kHz, as a start for your own settings; no speed counts as too
+/// high.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_fault_settings_default(settings: *mut narx_fault_settings_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { pointer::write(settings, FaultSettings::default().into()) })
 }
 
-/// Makes fault logic without a fault. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an
-/// interrupt: it divides.
+/// Makes a fault logic without a fault. Returns NARX_ERROR_SETTING if it cannot be built from the settings;
+/// `error`, which may be NULL, then names the setting. Not for an interrupt: it divides.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_fault_init(
     fault: *mut narx_fault_t,
@@ -140,7 +144,7 @@ pub unsafe extern "C" fn narx_fault_init(
     }
 }
 
-/// One tick. A critical fault latches.
+/// Runs one tick. A critical fault latches.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_fault_step(
     fault: *mut narx_fault_t,
@@ -164,8 +168,9 @@ pub unsafe extern "C" fn narx_fault_step(
     pointer::status(run())
 }
 
-/// What the fault logic does as the state machine beside it (narx_state_step) changes its state: a time-out and a failed boot are latched,
-/// leaving Fault acknowledges, and sensors are judged anew in every driven episode.
+/// Follows a state change of the state machine beside it (narx_state_step): a time-out and a failed boot are
+/// latched, leaving Fault acknowledges, and the plausibility checks of the sensors start anew in every driven
+/// episode.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_fault_handle_change(
     fault: *mut narx_fault_t,
@@ -183,7 +188,8 @@ pub unsafe extern "C" fn narx_fault_handle_change(
     pointer::status(run())
 }
 
-/// Clears what is latched if none of its causes is present any more; else NARX_ERROR_WRONG_STATE, and nothing is done.
+/// Clears the latched faults if none of their causes is present any more; else returns NARX_ERROR_WRONG_STATE
+/// and does nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_fault_acknowledge(fault: *mut narx_fault_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
@@ -230,7 +236,7 @@ impl From<&narx_fault_settings_t> for FaultSettings {
     }
 }
 
-/// What sensorless control can fail of.
+/// Causes that sensorless control can fail with.
 const SENSORLESS: [Cause; 3] = [Cause::SensorlessStall, Cause::Desynchronisation, Cause::WrongLock];
 
 impl TryFrom<&narx_evidence_t> for Evidence {
@@ -277,7 +283,7 @@ impl TryFrom<&narx_evidence_t> for Evidence {
     }
 }
 
-/// Motor mode of a request.
+/// Returns the request with this motor mode.
 pub(super) fn request(number: u8) -> Result<Request, narx_status_t> {
     match number {
         0 => Ok(Request::Standby),

@@ -1,4 +1,4 @@
-//! Hall sensors to sector, angle and speed.
+//! Hall sensors: sector, angle and speed from lines and edges.
 
 use super::{init, narx_setting_error_t};
 use crate::handle::{self, Handle};
@@ -28,52 +28,54 @@ impl Handle for narx_hall_t {
 pub struct narx_hall_settings_t {
     /// Ticks a second, 1 000 to 100 000 Hz.
     pub tick_rate: u32,
-    /// How far the edges lie beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
+    /// Offset of the edges beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
     pub offset_cdeg: i32,
     /// No edge for this long means standstill, ms, and no more than 65 535 ticks.
     pub timeout_ms: u32,
     /// Slowest electrical speed that is interpolated between edges, Q16 rev/s.
     pub interpolation_min: i32,
-    /// Which permutation of the lines, 0 to 5; 0 is A, B, C.
+    /// Permutation of the lines, 0 to 5; 0 is A, B, C.
     pub order: u8,
     /// Lines to invert before the permutation: bit 0 = A, bit 1 = B, bit 2 = C.
     pub polarity: u8,
-    /// Not 0: edges come time-stamped; else the level alone is looked at, once a tick.
+    /// Not 0: edges are time-stamped; else only the level is read, once a tick.
     pub captured: u8,
 }
 
-/// What the sensors say after a tick.
+/// Reading of the sensors after a tick.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_hall_reading_t {
     /// Electrical angle at the present period's boundary, 2^32 a turn; for narx_commutation_step.
     pub angle: u32,
-    /// 2^-32 turn a tick, signed; for narx_commutation_step.
+    /// Speed, 2^-32 turn a tick, signed; for narx_commutation_step.
     pub turn_speed: i32,
-    /// Electrical speed, Q16 rev/s, signed, never more than the edge that has not come allows.
+    /// Electrical speed, Q16 rev/s, signed, limited by the time for which the next edge has not come.
     pub speed: i32,
-    /// 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; 255 until the first valid code.
+    /// Sector, 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; 255 until the first valid code.
     pub sector: u8,
     /// Sectors turned in this tick, signed.
     pub sectors: i8,
-    /// Not 0: the code is 000 or 111 now.
+    /// Not 0: the present code is 000 or 111.
     pub invalid: u8,
     /// Not 0: a sector was jumped over in this tick.
     pub jump: u8,
-    /// Not 0: no edge for the time-out.
+    /// Not 0: no edge came for the time-out: standstill.
     pub stopped: u8,
-    /// Not 0: torque by this position could be torque in any direction.
+    /// Not 0: the position is doubtful; torque by this position could act in any direction.
     pub doubtful: u8,
 }
 
-/// 10 kHz, lines as they are named, the factory's time-out, 1 rev/s, captured edges: to change what differs.
+/// Writes default settings, as a start for your own: 10 kHz, lines in the order A, B, C, the factory's
+/// time-out, interpolation from 1 rev/s, captured edges.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_hall_settings_default(settings: *mut narx_hall_settings_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { pointer::write(settings, HallSettings::default().into()) })
 }
 
-/// Makes a station that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+/// Makes a station that has not seen the sensors yet. Returns NARX_ERROR_SETTING if it cannot be built from
+/// the settings; `error`, which may be NULL, then names the setting.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_hall_init(
     hall: *mut narx_hall_t,
@@ -88,8 +90,8 @@ pub unsafe extern "C" fn narx_hall_init(
     }
 }
 
-/// One tick: the lines now (bit 0 = A, bit 1 = B, bit 2 = C), and the `count` edges of the period that has ended, oldest first, at most
-/// NARX_EDGES_MAX; `edge` may be NULL without any.
+/// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the `count` edges of the period
+/// that has ended, oldest first, at most NARX_EDGES_MAX; `edge` may be NULL if `count` is 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_hall_step(
     hall: *mut narx_hall_t,

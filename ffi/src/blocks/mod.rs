@@ -1,4 +1,4 @@
-//! The stations of the drive, one by one, in the caller's memory.
+//! The drive's blocks, one by one, in the caller's memory.
 
 mod commutation;
 mod fault;
@@ -23,28 +23,29 @@ use core::ffi::c_char;
 use narx_core::blocks::SettingError;
 use narx_core::motor::Direction;
 
-/// Room for the name and the unit of a setting, the closing 0 included.
+/// Size of the name and the unit of a setting in narx_setting_error_t, the closing 0 included.
 pub const NARX_NAME_SIZE: usize = 24;
 
-/// A setting that no block can be built from.
+/// A setting from which no block can be built.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_setting_error_t {
-    /// What it was.
+    /// The rejected value.
     pub value: i64,
     /// Smallest value that builds, with the other settings as they are.
     pub min: i64,
     /// Largest value that builds.
     pub max: i64,
-    /// Fraction bits of the three: 16 for a Q16, 0 for a count.
+    /// Fraction bits of the three values: 16 for a Q16, 0 for a count.
     pub fraction_bits: u8,
-    /// Name of the setting, as its field is called.
+    /// Name of the setting: the name of its field.
     pub setting: [c_char; NARX_NAME_SIZE],
     /// Its unit, empty without one.
     pub unit: [c_char; NARX_NAME_SIZE],
 }
 
-/// Puts a block into `size` bytes of memory, or says what is wrong with its settings where somebody wants to know.
+/// Puts a block into `size` bytes of memory; on an error of its settings writes that to `error`, unless it is
+/// NULL.
 ///
 /// # Safety
 /// The rule for pointers at the head of narx.h.
@@ -67,7 +68,7 @@ unsafe fn init<H: Handle>(
     pointer::status(unsafe { handle::init(memory, size, object) })
 }
 
-/// 0 forward, 1 reverse.
+/// Returns the direction with this number: 0 forward, 1 reverse.
 fn direction(number: u8) -> Result<Direction, narx_status_t> {
     match number {
         0 => Ok(Direction::Forward),
@@ -82,7 +83,7 @@ impl From<SettingError> for narx_setting_error_t {
     }
 }
 
-/// The text, cut where the room ends, and a closing 0.
+/// Returns the text with a closing 0, cut to the size of the field.
 fn name(text: &str) -> [c_char; NARX_NAME_SIZE] {
     let mut name = [0; NARX_NAME_SIZE];
     for (to, from) in name.iter_mut().take(NARX_NAME_SIZE - 1).zip(text.bytes()) {

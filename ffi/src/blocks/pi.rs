@@ -47,8 +47,8 @@ pub struct narx_pi_settings_t {
     pub maximum: i32,
 }
 
-/// Makes a controller at rest: its integrator is 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
-/// which. Not for an interrupt: it divides.
+/// Makes a controller at rest: its integrator is 0. Returns NARX_ERROR_SETTING if it cannot be built from the
+/// settings; `error`, which may be NULL, then names the setting. Not for an interrupt: it divides.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_pi_init(
     pi: *mut narx_pi_t,
@@ -63,8 +63,8 @@ pub unsafe extern "C" fn narx_pi_init(
     }
 }
 
-/// The output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The integrator never holds more than brings the output
-/// to one of them.
+/// Writes the output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The
+/// integrator never holds more than brings the output to a limit.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_pi_step(pi: *mut narx_pi_t, error: i32, output: *mut i32) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
@@ -75,15 +75,16 @@ pub unsafe extern "C" fn narx_pi_step(pi: *mut narx_pi_t, error: i32, output: *m
     pointer::status(run())
 }
 
-/// Something else decided `applied` (Q16) in this step, whose error was `error`: the integrator goes an eighth of the way to what would have
-/// given that, so that the controller takes over again without a bump.
+/// Follows the output `applied` (Q16) that something else decided in this step, whose error was `error`. The
+/// integrator goes an eighth of the way to the value that would have given `applied`, so that the controller
+/// takes over again without a bump.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_pi_track(pi: *mut narx_pi_t, applied: i32, error: i32) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { handle::object(pi) }.map(|pi| pi.track(applied, error)))
 }
 
-/// The integrator alone gives `output` (Q16) from now on.
+/// Sets the integrator so that it alone gives `output` (Q16).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_pi_hold(pi: *mut narx_pi_t, output: i32) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
@@ -100,7 +101,7 @@ fn build(settings: &narx_pi_settings_t) -> Result<Pi, SettingError> {
     })
 }
 
-/// A gain that the core can have, or which part of it is out of range.
+/// Converts a gain to that of the core, or returns its part that is out of range.
 fn gain(setting: &'static str, gain: narx_gain_t) -> Result<Gain, SettingError> {
     Gain::new(gain.mantissa, gain.shift).ok_or_else(|| {
         let (value, max) = match gain.shift {

@@ -30,8 +30,8 @@ pub struct narx_ramp_settings_t {
     pub step_rate: u32,
 }
 
-/// Makes a ramp at 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an interrupt: it
-/// divides.
+/// Makes a ramp at 0. Returns NARX_ERROR_SETTING if it cannot be built from the settings; `error`, which may
+/// be NULL, then names the setting. Not for an interrupt: it divides.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_ramp_init(
     ramp: *mut narx_ramp_t,
@@ -49,7 +49,7 @@ pub unsafe extern "C" fn narx_ramp_init(
     }
 }
 
-/// One step towards `target`; where it is then in `value`. Both Q16.
+/// Moves one step towards `target` and writes the new value to `value`, both Q16.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_ramp_step(
     ramp: *mut narx_ramp_t,

@@ -1,4 +1,4 @@
-//! The state machine: requests and conditions to one of the eight states (Table 7).
+//! The state machine: one of eight states from requests and conditions (Table 7).
 
 use super::fault::request;
 use super::{init, narx_setting_error_t};
@@ -24,7 +24,7 @@ impl Handle for narx_state_machine_t {
     const MARK: u32 = u32::from_be_bytes(*b"nxSt");
 }
 
-/// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; flags are not 0 where they hold.
+/// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; a flag is set if it is not 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_state_settings_t {
@@ -40,17 +40,17 @@ pub struct narx_state_settings_t {
     pub auto_restart_ms: u32,
     /// Wait before a fault can be acknowledged.
     pub fault_wait_ms: u32,
-    /// No command for so long while driving is a fault.
+    /// Longest time without a command while driving; more is a fault.
     pub command_timeout_ms: u32,
-    /// Open loop may run the motor.
+    /// Open loop is enabled.
     pub open_loop: u8,
-    /// The sensorless loop may run the motor.
+    /// The sensorless loop is enabled.
     pub sensorless: u8,
-    /// The hall loop may run the motor, before the others.
+    /// The hall loop is enabled; it takes precedence over the other two.
     pub hall: u8,
 }
 
-/// What the machine looks at in one tick; flags are not 0 where they hold.
+/// Inputs of the state machine in one tick; a flag is set if it is not 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_state_inputs_t {
@@ -64,7 +64,7 @@ pub struct narx_state_inputs_t {
     pub stopped: u8,
     /// A hall calibration has a result.
     pub calibrated: u8,
-    /// The present parameters fit each other.
+    /// A working controller can be built from the present parameters.
     pub parameters_fit: u8,
 }
 
@@ -76,34 +76,36 @@ pub struct narx_change_t {
     pub from: u8,
     /// State after.
     pub to: u8,
-    /// Not 0: no command came for the time-out.
+    /// Not 0: the change fired because of the command time-out.
     pub timed_out: u8,
 }
 
-/// Where the machine stands.
+/// Present state of the machine.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_state_report_t {
-    /// Ticks in this state, saturating.
+    /// Ticks in the present state, saturating.
     pub age: u32,
     /// A narx_state_t.
     pub state: u8,
     /// Direction of this start: 0 forward, 1 reverse.
     pub direction: u8,
-    /// Why the last start was refused: 0 it was not, 1 no mode is enabled, 2 parameters, 4 Standby was not requested since the last stop.
+    /// Reason why the last start was refused: 0 it was not, 1 no mode is enabled, 2 parameters, 4 Standby was
+    /// not requested since the last stop.
     pub refusal: u8,
-    /// Not 0: this tick turns the bridge on unless something refuses it.
+    /// Not 0: this tick turns the bridge on unless a condition prevents the start.
     pub starting: u8,
 }
 
-/// The drive's factory values at 10 kHz, with hall sensors: to change what differs.
+/// Writes the drive's factory values at 10 kHz, with hall sensors, as a start for your own settings.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_state_settings_default(settings: *mut narx_state_settings_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { pointer::write(settings, StateSettings::default().into()) })
 }
 
-/// Makes a machine in Initialization. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+/// Makes a machine in Initialization. Returns NARX_ERROR_SETTING if it cannot be built from the settings;
+/// `error`, which may be NULL, then names the setting.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_state_init(
     machine: *mut narx_state_machine_t,
@@ -118,8 +120,9 @@ pub unsafe extern "C" fn narx_state_init(
     }
 }
 
-/// A command has arrived: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point, Q16 rev/s. It feeds the
-/// time-out. Standby acknowledges a fault; Drive and Reverse start the motor if Standby was asked for before.
+/// Takes a command: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point,
+/// Q16 rev/s. It restarts the command time-out. Standby acknowledges a fault; Drive and Reverse start the
+/// motor if Standby was requested before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_state_handle_command(
     machine: *mut narx_state_machine_t,
@@ -135,7 +138,8 @@ pub unsafe extern "C" fn narx_state_handle_command(
     pointer::status(run())
 }
 
-/// One tick: time passes, at most one transition fires: NARX_OK and what it was, or NARX_NOTHING.
+/// Runs one tick: time passes, and at most one transition fires. Returns NARX_OK and writes the transition to
+/// `change`, or returns NARX_NOTHING.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_state_step(
     machine: *mut narx_state_machine_t,
@@ -152,7 +156,7 @@ pub unsafe extern "C" fn narx_state_step(
     pointer::status(run())
 }
 
-/// Where it stands.
+/// Writes the present state of the machine.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_state_report(
     machine: *mut narx_state_machine_t,
@@ -173,12 +177,12 @@ pub unsafe extern "C" fn narx_state_report(
     })
 }
 
-/// The state of a number.
+/// Returns the state with this number.
 pub(super) fn state(number: u8) -> Result<State, narx_status_t> {
     State::ALL.get(usize::from(number)).copied().ok_or(NARX_ERROR_ARGUMENT)
 }
 
-/// A row of the table between two states.
+/// Returns the row of the transition table between two states.
 pub(super) fn row(from: State, to: State) -> Result<&'static Transition, narx_status_t> {
     TRANSITIONS.iter().find(|row| row.from == from && row.to == to).ok_or(NARX_ERROR_ARGUMENT)
 }

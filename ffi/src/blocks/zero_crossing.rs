@@ -1,4 +1,4 @@
-//! Zero crossings of the floating phase to angle, speed and the next commutation.
+//! Zero crossings of the floating phase: angle, speed and the next commutation.
 
 use super::{direction, init, narx_commutation_settings_t, narx_setting_error_t};
 use crate::board::narx_channel_t;
@@ -10,7 +10,8 @@ use crate::status::narx_status_t::{self, *};
 use narx_core::blocks::{CommutationSettings, ZeroCrossing, ZeroCrossingReading, ZeroCrossingSettings};
 use narx_core::motor::{Commutation, PwmCommand, Samples, Step};
 
-/// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved between calls.
+/// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved
+/// between calls.
 #[repr(C)]
 pub struct narx_zero_crossing_t {
     /// Private.
@@ -34,72 +35,74 @@ pub struct narx_zero_crossing_settings_t {
     pub blanking_us: u32,
     /// Delay of a rising crossing, -10 000 to 10 000 us.
     pub delay_rising_us: i32,
-    /// Delay of a falling crossing, the same.
+    /// Delay of a falling crossing, -10 000 to 10 000 us.
     pub delay_falling_us: i32,
-    /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm; 0 unknown, then crossings in the off-time are not corrected for their
-    /// threshold.
+    /// Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm. 0 is unknown: crossings in the off-time are
+    /// then not corrected for their threshold.
     pub back_emf_uv_per_rpm: u32,
     /// Scale of the three phase terminals.
     pub terminal: narx_channel_t,
     /// Scale of the bus voltage.
     pub bus_voltage: narx_channel_t,
-    /// Where in its period a new step acts, and the advance of the next commutation.
+    /// Instant of the period at which a new step acts, and the advance of the next commutation.
     pub commutation: narx_commutation_settings_t,
     /// Pole pairs, 1 to 100.
     pub pole_pairs: u16,
     /// No crossing for this long is standstill, 1 to 32 767 ticks.
     pub timeout_ticks: u16,
-    /// Smallest signal that is told from noise, 1 to 255 codes of a terminal.
+    /// Smallest signal that stands out of the noise, 1 to 255 codes of a terminal.
     pub noise_codes: u8,
     /// Not 0: comparators with captured edges take the place of samples.
     pub comparator: u8,
 }
 
-/// The pattern that was in force in the period that has ended.
+/// The pattern that was applied in the period that has ended.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_applied_t {
-    /// When the phases were sampled, in 1/65 536 of the period.
+    /// Instant at which the phases were sampled, in 1/65 536 of the period.
     pub sample_at: u16,
-    /// The step at its earliest instant: a narx_step_t.
+    /// Step at the period's earliest instant: a narx_step_t.
     pub step: u8,
-    /// How many changes followed.
+    /// Number of changes that followed.
     pub commutation_count: u8,
-    /// Their instants, in 1/65 536 of the period.
+    /// Instants of the changes, in 1/65 536 of the period.
     pub instants: [u16; NARX_COMMUTATIONS_MAX],
-    /// The steps from then on.
+    /// Steps after the changes.
     pub steps: [u8; NARX_COMMUTATIONS_MAX],
 }
 
-/// What the terminals say after a tick.
+/// Reading of the terminals after a tick.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_zero_crossing_reading_t {
-    /// A crossing that was seen in this tick: how long before the present boundary, 1/65 536 tick; INT32_MIN without one.
+    /// Age of a crossing that was seen in this tick: time from it to the present boundary, 1/65 536 tick,
+    /// negative after the boundary; INT32_MIN without one.
     pub crossing: i32,
-    /// The next commutation, this long after the present boundary, 1/65 536 tick: 0 is now, UINT32_MAX that it is not known.
+    /// Time from the present boundary to the next commutation, 1/65 536 tick: 0 is now, UINT32_MAX is
+    /// unknown.
     pub commutation: u32,
     /// Electrical angle at the present boundary, 2^32 a turn; for narx_commutation_step.
     pub angle: u32,
-    /// 2^-32 turn a tick, signed; for narx_commutation_step.
+    /// Speed, 2^-32 turn a tick, signed; for narx_commutation_step.
     pub turn_speed: i32,
-    /// Electrical speed, Q16 rev/s, signed; 0 while none is known.
+    /// Electrical speed, Q16 rev/s, signed; 0 while unknown.
     pub speed: i32,
     /// Crossings accepted since narx_zero_crossing_init, wrapping.
     pub accepted: u32,
-    /// How far the last accepted crossing lay behind its prediction, 65 536 a turn.
+    /// Lag of the last accepted crossing behind its prediction, 65 536 a turn.
     pub margin: i16,
-    /// What became of the last step's crossing: 0 none yet, 1 accepted, 2 too early, 3 not seen, 4 hidden by demagnetisation, 5 heard from a
-    /// coasting motor.
+    /// Outcome of the last step's crossing: 0 none yet, 1 accepted, 2 too early, 3 not seen, 4 hidden by
+    /// demagnetisation, 5 seen on a coasting motor.
     pub why: u8,
     /// Not 0: six consistent crossings of both polarities; the position may close a loop.
     pub running: u8,
-    /// Not 0: the bridge is to go off: 1 stalled, 2 out of step.
+    /// Not 0: the bridge must be switched off: 1 stalled, 2 out of step.
     pub lost: u8,
 }
 
-/// 10 kHz, narx's own converter, 4 codes of noise, 200 us of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is not
-/// known: to change what differs.
+/// Writes default settings, as a start for your own: 10 kHz, narx's own converter, 4 codes of noise, 200 us
+/// of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is unknown.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_zero_crossing_settings_default(
     settings: *mut narx_zero_crossing_settings_t,
@@ -108,8 +111,8 @@ pub unsafe extern "C" fn narx_zero_crossing_settings_default(
     pointer::status(unsafe { pointer::write(settings, ZeroCrossingSettings::default().into()) })
 }
 
-/// Makes a detector of a motor that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL,
-/// says which. Not for an interrupt: it divides.
+/// Makes a detector that has not seen the motor yet. Returns NARX_ERROR_SETTING if it cannot be built from
+/// the settings; `error`, which may be NULL, then names the setting. Not for an interrupt: it divides.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_zero_crossing_init(
     detector: *mut narx_zero_crossing_t,
@@ -124,7 +127,8 @@ pub unsafe extern "C" fn narx_zero_crossing_init(
     }
 }
 
-/// The bridge is about to bring up a rotor that rests at `angle` (2^32 a turn) in `towards` (0 forward, 1 reverse).
+/// Begins to bring up a rotor that rests at `angle` (2^32 a turn), in direction `towards` (0 forward, 1
+/// reverse).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_zero_crossing_start(
     detector: *mut narx_zero_crossing_t,
@@ -140,15 +144,16 @@ pub unsafe extern "C" fn narx_zero_crossing_start(
     pointer::status(run())
 }
 
-/// On by a step without any evidence: the rotor that is being brought up has not moved.
+/// Goes on by a step without any evidence: the rotor that is being brought up has not moved.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_zero_crossing_force_step(detector: *mut narx_zero_crossing_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { handle::object(detector) }.map(ZeroCrossing::force_step))
 }
 
-/// One tick: what was sampled (phase and bus voltages with their mode, edges of comparators), and the pattern that was in force in the
-/// period that has ended, with torque in `towards` (0 forward, 1 reverse).
+/// Runs one tick with the samples (phase and bus voltages with their mode, edges of comparators) and the
+/// pattern that was applied in the period that has ended, with torque in direction `towards` (0 forward, 1
+/// reverse).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_zero_crossing_step(
     detector: *mut narx_zero_crossing_t,

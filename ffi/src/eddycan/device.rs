@@ -9,7 +9,8 @@ use crate::status::narx_status_t::{self, *};
 use narx_core::bus::eddycan::{Channels, Position};
 use narx_core::eddycan::{Configuration, MeasuringRange, STORED, Sample, TxDriver, Variant};
 
-/// Values that a TX-Driver keeps over a restart: those of the entries NARX_TX_ENTRY_NODE_ID to _ENCODER_RESOLUTION, in their order.
+/// Values that a TX-Driver keeps over a restart: those of the entries NARX_TX_ENTRY_NODE_ID to
+/// _ENCODER_RESOLUTION, in their order.
 pub const NARX_TX_VALUES: usize = 12;
 
 const _: () = assert!(NARX_TX_VALUES == STORED);
@@ -17,8 +18,8 @@ const _: () = assert!(NARX_TX_VALUES == STORED);
 /// 64-bit words of a TX-Driver on any processor.
 pub const NARX_TX_DRIVER_WORDS: usize = 56;
 
-/// A TX-Driver: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls. Calls for one
-/// TX-Driver must not interrupt each other.
+/// A TX-Driver: memory that the caller owns. Its content is private to the library; it may be copied and
+/// moved between calls. Calls for one TX-Driver must not interrupt each other.
 #[repr(C)]
 pub struct narx_tx_driver_t {
     /// Private.
@@ -32,47 +33,48 @@ impl Handle for narx_tx_driver_t {
     const MARK: u32 = u32::from_be_bytes(*b"nxTD");
 }
 
-/// What a TX-Driver is made of. Positions in 2^-27 mm.
+/// Hardware and firmware of a TX-Driver. Positions in 2^-27 mm.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_tx_variant_t {
-    /// Sensors: 1 or 2.
+    /// Number of sensors: 1 or 2.
     pub channels: u8,
     /// Release of the firmware, major in the high byte (2100h).
     pub firmware: u16,
-    /// Samples a second that narx_tx_driver_handle_sample is called with, Hz.
+    /// Rate at which narx_tx_driver_handle_sample is called, Hz.
     pub sample_rate: u32,
-    /// Where the measuring range of each sensor starts.
+    /// Start of each sensor's measuring range.
     pub range_start: [i32; 2],
-    /// Where it ends, beyond the start.
+    /// End of each sensor's measuring range, beyond its start.
     pub range_end: [i32; 2],
 }
 
-/// What a TX-Driver tells its board.
+/// State of a TX-Driver that its board needs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_tx_driver_report_t {
-    /// Bits per second to set the CAN controller to.
+    /// Bit rate for the CAN controller, bit/s.
     pub bits_per_second: u32,
     /// The node-id in force.
     pub node: u8,
     /// NMT state: 4 Stopped, 5 Operational, 127 Pre-Operational.
     pub state: u8,
-    /// What its PDOs carry.
+    /// Layout of its PDOs.
     pub layout: narx_tx_layout_t,
     /// Levels of the two switching outputs.
     pub outputs: [u8; 2],
 }
 
-/// Bytes that a TX-Driver needs on this processor: at most sizeof(narx_tx_driver_t). Any context.
+/// Returns the bytes that a TX-Driver needs on this processor: at most sizeof(narx_tx_driver_t). Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_tx_driver_size() -> usize {
     handle::size::<narx_tx_driver_t>()
 }
 
-/// Makes a TX-Driver at power-up in `size` bytes of memory: sizeof(narx_tx_driver_t), or narx_tx_driver_size() of your own. `values` are the
-/// NARX_TX_VALUES values that were stored, or NULL for factory state. NARX_ERROR_VARIANT if there is no such driver, NARX_ERROR_OUT_OF_RANGE
-/// for a stored value that its entry does not take.
+/// Makes a TX-Driver at power-up in `size` bytes of memory: sizeof(narx_tx_driver_t), or
+/// narx_tx_driver_size() of your own. `values` are the NARX_TX_VALUES values that were stored, or NULL for
+/// factory state. Returns NARX_ERROR_VARIANT if there is no such driver, NARX_ERROR_OUT_OF_RANGE for a stored
+/// value outside the range of its entry.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_init(
     driver: *mut narx_tx_driver_t,
@@ -94,7 +96,8 @@ pub unsafe extern "C" fn narx_tx_driver_init(
     pointer::status(run())
 }
 
-/// Takes a frame that arrived at `now`, microseconds. A frame that is not for this node, or none of its protocol, changes nothing.
+/// Takes a frame that arrived at `now`, microseconds. A frame for another node or of another protocol changes
+/// nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_handle_frame(
     driver: *mut narx_tx_driver_t,
@@ -109,8 +112,8 @@ pub unsafe extern "C" fn narx_tx_driver_handle_frame(
     pointer::status(run())
 }
 
-/// Takes a sample, at the variant's rate: positions in 2^-27 mm (the second does not count on a driver of one channel), and the encoder's
-/// counter, four counts to a period, running free.
+/// Takes a sample, at the variant's rate: positions in 2^-27 mm (the second is ignored on a driver with one
+/// channel), and the encoder's free-running counter, four counts to a period.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_handle_sample(
     driver: *mut narx_tx_driver_t,
@@ -125,8 +128,9 @@ pub unsafe extern "C" fn narx_tx_driver_handle_sample(
     )
 }
 
-/// Takes the state of the CAN controller, whenever it was looked at. Off the bus no frame is handed out, and positions and answers
-/// that wait are dropped; drop what waits in the controller, too. An error that was among that is told again.
+/// Takes the state of the CAN controller, as often as the board reads it. Off the bus no frame is handed out,
+/// and positions and answers that wait are dropped; drop the frames that wait in the controller, too. An
+/// error message among them is sent again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_handle_bus_state(
     driver: *mut narx_tx_driver_t,
@@ -148,7 +152,8 @@ pub unsafe extern "C" fn narx_tx_driver_poll(driver: *mut narx_tx_driver_t, now:
     pointer::status(unsafe { handle::object(driver) }.map(|driver| driver.poll(now)))
 }
 
-/// When to poll again at the latest if nothing is handled until then, microseconds; UINT64_MAX for never.
+/// Writes the latest time of the next poll, microseconds, if nothing is handled until then; UINT64_MAX for
+/// never.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_next_poll(
     driver: *mut narx_tx_driver_t,
@@ -160,7 +165,7 @@ pub unsafe extern "C" fn narx_tx_driver_next_poll(
     })
 }
 
-/// The next frame to send, or NARX_NOTHING.
+/// Writes the next frame to send, or returns NARX_NOTHING.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_poll_frame(
     driver: *mut narx_tx_driver_t,
@@ -175,8 +180,8 @@ pub unsafe extern "C" fn narx_tx_driver_poll_frame(
     pointer::status(run())
 }
 
-/// The NARX_TX_VALUES values to store, or NARX_NOTHING. Nothing more is handed out before narx_tx_driver_handle_store has said what became
-/// of them.
+/// Writes the NARX_TX_VALUES values to store, or returns NARX_NOTHING. It hands out nothing more until
+/// narx_tx_driver_handle_store was called with the result.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_poll_store(
     driver: *mut narx_tx_driver_t,
@@ -192,8 +197,8 @@ pub unsafe extern "C" fn narx_tx_driver_poll_store(
     pointer::status(run())
 }
 
-/// Takes whether what narx_tx_driver_poll_store handed out is stored: not 0 if it is. A board that could not read its memory at power-up says
-/// 0, too.
+/// Takes the result of storing the values of narx_tx_driver_poll_store: not 0 if they are stored. A board
+/// that could not read its memory at power-up passes 0, too.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_handle_store(
     driver: *mut narx_tx_driver_t,
@@ -203,7 +208,8 @@ pub unsafe extern "C" fn narx_tx_driver_handle_store(
     pointer::status(unsafe { handle::object(driver) }.map(|driver| driver.handle_store(done != 0)))
 }
 
-/// NARX_OK when the board is to restart now, said once: narx_tx_driver_init with the stored values; NARX_NOTHING otherwise.
+/// Returns NARX_OK, once, when the board must restart the driver now: call narx_tx_driver_init with the
+/// stored values. Returns NARX_NOTHING otherwise.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_take_reset(driver: *mut narx_tx_driver_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
@@ -213,7 +219,7 @@ pub unsafe extern "C" fn narx_tx_driver_take_reset(driver: *mut narx_tx_driver_t
     )
 }
 
-/// What the board has to know.
+/// Writes the state that the board needs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_driver_report(
     driver: *mut narx_tx_driver_t,
@@ -243,7 +249,7 @@ impl TryFrom<&narx_tx_variant_t> for Variant {
         let [end1, end2] = range_end.map(Position::from_raw);
         let first = MeasuringRange::new(start1, end1).ok_or(NARX_ERROR_VARIANT)?;
         let (channels, second) = match channels {
-            // The second one does not count.
+            // The second range is ignored.
             1 => (Channels::Single, first),
             2 => (Channels::Dual, MeasuringRange::new(start2, end2).ok_or(NARX_ERROR_VARIANT)?),
             _ => return Err(NARX_ERROR_VARIANT),

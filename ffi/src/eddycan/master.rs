@@ -1,4 +1,4 @@
-//! The master of a TX-Driver.
+//! Master of a TX-Driver.
 
 use super::message::narx_tx_layout_t;
 use super::{entry, node};
@@ -13,8 +13,8 @@ use narx_core::master::eddycan::{Answer, Config, Request, RequestError, TxMaster
 /// 64-bit words of a TX-Driver's master on any processor.
 pub const NARX_TX_MASTER_WORDS: usize = 60;
 
-/// The master of one TX-Driver: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls.
-/// Calls for one master must not interrupt each other.
+/// The master of one TX-Driver: memory that the caller owns. Its content is private to the library; it may be
+/// copied and moved between calls. Calls for one master must not interrupt each other.
 #[repr(C)]
 pub struct narx_tx_master_t {
     /// Private.
@@ -28,53 +28,55 @@ impl Handle for narx_tx_master_t {
     const MARK: u32 = u32::from_be_bytes(*b"nxTM");
 }
 
-/// What came of a request.
+/// Answer to a request.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_tx_answer_t {
     /// NARX_OK, NARX_ERROR_NO_ANSWER, or NARX_ERROR_ENTRY with the abort code of Table 10 in `value`.
     pub status: narx_status_t,
-    /// What was read or written.
+    /// Value that was read or written.
     pub value: u32,
-    /// Of which entry: a NARX_TX_ENTRY_*.
+    /// Entry of the request: a NARX_TX_ENTRY_*.
     pub entry: u8,
-    /// Not 0: it was written, or else read.
+    /// Not 0: the request was a write; else a read.
     pub written: u8,
 }
 
-/// What a master knows of its node.
+/// State of a node, from its last messages.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_tx_node_report_t {
-    /// When the last positions came, microseconds; UINT64_MAX before the first.
+    /// Time of reception of the last positions, microseconds; UINT64_MAX before the first.
     pub at: u64,
     /// The last positions, 2^-27 mm; 0 before the first.
     pub positions: [i32; 2],
-    /// Boot-up messages.
+    /// Number of boot-up messages.
     pub boots: u32,
-    /// Error messages.
+    /// Number of error messages.
     pub errors: u32,
-    /// Frames of the node that mean nothing: PDOs of another layout, above all.
+    /// Number of the node's frames that cannot be decoded: most likely PDOs of another layout.
     pub malformed: u32,
     /// Encoder, counts; 0 before the first.
     pub encoder: u16,
     /// Code of the last error message; 0 before the first.
     pub last_error: u16,
-    /// Not 0: the node was heard lately.
+    /// Not 0: the node was heard within the last 5 s.
     pub present: u8,
-    /// The state that the last heartbeat told, or 255 before the first.
+    /// State in the last heartbeat; 255 before the first.
     pub state: u8,
 }
 
-/// Bytes that a TX-Driver's master needs on this processor: at most sizeof(narx_tx_master_t). Any context.
+/// Returns the bytes that a TX-Driver's master needs on this processor: at most sizeof(narx_tx_master_t). Any
+/// context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_tx_master_size() -> usize {
     handle::size::<narx_tx_master_t>()
 }
 
-/// Makes the master of node `number` (1 to 127) with this layout, in `size` bytes of memory: sizeof(narx_tx_master_t), or
-/// narx_tx_master_size() of your own. It sends nothing until it is asked for something; it waits 100 ms for an answer, asks three times, and
-/// takes a node for gone that has said nothing for 5 s.
+/// Makes the master of node `number` (1 to 127) with this layout, in `size` bytes of memory:
+/// sizeof(narx_tx_master_t), or narx_tx_master_size() of your own. It sends nothing until it gets a command
+/// or a request. It waits 100 ms for an answer, sends a request up to three times, and counts a node as gone
+/// after 5 s without a message.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_init(
     master: *mut narx_tx_master_t,
@@ -90,7 +92,7 @@ pub unsafe extern "C" fn narx_tx_master_init(
     pointer::status(run())
 }
 
-/// Takes a frame that arrived at `now`, microseconds. Frames of others are not heard.
+/// Takes a frame that arrived at `now`, microseconds. Frames of other nodes are ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_handle_frame(
     master: *mut narx_tx_master_t,
@@ -105,7 +107,7 @@ pub unsafe extern "C" fn narx_tx_master_handle_frame(
     pointer::status(run())
 }
 
-/// The next frame that is due at `now`, microseconds, or NARX_NOTHING.
+/// Writes the next frame that is due at `now`, microseconds, or returns NARX_NOTHING.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_poll_frame(
     master: *mut narx_tx_master_t,
@@ -121,7 +123,8 @@ pub unsafe extern "C" fn narx_tx_master_poll_frame(
     pointer::status(run())
 }
 
-/// When to poll again at the latest if no frame arrives and nothing is asked for until then, microseconds; UINT64_MAX for never.
+/// Writes the latest time of the next poll, microseconds, if no frame arrives and nothing is requested until
+/// then; UINT64_MAX for never.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_next_poll(
     master: *mut narx_tx_master_t,
@@ -134,8 +137,8 @@ pub unsafe extern "C" fn narx_tx_master_next_poll(
     })
 }
 
-/// Commands the node, or with `all` not 0 every node of the bus: 1 start, 2 stop, 128 pre-operational, 129 reset. NARX_ERROR_FULL while four
-/// messages wait for the bus, NARX_ERROR_FIELD for another command.
+/// Commands the node, or with `all` not 0 every node of the bus: 1 start, 2 stop, 128 pre-operational, 129
+/// reset. Returns NARX_ERROR_FULL while four messages wait for the bus, NARX_ERROR_FIELD for another command.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_command(
     master: *mut narx_tx_master_t,
@@ -152,21 +155,23 @@ pub unsafe extern "C" fn narx_tx_master_command(
     pointer::status(run())
 }
 
-/// Sends a SYNC: every node of the bus samples and sends PDO2. NARX_ERROR_FULL while four messages wait for the bus.
+/// Sends a SYNC: every node of the bus samples and sends PDO2. Returns NARX_ERROR_FULL while four messages
+/// wait for the bus.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_sync(master: *mut narx_tx_master_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { handle::object(master) }.and_then(|master| Ok(master.sync()?)))
 }
 
-/// Asks the node for PDO3. NARX_ERROR_FULL while four messages wait for the bus.
+/// Asks the node for PDO3. Returns NARX_ERROR_FULL while four messages wait for the bus.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_ask_positions(master: *mut narx_tx_master_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { handle::object(master) }.and_then(|master| Ok(master.ask_positions()?)))
 }
 
-/// Asks for an entry (NARX_TX_ENTRY_*). Answers come in the order of the requests; NARX_ERROR_FULL with eight whose answers were not taken.
+/// Requests the value of an entry (NARX_TX_ENTRY_*). Answers come in the order of the requests. Returns
+/// NARX_ERROR_FULL while there are eight requests whose answers were not taken.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_read(master: *mut narx_tx_master_t, number: u8) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
@@ -174,7 +179,7 @@ pub unsafe extern "C" fn narx_tx_master_read(master: *mut narx_tx_master_t, numb
     pointer::status(run())
 }
 
-/// Writes an entry (NARX_TX_ENTRY_*), likewise.
+/// Requests to write an entry (NARX_TX_ENTRY_*). Order and errors are those of narx_tx_master_read.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_write(
     master: *mut narx_tx_master_t,
@@ -186,7 +191,7 @@ pub unsafe extern "C" fn narx_tx_master_write(
     pointer::status(run())
 }
 
-/// The next answer, or NARX_NOTHING.
+/// Writes the next answer, or returns NARX_NOTHING.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_poll_answer(
     master: *mut narx_tx_master_t,
@@ -201,7 +206,7 @@ pub unsafe extern "C" fn narx_tx_master_poll_answer(
     pointer::status(run())
 }
 
-/// What the node has said, as known at `now`, microseconds.
+/// Writes the state of the node as known at `now`, microseconds.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_master_report(
     master: *mut narx_tx_master_t,

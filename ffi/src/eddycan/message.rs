@@ -1,4 +1,4 @@
-//! eddyCAN messages, for who needs the protocol alone.
+//! eddyCAN messages, for a program that needs only the protocol.
 
 use super::node;
 use crate::frame::narx_frame_t;
@@ -9,49 +9,53 @@ use narx_core::bus::eddycan::{
     SdoAnswer, SdoOutcome, SdoRequest, SdoValue, Target, ToNode,
 };
 
-/// What a message is.
+/// Kind of a message.
 #[repr(u8)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum narx_tx_kind_t {
-    /// Master: node `node`, or all for 0, is to obey NMT command `command`: 1 start, 2 stop, 128 pre-operational, 129 reset.
+    /// Master: NMT command `command` to node `node`, or to all for 0: 1 start, 2 stop, 128 pre-operational,
+    /// 129 reset.
     Nmt = 0,
-    /// Master: all nodes sample now and send PDO2.
+    /// Master: SYNC; all nodes sample now and send PDO2.
     Sync = 1,
-    /// Master: `node` is to send PDO3 of `size` bytes.
+    /// Master: request to `node` for PDO3, of `size` bytes.
     RequestPdo = 2,
-    /// Master: read entry `index`, `subindex` of `node`.
+    /// Master: read request for entry `index`, `subindex` of `node`.
     Read = 3,
-    /// Master: write `value` to it; `size` is 1 to 4 bytes, or 0 if only the node knows.
+    /// Master: request to write `value` to the entry `index`, `subindex` of `node`; `size` is 1 to 4 bytes,
+    /// or 0 if only the node knows it.
     Write = 4,
-    /// Node: boot-up or heartbeat; `command` is its state: 0 boot-up, 4 Stopped, 5 Operational, 127 Pre-Operational.
+    /// Node: boot-up or heartbeat; `command` is its state: 0 boot-up, 4 Stopped, 5 Operational, 127
+    /// Pre-Operational.
     Heartbeat = 5,
     /// Node: an error; `value` is its code.
     Error = 6,
-    /// Node: `positions` and `encoder`, as far as the layout has them; `command` is the number of the PDO, 1 to 3.
+    /// Node: PDO with `positions` and `encoder`, as far as the layout has them; `command` is the number of
+    /// the PDO, 1 to 3.
     Pdo = 7,
     /// Node: the entry was written.
     Written = 8,
     /// Node: the entry holds `value`, of `size` bytes.
     Value = 9,
-    /// Either: not done, or not wanted any more; `value` is the abort code (Table 10).
+    /// Master or node: the request was refused or is aborted; `value` is the abort code (Table 10).
     Abort = 10,
 }
 
-/// What the PDOs of a node carry.
+/// Layout of a node's PDOs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_tx_layout_t {
-    /// Sensors: 1 or 2.
+    /// Number of sensors: 1 or 2.
     pub channels: u8,
     /// Not 0: the encoder's value follows.
     pub encoder: u8,
 }
 
-/// An eddyCAN message (PROTOCOL.md, section 10). Fields that its kind does not name do not count.
+/// An eddyCAN message (PROTOCOL.md, section 10). Fields that are not named at its kind are ignored.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_tx_message_t {
-    /// Which one: a narx_tx_kind_t.
+    /// Kind: a narx_tx_kind_t.
     pub kind: u8,
     /// Node-id, 1 to 127.
     pub node: u8,
@@ -63,9 +67,9 @@ pub struct narx_tx_message_t {
     pub index: u16,
     /// Counts of the encoder.
     pub encoder: u16,
-    /// Bytes of a value.
+    /// Number of bytes of a value.
     pub size: u8,
-    /// Not 0, of NARX_TX_KIND_ABORT: the node says it, or else the master.
+    /// Not 0: the node sends this NARX_TX_KIND_ABORT; else the master does.
     pub from_node: u8,
     /// Value, error code or abort code.
     pub value: u32,
@@ -75,8 +79,9 @@ pub struct narx_tx_message_t {
 
 use narx_tx_kind_t as Kind;
 
-/// What a frame says on a bus whose nodes have this layout. NARX_ERROR_NOT_A_MESSAGE if it is no eddyCAN message, or one of another
-/// layout; NARX_ERROR_FIELD if a field has a value that means nothing. Any context; no state.
+/// Decodes a frame of a bus whose nodes have this layout. Returns NARX_ERROR_NOT_A_MESSAGE if it is no
+/// eddyCAN message, or one of another layout; NARX_ERROR_FIELD if a field has an undefined value. Any
+/// context; no state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_message_decode(
     frame: *const narx_frame_t,
@@ -89,7 +94,7 @@ pub unsafe extern "C" fn narx_tx_message_decode(
         let frame = pointer::read(frame)?.try_into()?;
         let decoded = match ToNode::decode(&frame) {
             Ok(message) => message.try_into()?,
-            // The node's identifiers are others.
+            // Messages of nodes have other identifiers.
             Err(DecodeError::Identifier | DecodeError::Remote) => {
                 let (node, message) = FromNode::decode(&frame, layout)?;
                 narx_tx_message_t { node: node.raw(), ..message.into() }
@@ -101,8 +106,9 @@ pub unsafe extern "C" fn narx_tx_message_decode(
     pointer::status(run())
 }
 
-/// The frame of a message on a bus whose nodes have this layout. NARX_ERROR_NOT_A_MESSAGE if `kind` is no narx_tx_kind_t; NARX_ERROR_FIELD
-/// or NARX_ERROR_NODE if a field has a value that means nothing. Any context; no state.
+/// Encodes a message as a frame of a bus whose nodes have this layout. Returns NARX_ERROR_NOT_A_MESSAGE if
+/// `kind` is no narx_tx_kind_t; NARX_ERROR_FIELD or NARX_ERROR_NODE if a field has an undefined value. Any
+/// context; no state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_tx_message_encode(
     message: *const narx_tx_message_t,
@@ -121,7 +127,7 @@ pub unsafe extern "C" fn narx_tx_message_encode(
     pointer::status(run())
 }
 
-/// What a master sends, or `None` if a node sends it.
+/// Returns the message if a master sends it; `None` if a node sends it.
 fn to_node(message: &narx_tx_message_t) -> Result<Option<ToNode>, narx_status_t> {
     let &narx_tx_message_t { kind, node: number, command, index, subindex, size, value, .. } = message;
     let sdo = |action| {
@@ -179,7 +185,7 @@ fn from_node(message: &narx_tx_message_t) -> Result<FromNode, narx_status_t> {
     }
 }
 
-/// A message with nothing in it.
+/// Returns a message of this kind whose other fields are 0.
 const fn empty(kind: Kind) -> narx_tx_message_t {
     narx_tx_message_t {
         kind: kind as u8,

@@ -25,12 +25,12 @@ use crate::status::narx_status_t::{self, *};
 use narx_core::bus::eddycan::NodeId;
 use narx_core::eddycan::{Entry, OBJECTS};
 
-/// The node-id of a number.
+/// Returns the node-id with this number.
 fn node(number: u8) -> Result<NodeId, narx_status_t> {
     NodeId::new(number).ok_or(NARX_ERROR_NODE)
 }
 
-/// The entry of a NARX_TX_ENTRY_*.
+/// Returns the entry with this number, a NARX_TX_ENTRY_*.
 fn entry(number: u8) -> Result<Entry, narx_status_t> {
     OBJECTS.get(usize::from(number)).map(|object| object.entry).ok_or(NARX_ERROR_UNKNOWN_ENTRY)
 }

@@ -6,7 +6,7 @@ use crate::pointer;
 use crate::status::narx_status_t::{self, *};
 use narx_core::master::{Download, DownloadError};
 
-/// What can be downloaded.
+/// Data that can be downloaded.
 #[repr(u8)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum narx_download_kind_t {
@@ -14,7 +14,8 @@ pub enum narx_download_kind_t {
     Description = 0,
     /// The scope's record: `count` words, selected signals times samples, at most 65 536. Q3.12.
     Scope = 1,
-    /// `count` records of the log from index `first` on; each comes in as many words as half of parameter 69 says.
+    /// `count` records of the log from index `first` on; each has half as many words as parameter 69 has
+    /// bytes.
     Log = 2,
 }
 
@@ -22,16 +23,17 @@ pub enum narx_download_kind_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_chunk_t {
-    /// Place of the first one in the download, words.
+    /// Place of the first word in the download, words.
     pub offset: u32,
-    /// How many of `words` count.
+    /// Number of valid `words`.
     pub length: u8,
     /// The words.
     pub words: [u16; 3],
 }
 
-/// Begins a download: a narx_download_kind_t with what it needs, 0 for what it does not. NARX_ERROR_FULL while there is another whose end was
-/// not taken, NARX_ERROR_SILENT for a silent master, NARX_ERROR_REQUEST for a kind that does not exist.
+/// Begins a download: a narx_download_kind_t with its arguments, 0 for those that it does not need. Returns
+/// NARX_ERROR_FULL while there is another whose result was not taken, NARX_ERROR_SILENT for a silent master,
+/// NARX_ERROR_REQUEST for an undefined kind.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_download(
     master: *mut narx_master_t,
@@ -54,7 +56,8 @@ pub unsafe extern "C" fn narx_master_download(
     pointer::status(run())
 }
 
-/// The next words of the download, or NARX_NOTHING. Words may come more than once, each time the same.
+/// Writes the next words of the download, or returns NARX_NOTHING. Words may come more than once, each time
+/// the same.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_poll_chunk(
     master: *mut narx_master_t,
@@ -74,8 +77,9 @@ pub unsafe extern "C" fn narx_master_poll_chunk(
     pointer::status(run())
 }
 
-/// The end of the download, once all its chunks were taken: NARX_OK and its length in words, NARX_NOTHING before, or what went wrong:
-/// NARX_ERROR_NO_ANSWER, NARX_ERROR_NO_LOG, NARX_ERROR_SPOILED, NARX_ERROR_ABORTED, or why the drive refuses.
+/// Returns the result of the download, once all its chunks were taken: NARX_OK, with its length in words,
+/// NARX_NOTHING before the end, or the error: NARX_ERROR_NO_ANSWER, NARX_ERROR_NO_LOG, NARX_ERROR_SPOILED,
+/// NARX_ERROR_ABORTED, or the reason of the drive's refusal.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_poll_download(
     master: *mut narx_master_t,
@@ -91,7 +95,7 @@ pub unsafe extern "C" fn narx_master_poll_download(
     pointer::status(run())
 }
 
-/// Ends the download; its end is NARX_ERROR_ABORTED.
+/// Aborts the download; its result is NARX_ERROR_ABORTED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_abort_download(master: *mut narx_master_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.

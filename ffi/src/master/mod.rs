@@ -1,4 +1,4 @@
-//! The other end of the bus: a master for one drive.
+//! Master of one drive.
 
 mod download;
 mod requests;
@@ -22,8 +22,9 @@ use narx_core::master::{Config, Heard, Master, SpeedLimit, SpeedLimits};
 /// 64-bit words of a master on any processor.
 pub const NARX_MASTER_WORDS: usize = 528;
 
-/// The master of one drive: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls.
-/// Calls for one master must not interrupt each other; different masters have nothing in common.
+/// The master of one drive: memory that the caller owns. Its content is private to the library; it may be
+/// copied and moved between calls. Calls for one master must not interrupt each other; different masters
+/// share nothing.
 #[repr(C)]
 pub struct narx_master_t {
     /// Private.
@@ -37,41 +38,42 @@ impl Handle for narx_master_t {
     const MARK: u32 = u32::from_be_bytes(*b"nxMa");
 }
 
-/// How a master talks. Times in microseconds.
+/// Configuration of a master. Times in microseconds.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_master_config_t {
-    /// Between two set-points, at least 1 000; 50 000.
+    /// Period of the set-points, at least 1 000; default 50 000.
     pub setpoint_period: u64,
-    /// How long an answer may take, at least 1 000; 100 000.
+    /// Longest time until an answer, at least 1 000; default 100 000.
     pub timeout: u64,
-    /// A drive that has said nothing for so long is lost; 500 000.
+    /// Silence after which the drive counts as lost; default 500 000.
     pub lost_after: u64,
-    /// CAN address of the drive; 170.
+    /// CAN address of the drive; default 170.
     pub drive: u8,
-    /// CAN address of the master; 85.
+    /// CAN address of the master; default 85.
     pub master: u8,
-    /// Not 0: transmits nothing and hears everything.
+    /// Not 0: listens only and transmits nothing; default 0.
     pub silent: u8,
-    /// Not 0: reads every parameter when the drive is first heard, and after it was lost; 1.
+    /// Not 0: reads every parameter when the drive is first heard, and after it was lost; default 1.
     pub read_parameters: u8,
-    /// How often a message is sent before it counts as not answered; 3.
+    /// Number of times that a message is sent before it counts as not answered; default 3.
     pub attempts: u8,
 }
 
-/// What a master knows of its drive.
+/// State of a drive, from its last messages.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_drive_report_t {
-    /// Not 0: the drive was heard lately.
+    /// Not 0: the drive was heard within `lost_after` of narx_master_config_t, or within three of its
+    /// broadcast periods if that is longer.
     pub connected: u8,
-    /// A narx_state_t, or 255 while it is not known.
+    /// State: a narx_state_t, or 255 while unknown.
     pub state: u8,
     /// Motor mode of the last STATUS_WORD: a narx_motor_mode_t, or 255 before the first.
     pub motor_mode: u8,
     /// Control mode of the last STATUS_WORD: a narx_control_mode_t, or 255 before the first.
     pub control_mode: u8,
-    /// The set-point that the drive uses, rpm; 0 before it said one.
+    /// Set-point that the drive uses, rpm; 0 before the drive sent one.
     pub accepted_speed: u16,
     /// Estimated mechanical speed, rpm, negative in reverse; 0 before the first.
     pub speed: i16,
@@ -79,26 +81,27 @@ pub struct narx_drive_report_t {
     pub faults: u32,
     /// Critical faults of the last CRITICAL_FAULT.
     pub critical: u32,
-    /// Its extended fault code: NARX_CAUSE_*.
+    /// Extended fault code of that CRITICAL_FAULT: NARX_CAUSE_*.
     pub cause: u16,
 }
 
-/// A master at power-up as Figure 9 of the specification has it, to change what differs.
+/// Writes the default configuration, with the values of Figure 9 of the specification, as a start for your
+/// own.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_config_default(config: *mut narx_master_config_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { pointer::write(config, Config::default().into()) })
 }
 
-/// Bytes that a master needs on this processor: at most sizeof(narx_master_t). Any context.
+/// Returns the bytes that a master needs on this processor: at most sizeof(narx_master_t). Any context.
 #[unsafe(no_mangle)]
 pub extern "C" fn narx_master_size() -> usize {
     handle::size::<narx_master_t>()
 }
 
-/// Makes a master that has asked for nothing yet in `size` bytes of memory: sizeof(narx_master_t), or narx_master_size() of your own.
-/// `config` may be NULL for the default. It sends set-points of 0, which keep measurements coming, and neither stops a motor nor
-/// acknowledges a fault.
+/// Makes a master without a command yet in `size` bytes of memory: sizeof(narx_master_t), or
+/// narx_master_size() of your own. `config` may be NULL for the default. The master sends set-points of 0,
+/// which keep measurements coming, but neither stops a motor nor acknowledges a fault.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_init(
     master: *mut narx_master_t,
@@ -113,7 +116,7 @@ pub unsafe extern "C" fn narx_master_init(
     pointer::status(run())
 }
 
-/// Takes a frame that arrived at `now`, microseconds. Frames of others are not heard.
+/// Takes a frame that arrived at `now`, microseconds. Frames of other nodes are ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_handle_frame(
     master: *mut narx_master_t,
@@ -128,8 +131,8 @@ pub unsafe extern "C" fn narx_master_handle_frame(
     pointer::status(run())
 }
 
-/// The next frame that is due at `now`, microseconds, or NARX_NOTHING. Call it until there is nothing, at the latest when
-/// narx_master_next_poll says.
+/// Writes the next frame that is due at `now`, microseconds, or returns NARX_NOTHING. Call it until it
+/// returns NARX_NOTHING, at the latest at the time of narx_master_next_poll.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_poll_frame(
     master: *mut narx_master_t,
@@ -145,7 +148,8 @@ pub unsafe extern "C" fn narx_master_poll_frame(
     pointer::status(run())
 }
 
-/// When to poll again at the latest if no frame arrives and nothing is asked for until then, microseconds; UINT64_MAX for never.
+/// Writes the latest time of the next poll, microseconds, if no frame arrives and nothing is requested until
+/// then; UINT64_MAX for never.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_next_poll(
     master: *mut narx_master_t,
@@ -158,9 +162,11 @@ pub unsafe extern "C" fn narx_master_next_poll(
     })
 }
 
-/// Asks for a speed, mechanical rpm, negative in reverse, and repeats that as long as it holds. A drive takes a start once it has seen Standby since it last
-/// stopped: narx_master_stop first. NARX_ERROR_SPEED for what is beyond the limits of narx_master_speed_limits, as far as they were heard; open loop
-/// turns at parameter 88 whatever is asked for. What the drive uses is `accepted_speed` of narx_master_report.
+/// Requests a start at a speed, mechanical rpm, negative in reverse, and repeats the request every period. A
+/// drive accepts a start only if it received Standby since it last stopped: call narx_master_stop first.
+/// Returns NARX_ERROR_SPEED for a speed outside the limits of narx_master_speed_limits, or, before they were
+/// heard, outside the range of MOTOR_CMD. Open loop runs at parameter 88, whatever speed is requested.
+/// `accepted_speed` of narx_master_report is the speed that the drive uses.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_start(master: *mut narx_master_t, rpm: i32) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
@@ -173,7 +179,7 @@ pub unsafe extern "C" fn narx_master_start(master: *mut narx_master_t, rpm: i32)
     pointer::status(run())
 }
 
-/// Asks for another speed in the direction that was asked for, rpm. NARX_ERROR_SPEED as narx_master_start.
+/// Requests another speed in the same direction, rpm. Returns NARX_ERROR_SPEED as narx_master_start does.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_set_speed(master: *mut narx_master_t, rpm: u16) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
@@ -186,7 +192,7 @@ pub unsafe extern "C" fn narx_master_set_speed(master: *mut narx_master_t, rpm: 
     pointer::status(run())
 }
 
-/// The set-points that the drive takes as they are, and the parameters that say so.
+/// Set-points that the drive accepts unchanged, and the parameters that state them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_speed_limits_t {
@@ -196,12 +202,13 @@ pub struct narx_speed_limits_t {
     pub max: u16,
     /// Number of the parameter of `min`: 102, 104, or 88 in open loop; 65 535 while no mode is enabled.
     pub min_parameter: u16,
-    /// Number of the parameter of `max`: 101, 103, or 88; 65 535 likewise.
+    /// Number of the parameter of `max`: 101, 103, or 88 in open loop; 65 535 while no mode is enabled.
     pub max_parameter: u16,
 }
 
-/// Limits of the set-point in the mode that the drive's parameters enable; NARX_NOTHING before they were heard (78, 81 to 83, and those of
-/// narx_speed_limits_t): narx_master_config_t has `read_parameters` for that.
+/// Writes the limits of the set-point in the mode that the drive's parameters enable. Returns NARX_NOTHING
+/// before those parameters were heard (78, 81 to 83, and those of narx_speed_limits_t); `read_parameters` of
+/// narx_master_config_t makes the master read them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_speed_limits(
     master: *mut narx_master_t,
@@ -220,26 +227,26 @@ pub unsafe extern "C" fn narx_master_speed_limits(
     pointer::status(run())
 }
 
-/// Open loop has a speed of its own, and is started by whatever is asked for.
+/// Checks a set-point. In open loop every set-point passes: the drive runs at a fixed speed.
 fn check_speed(master: &Master, rpm: i32) -> Result<(), narx_status_t> {
     master.check_speed(rpm).or_else(|error| if error.is_fixed() { Ok(()) } else { Err(NARX_ERROR_SPEED) })
 }
 
-/// Asks for Standby, which also acknowledges a fault.
+/// Requests Standby, which also acknowledges a fault.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_stop(master: *mut narx_master_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { handle::object(master) }.map(Master::stop))
 }
 
-/// Asks for a shutdown (motor mode 3): fault bit 28.
+/// Requests a shutdown (motor mode 3): fault bit 28.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_shut_down(master: *mut narx_master_t) -> narx_status_t {
     // SAFETY: the rule for pointers at the head of narx.h.
     pointer::status(unsafe { handle::object(master) }.map(Master::shut_down))
 }
 
-/// What the drive has said of itself, as known at `now`, microseconds.
+/// Writes the state of the drive as known at `now`, microseconds.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_report(
     master: *mut narx_master_t,
@@ -252,8 +259,8 @@ pub unsafe extern "C" fn narx_master_report(
     })
 }
 
-/// The last measurement frame of one kind, NARX_MESSAGE_MEASUREMENT_0 to _8, as a message, and when it came (microseconds; `at` may be NULL);
-/// NARX_NOTHING before the first.
+/// Writes the last measurement frame of one kind, NARX_MESSAGE_MEASUREMENT_0 to _8, as a message, and the
+/// time of its reception (microseconds; `at` may be NULL). Returns NARX_NOTHING before the first.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_measurement(
     master: *mut narx_master_t,
@@ -273,8 +280,9 @@ pub unsafe extern "C" fn narx_master_measurement(
     pointer::status(run())
 }
 
-/// A parameter as it was last heard, raw, and when (microseconds; `at` may be NULL); NARX_NOTHING while it was not. It asks nothing of the bus:
-/// a NARX_REQUEST_KIND_READ does.
+/// Writes the value of a parameter as last heard, raw, and the time of its reception (microseconds; `at` may
+/// be NULL). Returns NARX_NOTHING while it was not heard. It sends nothing on the bus; to read a parameter
+/// anew use NARX_REQUEST_KIND_READ.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_parameter(
     master: *mut narx_master_t,

@@ -1,4 +1,4 @@
-//! What is asked of a drive once, and what comes of it.
+//! Requests to a drive, each sent once, and their answers.
 
 use super::narx_master_t;
 use crate::handle;
@@ -7,7 +7,7 @@ use crate::status::narx_status_t::{self, *};
 use narx_core::bus::narmotion::DigitalOutputs;
 use narx_core::master::{Answer, NotTaken, Request, RequestError, Service};
 
-/// What can be asked of a drive once.
+/// Kind of a request to a drive.
 #[repr(u8)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum narx_request_kind_t {
@@ -15,23 +15,24 @@ pub enum narx_request_kind_t {
     Read = 0,
     /// Write `value` to parameter `number`.
     Write = 1,
-    /// Run the command parameter `number`: NARX_PARAMETER_STORE and its like.
+    /// Run the command parameter `number`: NARX_PARAMETER_STORE and others of its kind.
     Run = 2,
-    /// BUILD_INFO; what it says is in the frame that answers: narx_message_decode.
+    /// Read BUILD_INFO; its content is in the frame that answers: narx_message_decode.
     BuildInfo = 3,
-    /// DEVICE_INFO; likewise.
+    /// Read DEVICE_INFO; its content is in the frame that answers: narx_message_decode.
     DeviceInfo = 4,
     /// Restart the drive.
     Reboot = 5,
-    /// Factory values; `value` is the serial number of the board that is meant.
+    /// Restore factory values; `value` is the serial number of the addressed board.
     RestoreFactory = 6,
-    /// Set the digital lines: `value` bit 0 enables DSIO1, bit 1 is its level, bits 2 and 3 likewise DSIO2.
+    /// Set the digital lines: `value` bit 0 enables DSIO1, bit 1 is its level, bits 2 and 3 are the same for
+    /// DSIO2.
     DigitalOutputs = 7,
     /// Switch the hall supply off (`value` 1), or leave it to parameter 97 (0).
     DisableHallSupply = 8,
-    /// Arm the scope; when it is armed, force its trigger.
+    /// Arm the scope; if it is armed, force its trigger.
     TriggerScope = 9,
-    /// Length and CRC-32 of the description; they are in the frame that answers: narx_message_decode.
+    /// Read length and CRC-32 of the description; they are in the frame that answers: narx_message_decode.
     DescriptionInfo = 10,
 }
 
@@ -39,28 +40,30 @@ pub enum narx_request_kind_t {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_request_t {
-    /// What is asked: a narx_request_kind_t.
+    /// Kind: a narx_request_kind_t.
     pub kind: u8,
-    /// Of which parameter, where it is about one.
+    /// Number of the parameter, if the request is about one.
     pub number: u16,
-    /// Raw value, where it has one.
+    /// Raw value, if the request has one.
     pub value: i32,
 }
 
-/// What came of a request.
+/// Answer to a request.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct narx_answer_t {
-    /// What was asked for.
+    /// The request.
     pub request: narx_request_t,
-    /// NARX_OK, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or why the drive refuses the parameter.
+    /// NARX_OK, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or the reason why the drive refuses the
+    /// parameter.
     pub status: narx_status_t,
-    /// The raw value that the parameter has now; 0 where there is no parameter.
+    /// The raw value that the parameter has now; 0 for a request without a parameter.
     pub value: i32,
 }
 
-/// Asks the drive for something once. Answers come in the order of the requests; NARX_ERROR_FULL with eight whose answers were not taken
-/// yet, NARX_ERROR_SILENT for a silent master, NARX_ERROR_REQUEST for a kind or a number that does not exist.
+/// Queues a request to the drive. Answers come in the order of the requests. Returns NARX_ERROR_FULL while
+/// there are eight requests whose answers were not taken, NARX_ERROR_SILENT for a silent master,
+/// NARX_ERROR_REQUEST for an undefined kind or number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_request(
     master: *mut narx_master_t,
@@ -75,7 +78,7 @@ pub unsafe extern "C" fn narx_master_request(
     pointer::status(run())
 }
 
-/// The next answer, or NARX_NOTHING.
+/// Writes the next answer, or returns NARX_NOTHING.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn narx_master_poll_answer(
     master: *mut narx_master_t,

@@ -1,4 +1,5 @@
-"""The command `narx`: what the package does, from a shell, a file for each group of commands."""
+"""The command `narx`: the functions of the package as shell commands, with one file for each group of
+commands."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from narx.cli.app import app, err
 
 
 def main() -> None:
-    """Runs a command; an error of narx is one line and exit code 2."""
+    """Runs a command. An error of narx is printed in one line, with exit code 2."""
     try:
         app(prog_name="narx")
     except (narx.NarxError, OSError) as error:

@@ -1,4 +1,4 @@
-"""What the commands share: the program, its two outputs, and the drive that they talk to."""
+"""Parts that the commands share: the program, its two outputs, and the connection to the drive."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ JSON = typer.Option("--json", help="Print JSON for other programs.")
 
 
 def examples(*lines: str) -> str:
-    """Command lines for the end of a help text."""
+    """Formats command lines for the end of a help text."""
     return "\n\n".join(["**Examples**", *(f"`{line}`" for line in lines)])
 
 
 def motors(incomplete: str) -> list[str]:
-    """Presets, for completion."""
+    """Returns presets, for completion."""
     return [name for name in narx.Motor.presets() if name.startswith(incomplete)]
 
 
@@ -41,7 +41,7 @@ SUPPLY = typer.Option("--supply", help="Supply voltage, V.")
 
 
 class Connection:
-    """The drive that commands talk to: options that stand before the command."""
+    """Connection to the drive of all commands: options that stand before the command."""
 
     interface = "socketcan"
     channel = "can0"
@@ -66,8 +66,9 @@ def connection(
 ) -> None:
     """Operates narx drives, on any adapter that python-can knows.
 
-    The options of this help stand before the command. The virtual drive needs no adapter: `narx -i narx -c demo -o motor=ec45-flat-50w-18v -o
-    supply_voltage=18 -o mode=hall monitor`; `narx bench` serves one to other programs.
+    The options of this help stand before the command. The virtual drive needs no adapter: `narx -i narx -c
+    demo -o motor=ec45-flat-50w-18v -o supply_voltage=18 -o mode=hall monitor`; `narx bench` serves one to
+    other programs.
     """
     Connection.interface, Connection.channel, Connection.bitrate = interface, channel, bitrate
     Connection.slave, Connection.monitor, Connection.silent = slave, monitor, silent
@@ -75,7 +76,7 @@ def connection(
 
 
 def parsed(text: str) -> tuple[str, Any]:
-    """NAME=VALUE, the value a number where it looks like one."""
+    """Parses NAME=VALUE; the value becomes a number if it looks like one."""
     name, found, value = text.partition("=")
     if not found:
         raise typer.BadParameter(f"{text}: must be NAME=VALUE", param_hint="--option")
@@ -87,7 +88,8 @@ def parsed(text: str) -> tuple[str, Any]:
 
 @contextmanager
 def connected() -> Iterator[narx.Drive]:
-    """The drive. It is left as it is: a motor that somebody else turns goes on turning."""
+    """Connects to the drive. At the end it does not stop the motor, which another program may have
+    started."""
     c = Connection
     drive = narx.connect(
         c.interface, c.channel, c.slave, c.monitor, c.bitrate, silent=c.silent, read_parameters=False, **c.options

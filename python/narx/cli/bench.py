@@ -47,18 +47,20 @@ def bench(
     ] = False,
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
-    """Serves a virtual drive in real time: slcan over TCP and a pseudo-terminal, for as many clients as one likes.
+    """Serves a virtual drive in real time: slcan over TCP and a pseudo-terminal, for as many clients as one
+    likes.
 
     With --json the first line says where the doors are.
     """
     if link is not None and not pty:
         raise typer.BadParameter(f"{link}: needs --pty", param_hint="--link")
-    # A shell's background ignores Ctrl-C's signal, and neither may leave a link behind.
+    # A shell ignores SIGINT in background commands, and both signals must end the program so that it removes
+    # its link.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.default_int_handler)
     with suppress(KeyboardInterrupt):
         preset = narx.Motor.preset(motor)
-        # What the drive takes (Table 1).
+        # Limited to the supply voltages of the drive (Table 1).
         volts = min(max(preset.nominal_voltage or 24.0, 18.0), 60.0) if supply is None else supply
         served = _core.Server(
             preset,
@@ -76,7 +78,7 @@ def bench(
         else:
             lines = [f"{motor}: {mode}, {volts:g} V supply, {load:g} N m load", *(f"  {note}" for note in served.notes)]
             lines += [f"{door}  {served.call(channel)}" for door, channel in doors.items()]
-            # In one line each, for whoever looks for them.
+            # `print` does not wrap lines, so that a program can search the output line by line.
             print(*lines, sep="\n", flush=True)
         while served.step():
             news = served.take_news()

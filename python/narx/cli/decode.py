@@ -25,8 +25,8 @@ def decode(
         list[int] | None, typer.Option(help="Node-id of a TX-Driver of two channels whose PDOs have the encoder in them.")
     ] = None,
 ) -> None:
-    """Decodes a log of CAN frames (candump, ASC, BLF, CSV, ...), a line for each message. What is no frame goes to the error output with its
-    line; exit code 1 then."""
+    """Decodes a log of CAN frames (candump, ASC, BLF, CSV, ...), a line for each message. What is no frame
+    goes to the error output with its line; exit code 1 then."""
     found = narx.read_log(path, slave=None, monitor=None, encoders=encoder or ())
     if summary:
         print(json.dumps(summary_of(found))) if as_json else out.print(table_of_log(found))
@@ -45,25 +45,25 @@ def decode(
 
 
 def json_line(time: float, message: narx.Message | narx.NodeMessage) -> str:
-    """A message for other programs."""
+    """Formats a message as JSON, for other programs."""
     fields = {name: sorted(value) if isinstance(value, frozenset) else value for name, value in message.values.items()}
     return json.dumps({"time": time, "message": message.name, **fields}, ensure_ascii=False)
 
 
 def line(time: float, message: narx.Message | narx.NodeMessage) -> str:
-    """A message for people; the arrow points to the master or from it."""
+    """Formats a message as text. The arrow `->` marks messages of the master, `<-` messages to it."""
     from_device = message.from_drive if isinstance(message, narx.Message) else message.from_node
     fields = (f"{name} {plain(value)} {message.units[name]}".rstrip() for name, value in message.values.items())
     return f"{time:.6f} {'<-' if from_device else '->'} {message.name}: {', '.join(fields)}"
 
 
 def plain(value: Any) -> Any:
-    """A set of faults as words."""
+    """Formats a set of faults as words."""
     return " ".join(sorted(value)) or "none" if isinstance(value, frozenset) else value
 
 
 def summary_of(found: narx.CanLog) -> dict[str, Any]:
-    """How many frames of what a log has."""
+    """Returns the number of frames of each kind in a log."""
     others = {"unknown": found.unknown, "malformed": found.malformed, "error frames": found.error_frames}
     return {
         "frames": len(found),
@@ -74,7 +74,7 @@ def summary_of(found: narx.CanLog) -> dict[str, Any]:
 
 
 def table_of_log(found: narx.CanLog) -> Table:
-    """The same for people, with the rate of each message."""
+    """Builds the table for `--summary`, with the rate of each message."""
     table = Table("message", "frames", "per second", title=f"{len(found)} frames, {len(found.errors)} errors")
     for name, count in found.counts.items():
         time = found.table(name).time

@@ -1,4 +1,4 @@
-"""What a drive is and does now."""
+"""Present state and identity of a drive."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def monitor(
 
 
 def snapshot(drive: narx.Drive) -> dict[str, Any]:
-    """What is known of a drive."""
+    """Returns the known values of a drive, for JSON."""
     return {
         "state": None if drive.state is None else drive.state.name.lower(),
         "faults": sorted(drive.faults),
@@ -61,7 +61,7 @@ def snapshot(drive: narx.Drive) -> dict[str, Any]:
 
 
 def table_of(drive: narx.Drive) -> Table:
-    """The same for people."""
+    """Builds a table of the known values."""
     table = Table(title=name_of(drive.state) + (f": {', '.join(sorted(drive.faults))}" if drive.faults else ""))
     table.add_column("measurement")
     table.add_column("value", justify="right")

@@ -19,13 +19,14 @@ app.add_typer(params, name="params")
 
 
 def names(incomplete: str) -> list[str]:
-    """Parameters, for completion."""
+    """Returns names of parameters, for completion."""
     folded = incomplete.casefold()
     return [row.name for row in narx.Parameters.rows.values() if row.name.casefold().startswith(folded)]
 
 
 def number(text: str) -> float | str:
-    """The number that a text is in the digits of programs; any other text as it is, for the parameter to refuse with its range."""
+    """Converts a text to the number that it spells as a JSON number; returns any other text unchanged, so
+    that the parameter refuses it with its range."""
     with suppress(ValueError):
         return float(text) if text.isascii() and "_" not in text else text
     return text
@@ -117,5 +118,5 @@ def params_diff(path: Path, as_json: Annotated[bool, JSON] = False) -> None:
 
 
 def key(name: str) -> str | int:
-    """A parameter's name, or its number."""
+    """Returns a parameter's name, or its number."""
     return int(name) if name.isascii() and name.isdecimal() else name

@@ -51,7 +51,7 @@ def scope(
 
 
 def trigger_of(text: str) -> narx.Trigger | None:
-    """The trigger that a text means; `None` is now."""
+    """Returns the trigger that a text names; `None` triggers at once."""
     simple = {"now": None, "fault": narx.Trigger.fault(), "state": narx.Trigger.state_change()}
     if text in simple:
         return simple[text]

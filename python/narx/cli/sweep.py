@@ -19,7 +19,7 @@ from narx.tasks import Start
 from narx.variants import check, expand, points_of
 
 SHOWN = 10
-"""Failures that are listed."""
+"""Largest number of failures that are listed."""
 
 
 @app.command(
@@ -87,7 +87,7 @@ def sweep(
 
 
 def read(path: Path | None) -> Any:
-    """A grid from a file."""
+    """Reads a grid from a file."""
     match path and path.suffix.lower():
         case None:
             return {}
@@ -105,7 +105,7 @@ def read(path: Path | None) -> Any:
 
 
 def setting(text: str) -> tuple[str | int, list[Any]]:
-    """A name with its values."""
+    """Parses a name with its values."""
     name, found, values = text.partition("=")
     if not found or not values:
         raise typer.BadParameter(f"{text}: must be NAME=VALUE,VALUE or NAME=FIRST:LAST:COUNT", param_hint="--set")
@@ -120,7 +120,7 @@ def setting(text: str) -> tuple[str | int, list[Any]]:
 
 
 def value_of(text: str) -> Any:
-    """A number or a flag where it looks like one."""
+    """Converts a text to a number or a flag if it looks like one."""
     try:
         value = json.loads(text)
     except ValueError:
@@ -129,7 +129,7 @@ def value_of(text: str) -> Any:
 
 
 def again(points: Any, samples: int, seed: int, number: int, to: Path | None) -> None:
-    """One variant with its trace."""
+    """Runs one variant again and saves its trace."""
     variants = expand(points, samples, seed)
     check(variants)
     if not 0 <= number < len(variants):
@@ -146,7 +146,7 @@ def again(points: Any, samples: int, seed: int, number: int, to: Path | None) ->
 
 
 def show(found: narx.Sweep, to: Path | None) -> None:
-    """Counts, and the first failures."""
+    """Prints the counts and the first failures."""
     names, counts = np.unique(found["outcome"].astype(str), return_counts=True)
     text = ", ".join(f"{count} {name}" for name, count in zip(names, counts, strict=True))
     out.print(f"{len(found)} variants: {text}{f'; in {to}' if to else ''}", highlight=False, soft_wrap=True)

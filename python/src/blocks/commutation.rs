@@ -11,13 +11,16 @@ use pyo3::prelude::*;
 /// A step and the changes within its period: instants in periods, 0 to 1.
 type Answer<'py> = (Bound<'py, PyAny>, Vec<(f64, Bound<'py, PyAny>)>);
 
-/// Six-step commutation: from the rotor's angle and speed to the step of each period, and to the changes within it.
+/// Six-step commutation: the step of each period, and the changes within it, from the rotor's angle and
+/// speed.
 ///
-/// Sector s spans 30 + 60 s to 90 + 60 s electrical degrees, where 0 is the rising zero crossing of phase A's back-EMF. Forward torque takes the step of
-/// the rotor's sector (`for_sector`), reverse torque the opposite one. It is the drive's commutator (`narx_core::motor::commutate::commutator`), bit for bit.
+/// Sector s spans 30 + 60 s to 90 + 60 s electrical degrees, where 0 is the rising zero crossing of phase A's
+/// back-EMF. Forward torque takes the step of the rotor's sector (`for_sector`), reverse torque the opposite
+/// one. It is the drive's commutator (`narx_core::motor::commutate::commutator`), bit for bit.
 ///
-/// tick_rate: periods a second, 1 to 1 000 000 Hz. advance: commutation ahead of its place, 0 to 30 electrical degrees (parameter 273). earliest: first
-/// instant of a period at which a new step can act, 0 to 1 period. Raises ParameterError, which names what is out of range.
+/// tick_rate: periods a second, 1 to 1 000 000 Hz. advance: timing advance, 0 to 30 electrical degrees
+/// (parameter 273). earliest: first instant of a period at which a new step can act, 0 to 1 period. Raises
+/// ParameterError, which names the argument that is out of range.
 #[pyclass(module = "narx.blocks")]
 pub(crate) struct Commutation {
     core: Core,
@@ -39,8 +42,9 @@ impl Commutation {
         Ok(Self { core: Core::build(&settings).map_err(error::parameter)?, tick_rate })
     }
 
-    /// The step at the earliest instant of a period, and up to two changes later in it as (instant in periods, step). angle: electrical degrees at the
-    /// period's boundary. speed: electrical rev/s, negative in reverse. reverse: torque in reverse.
+    /// Returns the step at the earliest instant of a period, and up to two changes later in it as (instant in
+    /// periods, step). angle: electrical degrees at the period's boundary. speed: electrical rev/s, negative
+    /// in reverse. reverse: torque in reverse.
     #[pyo3(signature = (angle, speed, reverse=false))]
     fn step<'py>(&mut self, py: Python<'py>, angle: f64, speed: f64, reverse: bool) -> PyResult<Answer<'py>> {
         let (step, changes) = self.core.step(position(angle, speed, self.tick_rate)?, direction(reverse));
@@ -49,7 +53,8 @@ impl Commutation {
         Ok((member(py, step)?, changes?))
     }
 
-    /// The step in force at the end of each period, as numbers of `Step`. angle, speed: arrays of shape (n,), as for `step`.
+    /// Returns the step in force at the end of each period, as numbers of `Step`. angle, speed: arrays of
+    /// shape (n,), as for `step`.
     #[pyo3(signature = (angle, speed, reverse=false))]
     fn run<'py>(
         &mut self,
@@ -69,12 +74,12 @@ impl Commutation {
         Ok(steps.into_pyarray(py))
     }
 
-    /// Forgets the sector: the bridge was off.
+    /// Forgets the sector; call it after the bridge was off.
     fn reset(&mut self) {
         self.core.reset();
     }
 
-    /// The step that gives torque to a rotor in `sector`, 0 to 5.
+    /// Returns the step that gives torque to a rotor in `sector`, 0 to 5.
     #[staticmethod]
     #[pyo3(signature = (sector, reverse=false))]
     fn for_sector(py: Python<'_>, sector: u8, reverse: bool) -> PyResult<Bound<'_, PyAny>> {
@@ -84,7 +89,7 @@ impl Commutation {
         member(py, Step::for_sector(sector, direction(reverse)))
     }
 
-    /// What legs A, B and C do in a step: "floating", "low" or "switched".
+    /// Returns the actions of a step on the legs A, B and C: "floating", "low" or "switched".
     #[staticmethod]
     fn legs(step: u8) -> PyResult<(String, String, String)> {
         let [a, b, c] = self::step(step)?.legs().map(|leg| words(&leg));
@@ -92,7 +97,7 @@ impl Commutation {
     }
 }
 
-/// An instant of a period, 1/65 536.
+/// Converts an instant in periods to 1/65 536 of a period.
 pub(super) fn instant(name: &str, periods: f64) -> PyResult<u16> {
     error::number(name, periods, "periods", "from 0 to below 1", |periods| (0.0..1.0).contains(&periods))
         .map(|periods| (periods * 65_536.0).round().min(65_535.0) as u16)

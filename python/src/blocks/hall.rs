@@ -9,30 +9,34 @@ use numpy::{AllowTypeChange, IntoPyArray, PyArrayLike1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Hall sensors: codes and time-stamped edges to sector, electrical angle and speed.
+/// Hall sensors: sector, electrical angle and speed from codes and time-stamped edges.
 ///
-/// A neighbouring code after a plausible interval is taken at once, anything else only if it is still there a tick later. The speed is taken over up to a
-/// revolution (valid / 6 turns over the sum of the last intervals), the angle interpolated with it. It is the drive's hall station
+/// A neighbouring code after a plausible interval is accepted at once, any other change only if it is still
+/// there a tick later. The speed is taken over up to a revolution (valid / 6 turns over the sum of the last
+/// intervals); the angle is interpolated with it. It is the drive's hall station
 /// (`narx_core::motor::rotor::hall`), bit for bit.
 ///
-/// tick_rate: 1 000 to 100 000 Hz. order: which permutation of the lines, 0 to 5 (parameter 262). polarity: lines to invert, 0 to 7 (parameter 263).
-/// offset: how far the edges lie beyond their place, -180 to 180 electrical degrees (parameter 80). timeout: no edge for so long is standstill, s
-/// (parameter 113), at most 65 535 ticks. interpolation_min: slowest electrical speed that is interpolated, rev/s. captured: edges come time-stamped, else
-/// the level alone counts. Raises ParameterError, which names what is out of range.
+/// tick_rate: 1 000 to 100 000 Hz. order: permutation of the lines, 0 to 5 (parameter 262). polarity: lines
+/// to invert, 0 to 7 (parameter 263). offset: offset of the edges beyond their place, -180 to 180 electrical
+/// degrees (parameter 80). timeout: no edge for this long is standstill, s (parameter 113), at most
+/// 65 535 ticks. interpolation_min: slowest electrical speed that is interpolated, rev/s. captured: edges are
+/// time-stamped, else only the level is read. Raises ParameterError, which names the argument that is out of
+/// range.
 #[pyclass(module = "narx.blocks")]
 pub(crate) struct Hall {
     core: Core,
     tick_rate: u32,
 }
 
-/// What the hall sensors say after a tick.
+/// Reading of the hall sensors after a tick.
 #[pyclass(module = "narx.blocks", frozen, get_all)]
 pub(crate) struct HallReading {
     /// Sector, 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; `None` until the first valid code.
     sector: Option<u8>,
     /// Electrical angle, degrees, 0 to 360.
     angle: f64,
-    /// Electrical speed, rev/s, negative in reverse; no more than the edge that has not come allows.
+    /// Electrical speed, rev/s, negative in reverse, limited by the time for which the next edge has not
+    /// come.
     speed: f64,
     /// Sectors turned in this tick, signed.
     sectors: i8,
@@ -42,7 +46,7 @@ pub(crate) struct HallReading {
     jump: bool,
     /// No edge for the time-out: standstill.
     stopped: bool,
-    /// The position is not to be believed.
+    /// The position is doubtful: torque by it could act in any direction.
     doubtful: bool,
 }
 
@@ -75,8 +79,8 @@ impl Hall {
         Ok(Self { core: Core::build(&settings).map_err(error::parameter)?, tick_rate })
     }
 
-    /// One tick. code: the lines now, bit 0 = A, bit 1 = B, bit 2 = C. edges: of the period that has ended, oldest first, each (instant in periods, code
-    /// after it); of more than four the first.
+    /// Runs one tick. code: the lines now, bit 0 = A, bit 1 = B, bit 2 = C. edges: those of the period that
+    /// has ended, oldest first, each (instant in periods, code after it); only the first four count.
     #[pyo3(signature = (code, edges=None))]
     fn step(&mut self, code: u8, edges: Option<Vec<(f64, u8)>>) -> PyResult<HallReading> {
         let edges: PyResult<Vec<Edge>> = edges
@@ -87,8 +91,10 @@ impl Hall {
         Ok(reading(&self.core.step(code, &edges?)))
     }
 
-    /// A tick for each code: "sector" (255 unknown), "angle" (electrical degrees), "speed" (electrical rev/s), "stopped" and "doubtful", arrays of shape
-    /// (n,). code: shape (n,). edge_time, edge_code: of captured edges, in order, shape (m,); s since the first code was read, which ends period 0.
+    /// Runs a tick for each code; returns "sector" (255 unknown), "angle" (electrical degrees), "speed"
+    /// (electrical rev/s), "stopped" and "doubtful", arrays of shape (n,). code: shape (n,). edge_time,
+    /// edge_code: of captured edges, in order, shape (m,); s since the first code was read, which ends period
+    /// 0.
     #[pyo3(signature = (code, edge_time=None, edge_code=None))]
     fn run<'py>(
         &mut self,
@@ -125,7 +131,7 @@ impl Hall {
         Ok(columns)
     }
 
-    /// Times that the code was lost (000 or 111), and skipped sectors, since it was made.
+    /// Number of invalid codes (000 or 111), and of skipped sectors, since the object was made.
     #[getter]
     fn glitches(&self) -> (u16, u16) {
         let counts = self.core.diagnostics();
@@ -134,7 +140,7 @@ impl Hall {
 }
 
 impl Hall {
-    /// Edges with the tick that is given each: the one that ends its period.
+    /// Assigns each edge to the tick that ends its period.
     fn edges(
         &self,
         time: Option<&Column<'_>>,

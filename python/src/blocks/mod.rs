@@ -1,4 +1,5 @@
-//! The blocks of core: floats and arrays become fixed point here, and what was really taken can be read back.
+//! The blocks of core. Floats and arrays are converted to fixed point here, and the rounded values can be
+//! read back.
 
 mod commutation;
 mod hall;
@@ -19,20 +20,20 @@ use narx_core::motor::{Direction, Step};
 use numpy::{AllowTypeChange, PyArrayLike1};
 use pyo3::prelude::*;
 
-/// A column of numbers, or what numpy makes one of.
+/// A column of numbers, or anything that numpy converts to one.
 pub(crate) type Column<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 
 const ONE: f64 = 65_536.0;
 const TURN: f64 = 4_294_967_296.0;
 
-/// Raw I16F16 to the nearest.
+/// Converts a value to raw I16F16, rounded to nearest.
 fn raw(name: &str, value: f64, unit: &str) -> PyResult<i32> {
     let allowed = "a finite number from -32768 to 32767.99998";
     let fits = |value: f64| (-32_768.0..32_767.999_99).contains(&value);
     error::number(name, value, unit, allowed, fits).map(|value| (value * ONE).round() as i32)
 }
 
-/// The same of a column.
+/// Converts a column to raw I16F16, rounded to nearest.
 fn raws(name: &str, values: &Column<'_>) -> PyResult<Vec<i32>> {
     let values = values.as_array();
     values.iter().enumerate().map(|(row, value)| raw(&format!("{name}[{row}]"), *value, "")).collect()
@@ -42,7 +43,7 @@ fn real(raw: i32) -> f64 {
     f64::from(raw) / ONE
 }
 
-/// The gain of 30 bits that is nearest.
+/// Returns the nearest gain of 30 bits.
 fn gain(name: &str, value: f64) -> PyResult<Gain> {
     let mut shift = 62;
     let least = 2.0_f64.powi(-55);
@@ -60,14 +61,14 @@ fn value_of(gain: Gain) -> f64 {
     f64::from(gain.mantissa()) * 2.0_f64.powi(-i32::from(gain.shift()))
 }
 
-/// A whole number of the unit that core's setting has, from one in SI units.
+/// Converts a value in an SI unit to a whole number of the unit of core's setting.
 fn scaled<T: TryFrom<i64>>(name: &str, value: f64, unit: &str, per_unit: f64) -> PyResult<T> {
     let given = error::finite(name, value, unit)?;
     let refused = || error::parameter(format!("{name} {value} {unit}: out of range"));
     T::try_from((given * per_unit).round() as i64).map_err(|_| refused())
 }
 
-/// A rotor position from electrical degrees and rev/s.
+/// Converts electrical degrees and rev/s to a rotor position.
 fn position(angle: f64, speed: f64, tick_rate: u32) -> PyResult<Position> {
     let angle = error::finite("angle", angle, "degrees")?;
     let most = f64::from(tick_rate) / 12.0;
@@ -84,7 +85,7 @@ fn position(angle: f64, speed: f64, tick_rate: u32) -> PyResult<Position> {
     })
 }
 
-/// Electrical degrees, 0 to 360.
+/// Converts a turn to electrical degrees, 0 to 360.
 fn degrees(turn: u32) -> f64 {
     f64::from(turn) * 360.0 / TURN
 }
@@ -93,26 +94,26 @@ const fn direction(reverse: bool) -> Direction {
     if reverse { Direction::Reverse } else { Direction::Forward }
 }
 
-/// The pattern of a number.
+/// Returns the step with this number.
 fn step(number: u8) -> PyResult<Step> {
     let most = Step::ALL.len() - 1;
     let found = Step::ALL.get(usize::from(number)).copied();
     found.ok_or_else(|| error::parameter(format!("step {number}: must be a whole number from 0 to {most}")))
 }
 
-/// `narx.blocks.Step`: an `IntEnum` with core's numbers.
+/// Builds `narx.blocks.Step`: an `IntEnum` with core's numbers.
 pub(crate) fn steps(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     let members = Step::ALL.map(|step| (format!("{step:?}"), step as u8));
     let doc = "Switch patterns: the first letter's phase is switched, the second's held low, the third floats; COAST is all off, LOCKs hold the rotor.";
     crate::state::enumeration(py, "narx.blocks", "Step", doc, &members)
 }
 
-/// The member of `narx.blocks.Step` for a pattern.
+/// Returns the member of `narx.blocks.Step` for a step.
 fn member(py: Python<'_>, step: Step) -> PyResult<Bound<'_, PyAny>> {
     py.import("narx._core")?.getattr("Step")?.call1((step as u8,))
 }
 
-/// Two columns that belong together.
+/// Checks that two columns have the same length.
 fn same_length(name: &str, length: usize, other: &str, wanted: usize) -> PyResult<()> {
     if length == wanted {
         return Ok(());

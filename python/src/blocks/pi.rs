@@ -9,11 +9,13 @@ use pyo3::prelude::*;
 
 /// Proportional-integral controller: u = Kp e + integral of Ki e dt, within its limits.
 ///
-/// Errors and outputs are in units of your choice, from -32768 to 32768 in steps of 2^-16; the integrator has 16 fraction bits more and never holds
-/// more than brings the output to a limit. It is the controller of the drive's loops (`narx_core::motor::control::pi`), bit for bit.
+/// Errors and outputs are in units of your choice, from -32768 to 32768 in steps of 2^-16. The integrator has
+/// 16 fraction bits more and never holds more than brings the output to a limit. It is the controller of the
+/// drive's loops (`narx_core::motor::control::pi`), bit for bit.
 ///
-/// proportional: Kp, output per error, 0 or more. integral: Ki, output per error and second, 0 or more. step_rate: steps a second, 1 to 1 000 000 Hz.
-/// minimum, maximum: limits of the output. Raises ParameterError, which names what is out of range.
+/// proportional: Kp, output per error, 0 or more. integral: Ki, output per error and second, 0 or more.
+/// step_rate: steps a second, 1 to 1 000 000 Hz. minimum, maximum: limits of the output. Raises
+/// ParameterError, which names the argument that is out of range.
 #[pyclass(module = "narx.blocks")]
 pub(crate) struct Pi {
     core: Core,
@@ -37,12 +39,12 @@ impl Pi {
         Ok(Self { core, proportional: settings.proportional, step_rate })
     }
 
-    /// The output for one `error`.
+    /// Returns the output for one `error`.
     fn step(&mut self, error: f64) -> PyResult<f64> {
         Ok(real(self.core.step(raw("error", error, "")?)))
     }
 
-    /// The outputs for one error after the other: arrays of shape (n,).
+    /// Returns the outputs for a sequence of errors: arrays of shape (n,).
     fn run<'py>(&mut self, py: Python<'py>, error: Column<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let errors = raws("error", &error)?;
         let core = &mut self.core;
@@ -51,27 +53,28 @@ impl Pi {
         Ok(outputs.into_pyarray(py))
     }
 
-    /// Something else decided `applied` in a step whose error was `error`: the integrator goes an eighth of the way to what would have given that
-    /// (back-calculation), so that the controller takes over again without a bump.
+    /// Follows the output `applied` that something else decided in a step whose error was `error`. The
+    /// integrator goes an eighth of the way to the value that would have given `applied` (back-calculation),
+    /// so that the controller takes over again without a bump.
     #[pyo3(signature = (applied, error))]
     fn track(&mut self, applied: f64, error: f64) -> PyResult<()> {
         self.core.track(raw("applied", applied, "")?, raw("error", error, "")?);
         Ok(())
     }
 
-    /// The integrator alone gives `output` from now on.
+    /// Sets the integrator so that it alone gives `output`.
     fn hold(&mut self, output: f64) -> PyResult<()> {
         self.core.hold(raw("output", output, "")?);
         Ok(())
     }
 
-    /// Kp as it was taken, output per error: 30 bits.
+    /// Kp in use, output per error: rounded to 30 bits.
     #[getter]
     fn proportional(&self) -> f64 {
         value_of(self.proportional)
     }
 
-    /// Ki as it is stepped, output per error and second: 30 bits of Ki x step time.
+    /// Ki in use, output per error and second: Ki x step time is rounded to 30 bits.
     #[getter]
     fn integral(&self) -> f64 {
         value_of(self.core.gains().integral) * f64::from(self.step_rate)

@@ -8,11 +8,11 @@ use pyo3::prelude::*;
 
 /// Rate limit of a set-point: y += clamp(target - y, -rate dt, rate dt).
 ///
-/// Values are in units of your choice, from -32768 to 32768 in steps of 2^-16, with 16 fraction bits more inside. It is the ramp of the drive's set-points
-/// (`narx_core::motor::ramp`), bit for bit.
+/// Values are in units of your choice, from -32768 to 32768 in steps of 2^-16, with 16 fraction bits more
+/// inside. It is the ramp of the drive's set-points (`narx_core::motor::ramp`), bit for bit.
 ///
-/// rate: steepest change, units a second, more than 0. step_rate: steps a second, 1 to 1 000 000 Hz. value: where it begins. Raises ParameterError, which
-/// names what is out of range.
+/// rate: steepest change, units a second, more than 0. step_rate: steps a second, 1 to 1 000 000 Hz. value:
+/// first value. Raises ParameterError, which names the argument that is out of range.
 #[pyclass(module = "narx.blocks")]
 pub(crate) struct Ramp {
     core: Core,
@@ -30,12 +30,12 @@ impl Ramp {
         Ok(Self { core, step_rate })
     }
 
-    /// One step towards `target`: where it is then.
+    /// Moves one step towards `target`; returns the new value.
     fn step(&mut self, target: f64) -> PyResult<f64> {
         Ok(real(self.core.step(raw("target", target, "")?)))
     }
 
-    /// A step towards one target after the other: arrays of shape (n,).
+    /// Moves a step towards each of a sequence of targets; returns the values: arrays of shape (n,).
     fn run<'py>(&mut self, py: Python<'py>, target: Column<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let targets = raws("target", &target)?;
         let core = &mut self.core;
@@ -44,7 +44,7 @@ impl Ramp {
         Ok(values.into_pyarray(py))
     }
 
-    /// Where it is; it can be set.
+    /// Present value; it can be set.
     #[getter]
     fn value(&self) -> f64 {
         real(self.core.value())
@@ -56,7 +56,7 @@ impl Ramp {
         Ok(())
     }
 
-    /// Steepest change as it is stepped, units a second.
+    /// Steepest change in use, units a second: rounded to the fixed point of a step.
     #[getter]
     fn rate(&self) -> f64 {
         self.core.rate() as f64 / 4_294_967_296.0 * f64::from(self.step_rate)

@@ -15,17 +15,21 @@ use numpy::{AllowTypeChange, IntoPyArray, PyArrayLike1, PyArrayLike2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Zero crossings of the back-EMF: terminal voltages of a driven or coasting motor to crossing, electrical angle, speed and the next commutation.
+/// Zero crossings of the back-EMF: crossing, electrical angle, speed and next commutation from the terminal
+/// voltages of a driven or coasting motor.
 ///
-/// The floating terminal is compared with the mean of the other two; the crossing lies where 2 v_f - v_g - v_h passes 0, interpolated between samples.
-/// Crossings are the middles of the sectors (60 + 60 s degrees), the commutation lies 30 degrees less the advance behind. They are the drive's stations
-/// (`narx_core::motor::rotor::back_emf`, `zero_crossing`, `listening`), bit for bit, without its start sequence: align the rotor, `start`, and commutate as it
-/// says.
+/// The floating terminal is compared with the mean of the other two; the crossing lies where 2 v_f - v_g -
+/// v_h passes 0, interpolated between samples. Crossings are the middles of the sectors (60 + 60 s degrees);
+/// the commutation lies 30 degrees less the advance behind. They are the drive's stations
+/// (`narx_core::motor::rotor::back_emf`, `zero_crossing`, `listening`), bit for bit, but without its start
+/// sequence: align the rotor, call `start`, and commutate at the instants of the readings.
 ///
-/// tick_rate: 1 000 to 100 000 Hz. volts_per_code: of the converter that the voltages are rounded to, up to 0.0625 V. noise_codes: smallest signal, 1 to
-/// 255 codes. blanking: least time after a commutation, s (parameter 86). advance: 0 to 30 electrical degrees. earliest: where in its period a step acts,
-/// periods. back_emf: line to line, V a mechanical rpm (parameter 267); 0 unknown. pole_pairs: 1 to 100. timeout: no crossing for so long is standstill, s.
-/// Raises ParameterError, which names what is out of range.
+/// tick_rate: 1 000 to 100 000 Hz. volts_per_code: of the converter to which the voltages are rounded, up to
+/// 0.0625 V. noise_codes: smallest signal, 1 to 255 codes. blanking: least time after a commutation, s
+/// (parameter 86). advance: 0 to 30 electrical degrees. earliest: instant of the period at which a step acts,
+/// periods. back_emf: line to line, V a mechanical rpm (parameter 267); 0 unknown. pole_pairs: 1 to 100.
+/// timeout: no crossing for this long is standstill, s. Raises ParameterError, which names the argument that
+/// is out of range.
 #[pyclass(module = "narx.blocks")]
 pub(crate) struct ZeroCrossing {
     core: Core,
@@ -33,26 +37,28 @@ pub(crate) struct ZeroCrossing {
     tick_rate: f64,
 }
 
-/// What the terminals say after a tick.
+/// Reading of the terminals after a tick.
 #[pyclass(module = "narx.blocks", frozen, get_all)]
 pub(crate) struct ZeroCrossingReading {
-    /// A crossing was seen: how long before the present boundary, s (negative is after it); else `None`.
+    /// Age of a crossing that was seen in this tick: time from it to the present boundary, s (negative is
+    /// after the boundary); else `None`.
     crossing: Option<f64>,
-    /// What became of the last step's crossing: "none", "accepted", "filtered", "blind", "demag_late" or "listened".
+    /// Outcome of the last step's crossing: "none", "accepted", "filtered", "blind", "demag_late" or
+    /// "listened".
     why: String,
-    /// How far the last accepted crossing lay behind its prediction, electrical degrees.
+    /// Lag of the last accepted crossing behind its prediction, electrical degrees.
     margin: f64,
-    /// Crossings accepted.
+    /// Number of accepted crossings.
     accepted: u32,
     /// Electrical angle, degrees, 0 to 360.
     angle: f64,
-    /// Electrical speed, rev/s, negative in reverse; 0 while it is not known.
+    /// Electrical speed, rev/s, negative in reverse; 0 while unknown.
     speed: f64,
-    /// How long until the next commutation, s; 0 is now, `None` that it is not known.
+    /// Time from the present boundary to the next commutation, s; 0 is now, `None` is unknown.
     commutation: Option<f64>,
-    /// Six consistent crossings: the loop may be closed.
+    /// Six consistent crossings were seen: the loop may be closed.
     running: bool,
-    /// The rotor was lost in this tick: "stall" or "desynchronised"; else `None`.
+    /// Reason why the rotor was lost in this tick: "stall" or "desynchronised"; else `None`.
     lost: Option<String>,
 }
 
@@ -94,7 +100,7 @@ impl ZeroCrossing {
         Ok(Self { core, volts_per_code: f64::from(micro_per_code) / 1e6, tick_rate: tick_rate.into() })
     }
 
-    /// The bridge is about to bring up a rotor that rests at `angle`, electrical degrees.
+    /// Begins to bring up a rotor that rests at `angle`, electrical degrees.
     #[pyo3(signature = (angle, reverse=false))]
     fn start(&mut self, angle: f64, reverse: bool) -> PyResult<()> {
         let angle = error::finite("angle", angle, "degrees")?;
@@ -103,14 +109,15 @@ impl ZeroCrossing {
         Ok(())
     }
 
-    /// On by a step without any evidence: the rotor that is being brought up has not moved.
+    /// Goes on by a step without any evidence: the rotor that is being brought up has not moved.
     fn force_step(&mut self) {
         self.core.force_step();
     }
 
-    /// One tick. phase_voltage: terminals A, B, C against ground, V. bus_voltage: V. step: the pattern that was in force in the period that has ended
-    /// (`Step`), and its changes in that period as (instant in periods, step). on_time: sampled in the on-time, else in the off-time. sample_at: where in the
-    /// period, periods. reverse: torque in reverse.
+    /// Runs one tick. phase_voltage: terminals A, B, C against ground, V. bus_voltage: V. step: the pattern
+    /// that was in force in the period that has ended (`Step`), and its changes in that period as (instant in
+    /// periods, step). on_time: sampled in the on-time, else in the off-time. sample_at: instant of the
+    /// sample, periods. reverse: torque in reverse.
     #[pyo3(signature = (phase_voltage, bus_voltage, step, changes=None, on_time=true, sample_at=0.0, reverse=false))]
     #[allow(clippy::too_many_arguments, reason = "Python calls it with names")]
     fn step(
@@ -135,9 +142,10 @@ impl ZeroCrossing {
         Ok(self.reading(&reading))
     }
 
-    /// A tick for each row: "crossing" (s before the boundary, NaN without one), "angle" (electrical degrees), "speed" (electrical rev/s), "commutation" (s,
-    /// NaN unknown) and "running", arrays of shape (n,). phase_voltage: shape (n, 3), V. bus_voltage: shape (n,), V. step: shape (n,), the pattern in
-    /// force before each sample.
+    /// Runs a tick for each row; returns "crossing" (s before the boundary, NaN without one), "angle"
+    /// (electrical degrees), "speed" (electrical rev/s), "commutation" (s, NaN unknown) and "running", arrays
+    /// of shape (n,). phase_voltage: shape (n, 3), V. bus_voltage: shape (n,), V. step: shape (n,), the
+    /// pattern in force before each sample.
     #[pyo3(signature = (phase_voltage, bus_voltage, step, on_time=true, reverse=false))]
     fn run<'py>(
         &mut self,

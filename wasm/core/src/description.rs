@@ -1,4 +1,5 @@
-//! What a drive is made of, by its own description: parameters, measurements and signals of the scope. Without one, the tables of this package serve.
+//! Description of a drive, from the text that the drive itself serves: parameters, measurements and signals
+//! of the scope. Without it the tables of this package are used.
 
 use crate::dictionary;
 use crate::messages::{float, unit};
@@ -33,7 +34,7 @@ struct Row {
     about: String,
 }
 
-/// What there is to know of a parameter, of whichever table.
+/// Properties of a parameter, from either table.
 pub(crate) struct Shape<'a> {
     pub(crate) scale: Scale<'a>,
     pub(crate) kind: Kind,
@@ -46,11 +47,12 @@ pub(crate) struct Shape<'a> {
 }
 
 impl Tables {
-    /// Reads a whole document. `check`: the CRC-32 that the drive tells of it, 0 from one that tells none.
+    /// Reads a whole document. `check` is the CRC-32 that the drive reports for it; 0 if the drive reports
+    /// none.
     pub(crate) fn read(text: &[u8], check: u32) -> Result<Self, JsValue> {
         let (mut reader, mut measure) = (DescriptionReader::new(), Measure::default());
         let (mut tables, mut categories) = (Self::default(), Vec::new());
-        // Counting does not fail; what is no text has another check value.
+        // Counting does not fail. Bytes that are no text fail the CRC check.
         let _ = measure.write_str(core::str::from_utf8(text).unwrap_or_default());
         if check != 0 && measure.check() != check {
             return Err(error(&"description: its CRC is not the one that the drive tells"));
@@ -65,7 +67,7 @@ impl Tables {
                         category.push('-');
                         category.push_str(&named.name);
                     }
-                    // The text stands between the tag and the next one.
+                    // The text is between the tag and the next one.
                     let about = text.get(place + 1..).unwrap_or_default();
                     let about = about.split(|byte| *byte == b'<').next().unwrap_or_default();
                     let about = String::from_utf8_lossy(about).into_owned();
@@ -94,7 +96,7 @@ impl Row {
     }
 }
 
-/// The row of a number.
+/// Returns the row with this number.
 pub(crate) fn shape(tables: Option<&Tables>, number: u16) -> Option<Shape<'_>> {
     match tables {
         Some(tables) => tables.parameters.iter().find(|row| row.row.number == number).map(Row::shape),
@@ -102,7 +104,7 @@ pub(crate) fn shape(tables: Option<&Tables>, number: u16) -> Option<Shape<'_>> {
     }
 }
 
-/// The number of a parameter that is given by number or name; case does not matter.
+/// Returns the number of a parameter that is given by number or name; case does not matter.
 pub(crate) fn number(tables: Option<&Tables>, key: &JsValue) -> Result<u16, JsValue> {
     let Some(tables) = tables else { return dictionary::row(key).map(|row| row.number) };
     let (name, number) = (key.as_string(), key.as_f64());
@@ -116,7 +118,7 @@ pub(crate) fn number(tables: Option<&Tables>, key: &JsValue) -> Result<u16, JsVa
         .ok_or_else(|| type_error(&format!("there is no parameter {}", shown(key))))
 }
 
-/// Every parameter, as `Parameter`.
+/// Returns every parameter, as `Parameter`.
 pub(crate) fn parameters(tables: Option<&Tables>) -> Array {
     match tables {
         Some(tables) => tables.parameters.iter().map(|row| dictionary::object(&row.shape())).collect(),
@@ -124,7 +126,7 @@ pub(crate) fn parameters(tables: Option<&Tables>) -> Array {
     }
 }
 
-/// Every signal of the scope, as `ScopeSignal`.
+/// Returns every signal of the scope, as `ScopeSignal`.
 pub(crate) fn scope_signals(tables: Option<&Tables>) -> Array {
     let shape = |bit, name: &str, unit: &str, base| {
         let shaped = Object::new();
@@ -146,7 +148,7 @@ pub(crate) fn scope_signals(tables: Option<&Tables>) -> Array {
     }
 }
 
-/// Every signal of the measurements, as `MeasurementSignal`.
+/// Returns every signal of the measurements, as `MeasurementSignal`.
 pub(crate) fn measurement_signals(tables: Option<&Tables>) -> Array {
     let Some(tables) = tables else { return dictionary::measurement_signals() };
     tables
@@ -163,7 +165,7 @@ pub(crate) fn measurement_signals(tables: Option<&Tables>) -> Array {
         .collect()
 }
 
-/// Every measurement that was heard, as `Measurement`.
+/// Returns every measurement that was received, as `Measurement`.
 pub(crate) fn measurements(tables: Option<&Tables>, heard: &Measurements) -> Array {
     let shape = |name: &str, unit: &str, value, at| {
         let shaped = Object::new();

@@ -1,4 +1,4 @@
-//! Tables: parameters, signals of scope and measurements, and what records of the log hold.
+//! Tables: parameters, signals of scope and measurements, and the values of log records.
 
 use crate::description::{self, Shape};
 use crate::messages::{float, unit};
@@ -13,12 +13,12 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** What there is to know of one parameter but its value. Limits and factory value are in its unit. */
+/** Properties of one parameter, without its value. Limits and factory value are in its unit. */
 export interface Parameter {
     readonly number: number;
     readonly name: ParameterName;
     readonly category: string;
-    /** Empty for plain numbers. */
+    /** Unit; empty for plain numbers. */
     readonly unit: string;
     readonly type: "uint16" | "int32" | "uint32";
     /** Value of a raw 1. */
@@ -26,18 +26,18 @@ export interface Parameter {
     readonly min: number;
     readonly max: number;
     readonly factory: number;
-    /** Who may write it: nobody, a master while the drive is stopped, or at any time. */
+    /** Write access of masters: never, while the drive is stopped, or at any time. */
     readonly access: "read-only" | "stopped" | "live";
-    /** Writing 0, then 1 is a command. */
+    /** True for a command: writing 0, then 1 executes it. */
     readonly command: boolean;
-    /** When a written value acts. */
+    /** Time at which a written value takes effect. */
     readonly acts: "at once" | "next start" | "reboot";
     readonly description: string;
 }
 
 /** A signal of the virtual scope. */
 export interface ScopeSignal {
-    /** Its bit in parameter 22. */
+    /** Bit of the signal in parameter 22. */
     readonly bit: number;
     readonly name: ScopeSignalName;
     readonly unit: string;
@@ -50,29 +50,30 @@ export interface MeasurementSignal {
     readonly name: MeasurementName;
     readonly unit: string;
     readonly opcode: number;
-    /** Place in its frame, 0 to 3. */
+    /** Index of its word in the frame, 0 to 3. */
     readonly word: number;
     /** Value of a raw 1. */
     readonly scale: number;
 }
 
-/** A record of the log as it was downloaded. */
+/** A record of a log download. */
 export interface LogRecord {
     readonly index: number;
-    /** Since power-up, s. */
+    /** Time since power-up, s. */
     readonly time: number;
-    /** What each value is (the slot's number, and what is kept of it in bits 15 and 14), and its raw number. */
+    /** Each value's source (the number in its slot, with the kind of kept value in bits 15 and 14), and its
+     * raw number. */
     readonly values: readonly (readonly [what: number, raw: number])[];
 }
 "#;
 
-/// Every parameter in the order of the numbers.
+/// Returns every parameter in the order of the numbers.
 #[wasm_bindgen(unchecked_return_type = "Parameter[]")]
 pub fn parameters() -> Array {
     Dictionary::rows().map(|row| object(&shape(row))).collect()
 }
 
-/// A row of this package's tables.
+/// Returns the properties of a row of this package's tables.
 pub(crate) fn shape(row: &'static Parameter) -> Shape<'static> {
     Shape {
         scale: row.into(),
@@ -106,7 +107,7 @@ pub(crate) fn object(row: &Shape<'_>) -> Object {
     shaped
 }
 
-/// The row of a parameter that is given by number or name; case does not matter.
+/// Returns the row of a parameter that is given by number or name; case does not matter.
 pub(crate) fn row(key: &JsValue) -> Result<&'static Parameter, JsValue> {
     let by_number = key.as_f64().filter(|number| number.fract() == 0.0 && (0.0..65_536.0).contains(number));
     let found = match key.as_string() {
@@ -116,13 +117,13 @@ pub(crate) fn row(key: &JsValue) -> Result<&'static Parameter, JsValue> {
     found.ok_or_else(|| type_error(&format!("there is no parameter {}", shown(key))))
 }
 
-/// Signals of the virtual scope in the order of their bits.
+/// Returns the signals of the virtual scope in the order of their bits.
 #[wasm_bindgen(js_name = scopeSignals, unchecked_return_type = "ScopeSignal[]")]
 pub fn scope_signals() -> Array {
     description::scope_signals(None)
 }
 
-/// Signals of the measurements in the order of Figure 14.
+/// Returns the signals of the measurements in the order of Figure 14.
 #[wasm_bindgen(js_name = measurementSignals, unchecked_return_type = "MeasurementSignal[]")]
 pub fn measurement_signals() -> Array {
     let shape = |row: &Signal| {
@@ -142,7 +143,8 @@ pub(crate) fn measured(name: &str, unit: &str, opcode: u16, word: u8, scale: Dec
     shaped
 }
 
-/// The records of a log download, each of `size` bytes (parameter 69); those that the drive could not read are left out.
+/// Decodes the records of a log download, each of `size` bytes (parameter 69); those that the drive could not
+/// read are left out.
 #[wasm_bindgen(js_name = logRecords, unchecked_return_type = "LogRecord[]")]
 pub fn log_records(bytes: &[u8], size: usize) -> Array {
     let record = |bytes: &[u8]| {
@@ -158,7 +160,7 @@ pub fn log_records(bytes: &[u8], size: usize) -> Array {
     bytes.chunks_exact(size.max(1)).filter_map(record).collect()
 }
 
-/// The value of `choices` with this name.
+/// Returns the value of `choices` with this name.
 pub(crate) fn choice<T: Copy>(what: &str, given: &JsValue, choices: &[(&str, T)]) -> Result<T, JsValue> {
     let text = given.as_string();
     let found = choices.iter().find(|(name, _)| text.as_deref() == Some(name));

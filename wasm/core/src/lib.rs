@@ -1,16 +1,20 @@
-//! What talks to drives and TX-Drivers from browsers and Node: types are converted and nothing else is done. The bench is `wasm`, what works on files
-//! is `wasm/lab`; what waits for answers is TypeScript over this (`wasm/ts`).
+//! Masters of drives and TX-Drivers, and their messages, for browsers and Node. The crate only converts
+//! types. The bench is `wasm`, functions for files are `wasm/lab`; calls that wait for answers are TypeScript
+//! over this (`wasm/ts`).
 //!
 //! | file | JavaScript | Rust |
 //! |---|---|---|
-//! | `master.rs`, `requests.rs`, `update.rs` | `Master`, `speedParameters`, `imageInfo` | [`narx_core::master`] |
+//! | `master.rs`, `requests.rs` | `Master`, `speedParameters` | [`narx_core::master`] |
+//! | `update.rs` | `Master`, `imageInfo` | [`narx_core::master`] |
 //! | `description.rs` | `Master.describe` | [`narx_core::master::DescriptionReader`] |
 //! | `tx_master.rs` | `TxMaster`, `txObjects` | [`narx_core::master::eddycan`] |
 //! | `messages.rs` | `decode` | [`narx_core::bus`] |
-//! | `dictionary.rs` | `parameters`, `scopeSignals`, `measurementSignals`, `logRecords` | [`narx_core::dictionary`] |
+//! | `dictionary.rs` | `parameters`, `logRecords` | [`narx_core::dictionary`] |
+//! | `dictionary.rs` | `scopeSignals`, `measurementSignals` | [`narx_core::dictionary`] |
 //! | `slcan.rs` | `SlcanLines`, `openSlcan`, `encodeSlcan`, `closeSlcan` | [`narx_sim::can::slcan`] |
 //!
-//! Names mirror Python's in camel case. Values are SI units, speeds mechanical rpm, times seconds from any beginning.
+//! Names are those of Python in camel case. Values are SI units, speeds mechanical rpm, times seconds from
+//! any beginning.
 #![forbid(unsafe_code)]
 
 mod description;

@@ -1,4 +1,4 @@
-//! The master of a drive: frames and times in, frames out.
+//! Master of a drive: frames and times in, frames out.
 
 use crate::description::{self, Tables};
 use crate::dictionary::choice;
@@ -16,61 +16,63 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Whom a master talks to, and how. */
+/** Configuration of a master. */
 export interface MasterOptions {
     /** Address of the drive, 0 to 255; default 170. */
     slave?: number;
     /** Address of the master, 0 to 255; default 85. */
     monitor?: number;
-    /** Between two set-points, 0.001 to 10 s; default 0.05. */
+    /** Period of the set-points, 0.001 to 10 s; default 0.05. */
     setpointPeriod?: number;
-    /** Transmits nothing and hears everything; default false. */
+    /** Listens only and transmits nothing; default false. */
     silent?: boolean;
-    /** Reads every parameter in the background when the drive is first heard, and after what changes many of them; default true. */
+    /** Reads every parameter in the background when the drive is first heard, and after an action that
+     * changes many of them; default true. */
     readParameters?: boolean;
-    /** How long an answer may take, 0.001 to 10 s; default 0.1. */
+    /** Longest time until an answer, 0.001 to 10 s; default 0.1. */
     timeout?: number;
 }
 
-/** A measurement that was heard. */
+/** A received measurement. */
 export interface Measurement {
     readonly name: MeasurementName;
     readonly unit: string;
     readonly value: number;
-    /** When, s. */
+    /** Time of reception, s. */
     readonly time: number;
 }
 
-/** CRITICAL_FAULT as it was last heard. */
+/** The last CRITICAL_FAULT. */
 export interface CriticalFault {
     readonly faults: FaultName[];
     /** Extended fault code. */
     readonly code: number;
-    /** What that means; absent for a code of another firmware. */
+    /** Meaning of the code; absent for a code that this version does not know. */
     readonly meaning?: string;
 }
 
 /** BUILD_INFO. */
 export interface BuildInfo {
     readonly number: number;
-    /** Built from sources that were not committed. */
+    /** True if built from sources that were not committed. */
     readonly modified: boolean;
-    /** YYYYMMDD. */
+    /** Date of the build, YYYYMMDD. */
     readonly date: number;
 }
 
-/** What the drive tells of its description before that is downloaded. */
+/** Length and check value of a drive's description. */
 export interface DescriptionInfo {
     readonly words: number;
-    /** CRC-32 of the words; 0 from a drive that does not tell it. */
+    /** CRC-32 of the words; 0 if the drive does not report it. */
     readonly check: number;
 }
 
-/** Set-points that the drive takes as they are, in the control mode that its enables select: magnitudes, rpm. It clamps every other one. */
+/** Set-points that the drive accepts unchanged, in the control mode that its enables select: magnitudes, rpm.
+ * It clamps all others. */
 export interface SpeedLimits {
     readonly min: number;
     readonly max: number;
-    /** The drive turns at one speed whatever is asked for: open loop at parameter 88. */
+    /** True if the drive runs at one speed, whatever is requested: open loop at parameter 88. */
     readonly fixed: boolean;
 }
 
@@ -87,13 +89,13 @@ export interface DeviceInfo {
 
 /** Words of a download. */
 export interface Chunk {
-    /** Place of the first one in the download, words. */
+    /** Place of the first word in the download, words. */
     readonly offset: number;
-    /** High byte first. */
+    /** Bytes of the words, high byte first. */
     readonly bytes: Uint8Array;
 }
 
-/** How far a download is, words. */
+/** Progress of a download, words. */
 export interface Progress {
     readonly received: number;
     readonly total: number;
@@ -101,28 +103,29 @@ export interface Progress {
 "#;
 
 const OPTIONS: [&str; 6] = ["slave", "monitor", "setpointPeriod", "silent", "readParameters", "timeout"];
-/// What a MOTOR_CMD can carry.
+/// Largest set-point of MOTOR_CMD.
 const RPM_MAX: f64 = u16::MAX as f64;
 
-/// The other end of a drive's bus: it has no clock and no bus of its own. Times are seconds from any beginning and never run back. Give it every frame that
-/// arrives, and send what `poll` has, at `nextPoll` at the latest. `narx/drive` waits for its answers.
+/// The master of a drive, at the other end of its bus. It has no clock and no bus of its own. Times are
+/// seconds from any beginning and never decrease. Pass it every frame that arrives, and send the frames of
+/// `poll`, at the latest at `nextPoll`. Calls that wait for answers are in `narx/drive`.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Master {
     pub(crate) core: Core,
-    /// The last time that it was told, microseconds.
+    /// Latest time that was passed in, microseconds.
     now: u64,
-    /// The image of the update.
+    /// Image of the update.
     pub(crate) image: Vec<u8>,
-    /// What the drive says of itself; `None`: this package's tables serve.
+    /// Tables from the drive's description; `None`: those of this package are used.
     pub(crate) tables: Option<Tables>,
-    /// Raw values of parameters that this package's tables do not have, as they were last heard.
+    /// Raw values, as last heard, of parameters that this package's tables do not have.
     pub(crate) others: BTreeMap<u16, i32>,
 }
 
 #[wasm_bindgen]
 impl Master {
-    /// A master that has heard of nothing yet. Throws where an option cannot be.
+    /// Makes a master that has received nothing yet. Throws for an invalid option.
     #[wasm_bindgen(constructor)]
     pub fn new(
         #[wasm_bindgen(unchecked_optional_param_type = "MasterOptions")] options: &JsValue,
@@ -153,7 +156,7 @@ impl Master {
         Ok(Self { core, now: 0, image: Vec::new(), tables: None, others: BTreeMap::new() })
     }
 
-    /// Takes a frame that arrived at `now`, s. Only messages of its drive to this master are heard.
+    /// Takes a frame that arrived at `now`, s. Only messages of its drive to this master are used.
     #[wasm_bindgen(js_name = handleFrame)]
     pub fn handle_frame(
         &mut self,
@@ -166,7 +169,7 @@ impl Master {
         Ok(())
     }
 
-    /// The next frame that is due at `now`, s.
+    /// Returns the next frame that is due at `now`, s.
     #[wasm_bindgen(js_name = pollFrame, unchecked_return_type = "Frame | undefined")]
     pub fn poll_frame(&mut self, now: f64) -> JsValue {
         self.tell(now);
@@ -174,14 +177,15 @@ impl Master {
         due.map_or(JsValue::UNDEFINED, |due| frame::object(&due).into())
     }
 
-    /// Every frame that is due at `now`, s.
+    /// Returns every frame that is due at `now`, s.
     #[wasm_bindgen(unchecked_return_type = "Frame[]")]
     pub fn poll(&mut self, now: f64) -> Array {
         self.tell(now);
         std::iter::from_fn(|| self.next_frame()).map(|due| frame::object(&due)).collect()
     }
 
-    /// When to poll again at the latest if nothing arrives and nothing is asked for until then, s; infinity without a reason.
+    /// Returns the latest time of the next poll, s, if no frame arrives and nothing is requested until then;
+    /// infinity if there is none.
     #[wasm_bindgen(js_name = nextPoll)]
     pub fn next_poll(&mut self, now: f64) -> f64 {
         self.tell(now);
@@ -191,20 +195,22 @@ impl Master {
         }
     }
 
-    /// Asks for a speed, mechanical rpm, negative in reverse. A drive takes a start once it has seen Standby: `stop` first.
+    /// Requests a start at a speed, mechanical rpm, negative in reverse. A drive accepts a start only after
+    /// Standby: call `stop` first.
     pub fn start(&mut self, rpm: f64) -> Result<(), JsValue> {
         self.core.start(whole("start", rpm, -RPM_MAX, RPM_MAX)? as i32);
         Ok(())
     }
 
-    /// Asks for another speed in the same direction, rpm.
+    /// Requests another speed in the same direction, rpm.
     #[wasm_bindgen(js_name = setSpeed)]
     pub fn set_speed(&mut self, rpm: f64) -> Result<(), JsValue> {
         self.core.set_speed(whole("setSpeed", rpm, 0.0, RPM_MAX)? as u16);
         Ok(())
     }
 
-    /// Set-points that the drive takes as they are; `undefined` before those of `speedParameters` that say so were heard.
+    /// Set-points that the drive accepts unchanged; `undefined` before the needed ones of `speedParameters`
+    /// were heard.
     #[wasm_bindgen(getter, js_name = speedLimits, unchecked_return_type = "SpeedLimits | undefined")]
     pub fn speed_limits(&self) -> JsValue {
         let Some(SpeedLimits { min, max }) = self.limits() else { return JsValue::UNDEFINED };
@@ -215,25 +221,27 @@ impl Master {
         shaped.into()
     }
 
-    /// Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp, as far as its limits were heard. It names the limit's parameter and the range.
+    /// Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp. The error
+    /// names the limit's parameter and the range. Before the drive's limits were heard, only the range of
+    /// MOTOR_CMD is checked.
     #[wasm_bindgen(js_name = checkSpeed)]
     pub fn check_speed(&self, rpm: f64) -> Result<(), JsValue> {
         let rpm = whole("speed", rpm, -RPM_MAX, RPM_MAX)? as i32;
         self.limits().unwrap_or(SpeedLimits::WIRE).check(rpm).map_err(|refused| range_error(&refused))
     }
 
-    /// Whether the last request was for a turning motor.
+    /// True if the last request was Drive or Reverse.
     #[wasm_bindgen(getter, js_name = asksToTurn)]
     pub fn asks_to_turn(&self) -> bool {
         matches!(self.core.requested(), Some(MotorMode::Drive | MotorMode::Reverse))
     }
 
-    /// Asks for Standby, which also acknowledges a fault.
+    /// Requests Standby, which also acknowledges a fault.
     pub fn stop(&mut self) {
         self.core.stop();
     }
 
-    /// Asks for a shutdown: fault bit 28.
+    /// Requests a shutdown: fault bit 28.
     #[wasm_bindgen(js_name = shutDown)]
     pub fn shut_down(&mut self) {
         self.core.shut_down();
@@ -245,31 +253,32 @@ impl Master {
         self.core.setpoint()
     }
 
-    /// From one set-point to the next, s.
+    /// Time between two set-points, s.
     #[wasm_bindgen(getter, js_name = setpointPeriod)]
     pub fn setpoint_period(&self) -> f64 {
         seconds(self.core.config().setpoint_period)
     }
 
-    /// Transmits nothing.
+    /// True for a master that transmits nothing.
     #[wasm_bindgen(getter)]
     pub fn silent(&self) -> bool {
         self.core.config().silent
     }
 
-    /// Whether the drive was heard lately.
+    /// True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that is
+    /// longer.
     #[wasm_bindgen(getter)]
     pub fn connected(&self) -> bool {
         self.core.is_connected(self.now)
     }
 
-    /// When anything was last heard of the drive, s.
+    /// Time at which any message of the drive was last heard, s.
     #[wasm_bindgen(getter, js_name = lastHeard)]
     pub fn last_heard(&self) -> Option<f64> {
         self.core.report().last.map(seconds)
     }
 
-    /// State of the drive, 0 to 7; `undefined` while it is not known.
+    /// State of the drive, 0 to 7; `undefined` while unknown.
     #[wasm_bindgen(getter)]
     pub fn state(&self) -> Option<u8> {
         self.core.state().map(|state| state as u8)
@@ -281,14 +290,14 @@ impl Master {
         self.core.state().map(|state| state.name().to_owned())
     }
 
-    /// Names of the set bits of FAULT_WORD; `undefined` before it was heard.
+    /// Names of the set bits of FAULT_WORD; `undefined` before the first.
     #[wasm_bindgen(getter, unchecked_return_type = "FaultName[] | undefined")]
     pub fn faults(&self) -> JsValue {
         let heard = self.core.report().faults;
         heard.map_or(JsValue::UNDEFINED, |heard| faults(heard.value).into())
     }
 
-    /// CRITICAL_FAULT as it was last heard. Whether it still holds, `faults` says.
+    /// The last CRITICAL_FAULT. `faults` shows whether it still holds.
     #[wasm_bindgen(getter, unchecked_return_type = "CriticalFault | undefined")]
     pub fn critical(&self) -> JsValue {
         let Some(Heard { value, .. }) = self.core.report().critical else { return JsValue::UNDEFINED };
@@ -301,20 +310,20 @@ impl Master {
         shaped.into()
     }
 
-    /// STATUS_WORD as it was last heard (Table 8).
+    /// The last STATUS_WORD (Table 8).
     #[wasm_bindgen(getter, unchecked_return_type = "DriveValues[\"STATUS_WORD\"] | undefined")]
     pub fn status(&self) -> JsValue {
         let heard = self.core.report().status;
         heard.map_or(JsValue::UNDEFINED, |heard| status(StatusWord::encode(heard.value)))
     }
 
-    /// The set-point that the drive has accepted, rpm.
+    /// Set-point that the drive has accepted, rpm.
     #[wasm_bindgen(getter, js_name = acceptedSpeed)]
     pub fn accepted_speed(&self) -> Option<u16> {
         self.core.report().accepted_speed.map(|heard| heard.value)
     }
 
-    /// BUILD_INFO as it was last heard.
+    /// The last BUILD_INFO.
     #[wasm_bindgen(getter, unchecked_return_type = "BuildInfo | undefined")]
     pub fn build(&self) -> JsValue {
         let Some(Heard { value, .. }) = self.core.report().build else { return JsValue::UNDEFINED };
@@ -325,7 +334,7 @@ impl Master {
         shaped.into()
     }
 
-    /// DEVICE_INFO as it was last heard.
+    /// The last DEVICE_INFO.
     #[wasm_bindgen(getter, unchecked_return_type = "DeviceInfo | undefined")]
     pub fn device(&self) -> JsValue {
         let Some(Heard { value, .. }) = self.core.report().device else { return JsValue::UNDEFINED };
@@ -337,19 +346,19 @@ impl Master {
         shaped.into()
     }
 
-    /// What the drive measures, as far as it was heard, in the order of Figure 14.
+    /// Returns the measurements that were received, in the order of Figure 14.
     #[wasm_bindgen(unchecked_return_type = "Measurement[]")]
     pub fn measurements(&self) -> Array {
         description::measurements(self.tables.as_ref(), self.core.measurements())
     }
 
-    /// Mechanical speed by what the control mode uses, rpm.
+    /// Mechanical speed from the source that the control mode uses, rpm.
     #[wasm_bindgen(getter)]
     pub fn speed(&self) -> Option<i16> {
         self.core.speed().map(|heard| heard.value)
     }
 
-    /// Value of a parameter as it was last heard, in its unit; `undefined` before.
+    /// Returns the value of a parameter as last heard, in its unit; `undefined` before.
     pub fn parameter(
         &self,
         #[wasm_bindgen(unchecked_param_type = "ParameterName | number")] key: &JsValue,
@@ -360,14 +369,15 @@ impl Master {
         Ok(raw.map(|raw| self.value(number, raw)))
     }
 
-    /// From now on the drive is what its description says, the bytes of its download; without one it is this package's own. `check`: the CRC-32 that the drive tells
-    /// of it. Throws for a text that cannot be read, and has the tables of before then.
+    /// Replaces the tables of the drive by those of its description, the bytes of a download; without `text`
+    /// by those of this package. `check` is the CRC-32 that the drive reports for it. Throws for a text that
+    /// cannot be read, and then keeps the previous tables.
     pub fn describe(&mut self, text: Option<Vec<u8>>, check: Option<u32>) -> Result<(), JsValue> {
         self.tables = text.map(|text| Tables::read(&text, check.unwrap_or(0))).transpose()?;
         Ok(())
     }
 
-    /// What the drive tells of its description, as it was last heard.
+    /// Length and check value of the drive's description, as last heard.
     #[wasm_bindgen(getter, js_name = descriptionInfo, unchecked_return_type = "DescriptionInfo | undefined")]
     pub fn description_info(&self) -> JsValue {
         let Some(Heard { value, .. }) = self.core.report().description else { return JsValue::UNDEFINED };
@@ -377,19 +387,19 @@ impl Master {
         shaped.into()
     }
 
-    /// Every parameter of the drive in the order of its description.
+    /// Returns every parameter of the drive in the order of its description.
     #[wasm_bindgen(unchecked_return_type = "Parameter[]")]
     pub fn parameters(&self) -> Array {
         description::parameters(self.tables.as_ref())
     }
 
-    /// Signals of the drive's scope in the order of its description.
+    /// Returns the signals of the drive's scope in the order of its description.
     #[wasm_bindgen(js_name = scopeSignals, unchecked_return_type = "ScopeSignal[]")]
     pub fn scope_signals(&self) -> Array {
         description::scope_signals(self.tables.as_ref())
     }
 
-    /// Signals of the drive's measurements in the order of its description.
+    /// Returns the signals of the drive's measurements in the order of its description.
     #[wasm_bindgen(js_name = measurementSignals, unchecked_return_type = "MeasurementSignal[]")]
     pub fn measurement_signals(&self) -> Array {
         description::measurement_signals(self.tables.as_ref())
@@ -401,14 +411,14 @@ impl Master {
         self.core.read_parameters();
     }
 
-    /// Parameters that are still to be read in the background.
+    /// Number of parameters that are still to be read in the background.
     #[wasm_bindgen(getter, js_name = parametersToRead)]
     pub fn parameters_to_read(&self) -> usize {
         self.core.parameters_to_read()
     }
 
-    /// Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first` on. Throws for a silent master, and while
-    /// another one goes on.
+    /// Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first`
+    /// on. Throws for a silent master, and during another download.
     pub fn download(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "\"description\" | \"scope\" | \"log\"")] what: &JsValue,
@@ -425,7 +435,8 @@ impl Master {
         self.core.download(what).map_err(|refused| requests::thrown(requests::REFUSED, &refused))
     }
 
-    /// Words that have come since the last call. Words may come more than once, each time the same.
+    /// Returns the words that have come since the previous call. Words may come more than once, each time the
+    /// same.
     #[wasm_bindgen(js_name = pollChunks, unchecked_return_type = "Chunk[]")]
     pub fn poll_chunks(&mut self) -> Array {
         let shape = |chunk: narx_core::master::Chunk| {
@@ -438,7 +449,7 @@ impl Master {
         std::iter::from_fn(|| self.core.poll_chunk()).map(shape).collect()
     }
 
-    /// How far the download is; `undefined` before its length is known, and without one.
+    /// Progress of the download; `undefined` before its length is known, and without one.
     #[wasm_bindgen(getter, js_name = downloadProgress, unchecked_return_type = "Progress | undefined")]
     pub fn download_progress(&self) -> JsValue {
         let Some(progress) = self.core.download_progress() else { return JsValue::UNDEFINED };
@@ -448,13 +459,14 @@ impl Master {
         shaped.into()
     }
 
-    /// The end of the download, once all its chunks were taken: its length in words. Throws a `MasterError` for one that came to nothing.
+    /// Returns the length of the download in words, once all its chunks were taken. Throws a `MasterError`
+    /// for one that failed.
     #[wasm_bindgen(js_name = pollDownload)]
     pub fn poll_download(&mut self) -> Result<Option<u32>, JsValue> {
         self.core.poll_download().transpose().map_err(requests::download_error)
     }
 
-    /// Ends the download.
+    /// Aborts the download.
     #[wasm_bindgen(js_name = abortDownload)]
     pub fn abort_download(&mut self) {
         self.core.abort_download();
@@ -462,7 +474,7 @@ impl Master {
 }
 
 impl Master {
-    /// A parameter's raw value in its unit, by the drive's own scale.
+    /// Converts a parameter's raw value to its unit, with the drive's own scale.
     pub(crate) fn value(&self, number: u16, raw: i32) -> f64 {
         let shape = description::shape(self.tables.as_ref(), number);
         shape.map_or(0.0, |shape| shape.scale.to_unit(shape.kind.widen(raw)))
@@ -475,7 +487,7 @@ impl Master {
         })
     }
 
-    /// It is `now`; time never runs back.
+    /// Advances the time to `now`; it never goes back.
     fn tell(&mut self, now: f64) {
         self.now = self.now.max(microseconds(now));
     }
@@ -486,7 +498,7 @@ impl Master {
     }
 }
 
-/// Numbers of the parameters that decide about `speedLimits`.
+/// Returns the numbers of the parameters that determine `speedLimits`.
 #[wasm_bindgen(js_name = speedParameters)]
 pub fn speed_parameters() -> Vec<u16> {
     SpeedLimits::PARAMETERS.to_vec()

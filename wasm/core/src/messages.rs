@@ -1,4 +1,4 @@
-//! Frames as messages with named fields.
+//! Decoded frames: messages with named fields.
 
 use js_sys::{Array, Object};
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, Message, MessageKind, Words};
@@ -12,20 +12,20 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** A message of the drive or its master. Its name tells what is in it. */
+/** A message of the drive or its master. `name` determines the type of `values`. */
 export type DriveMessage = {
     [Name in keyof DriveValues]: {
         readonly protocol: "narmotion";
-        /** As in the CAN database. */
+        /** Name in the CAN database. */
         readonly name: Name;
         readonly opcode: number;
-        /** Sent by a drive, else by its master. */
+        /** True if a drive sends it, false if its master does. */
         readonly fromDrive: boolean;
         readonly source: number;
         readonly destination: number;
-        /** By field: numbers in their units, names of what has names. */
+        /** Values by field: numbers in their units, names of named values. */
         readonly values: DriveValues[Name];
-        /** By field; empty for plain numbers. */
+        /** Units by field; empty for plain numbers. */
         readonly units: { readonly [Field in keyof DriveValues[Name]]: string };
     };
 }[keyof DriveValues];
@@ -34,19 +34,20 @@ export type DriveMessage = {
 export type NodeMessage = {
     [Name in keyof NodeValues]: {
         readonly protocol: "eddycan";
-        /** As Table 3 of the specification prints it. */
+        /** Name in Table 3 of the specification. */
         readonly name: Name;
-        /** Sent by a node, else by its master. */
+        /** True if a node sends it, false if its master does. */
         readonly fromNode: boolean;
-        /** By signal; what a PDO does not carry is not there. */
+        /** Values by signal. Signals that a PDO does not carry are absent. */
         readonly values: NodeValues[Name];
         readonly units: { readonly [Signal in keyof NodeValues[Name]]: string };
     };
 }[keyof NodeValues];
 "#;
 
-/// The message in a frame, by the tables of PROTOCOL.md: of the drive with 29 bits, of TX-Drivers with 11; `undefined` if neither protocol has such a
-/// frame. `encoder`: PDOs of 8 bytes have the encoder in them, which they do not tell themselves.
+/// Decodes a frame, by the tables of PROTOCOL.md: of the drive with 29 bits, of TX-Drivers with 11;
+/// `undefined` if neither protocol has such a frame. `encoder`: PDOs of 8 bytes contain the encoder, which
+/// the frame itself does not show.
 #[wasm_bindgen(unchecked_return_type = "DriveMessage | NodeMessage | undefined")]
 pub fn decode(
     #[wasm_bindgen(unchecked_param_type = "Frame")] frame: &JsValue,
@@ -101,7 +102,7 @@ fn node_message(frame: &Frame, encoder: bool) -> Option<Object> {
     Some(shaped)
 }
 
-/// Values and units by field.
+/// Returns values and units by field.
 pub(crate) fn fields(message: &Message, words: Words) -> (Object, Object) {
     let (values, units) = (Object::new(), Object::new());
     let mut parameter = None;
@@ -124,7 +125,7 @@ pub(crate) fn fields(message: &Message, words: Words) -> (Object, Object) {
     (values, units)
 }
 
-/// The fields of STATUS_WORD.
+/// Returns the fields of STATUS_WORD.
 pub(crate) fn status(bits: u32) -> JsValue {
     let words = Words([(bits >> 16) as u16, bits as u16, 0, 0]);
     let found = MESSAGES.iter().find(|message| message.name == "STATUS_WORD");
@@ -142,18 +143,18 @@ fn value(field: &Field, raw: i64) -> JsValue {
     }
 }
 
-/// Names of the set bits.
+/// Returns the names of the set bits.
 pub(crate) fn faults(faults: FaultWord) -> Array {
     faults.iter_names().map(|(name, _)| JsValue::from(name.to_ascii_lowercase())).collect()
 }
 
-/// The nearest 64-bit float.
+/// Returns the nearest 64-bit float.
 pub(crate) fn float(value: Decimal) -> f64 {
     let power = (0..value.exponent.unsigned_abs()).fold(1.0, |power, _| power * 10.0);
     if value.exponent < 0 { value.digits as f64 / power } else { value.digits as f64 * power }
 }
 
-/// The tables write "-" for none.
+/// Returns the unit, or "" where the tables have "-".
 pub(crate) fn unit(unit: &'static str) -> &'static str {
     if unit == "-" { "" } else { unit }
 }

@@ -1,4 +1,4 @@
-//! What a drive is asked for, and its answers.
+//! Requests to a drive, and their answers.
 
 use crate::description;
 use crate::dictionary::choice;
@@ -14,18 +14,19 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** An `Error` of a master by its `name`: nothing answers, the drive (or this master) does not do it now, a parameter cannot have the value, or an image is none for
- * this drive. */
+/** An `Error` of a master. Its `name` tells the kind: no answer, a refusal by the drive or this master in its
+ * present state, a parameter value that is not allowed, or an image that is invalid for this drive. */
 export interface MasterError extends Error {
     readonly name: "NoAnswerError" | "RefusedError" | "ParameterError" | "ImageError";
 }
 
-/** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or why it was not done. */
+/** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or the
+ * error. */
 export type Answer = { readonly value: number; readonly error?: undefined } | { readonly error: MasterError };
 
-/** What a digital line is: an input, or an output of this level. */
+/** State of the digital lines: each is an input, or an output of a level. */
 export interface Outputs {
-    /** `undefined`: an input. */
+    /** Level of the output; `undefined`: an input. */
     dsio1?: boolean;
     dsio2?: boolean;
 }
@@ -37,8 +38,8 @@ pub(crate) const PARAMETER: &str = "ParameterError";
 
 #[wasm_bindgen]
 impl Master {
-    /// Asks the drive for something. Answers come in the order of the requests. Throws a `MasterError` for a silent master, and while eight answers were not
-    /// taken.
+    /// Queues a request to the drive. Answers come in the order of the requests. Throws a `MasterError` for a
+    /// silent master, and while there are eight answers that were not taken.
     pub fn request(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "RequestName")] what: &JsValue,
@@ -47,7 +48,7 @@ impl Master {
         self.take(request)
     }
 
-    /// Asks for a parameter's value.
+    /// Requests a parameter's value.
     pub fn read(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ParameterName | number")] key: &JsValue,
@@ -56,8 +57,9 @@ impl Master {
         self.take(Request::Read { number })
     }
 
-    /// Asks the drive to give a parameter a value, in its unit, to the nearest step of its scale. Throws a `RangeError` for one that it cannot have: outside the range,
-    /// not a number, a fraction of a whole parameter.
+    /// Requests to write a parameter, in its unit, rounded to the nearest step of its scale. Throws a
+    /// `RangeError` for a value that is not allowed: outside the range, not a number, a fraction of a whole
+    /// parameter.
     pub fn write(
         &mut self,
         #[wasm_bindgen(unchecked_param_type = "ParameterName | number")] key: &JsValue,
@@ -66,18 +68,19 @@ impl Master {
         let number = description::number(self.tables.as_ref(), key)?;
         let shape = description::shape(self.tables.as_ref(), number).ok_or(JsValue::UNDEFINED)?;
         let raw = shape.scale.entered(value).map_err(|refused| range_error(&refused))?;
-        // A value of any kind has 32 bits.
+        // Parameters of every type have 32 bits; the cast keeps them.
         self.take(Request::Write { number, raw: raw as i32 })
     }
 
-    /// Asks for factory values of everything but what is the board's own. `serial`: parameter 1 of the board that is meant.
+    /// Requests factory values, except for the board's own parameters. `serial`: parameter 1 of the addressed
+    /// board.
     #[wasm_bindgen(js_name = restoreFactory)]
     pub fn restore_factory(&mut self, serial: f64) -> Result<(), JsValue> {
         let serial = whole("serial", serial, 0.0, u16::MAX.into())? as u16;
         self.take(Request::RestoreFactory { serial })
     }
 
-    /// Asks for the digital lines to be inputs, or outputs of a level.
+    /// Requests the digital lines to be inputs, or outputs of a level.
     #[wasm_bindgen(js_name = setOutputs)]
     pub fn set_outputs(
         &mut self,
@@ -93,7 +96,7 @@ impl Master {
         }))
     }
 
-    /// The next answer; `undefined` before it is there.
+    /// Returns the next answer; `undefined` before it has come.
     #[wasm_bindgen(js_name = pollAnswer, unchecked_return_type = "Answer | undefined")]
     pub fn poll_answer(&mut self) -> JsValue {
         let Some(Answer { request, result }) = self.core.poll_answer() else { return JsValue::UNDEFINED };
@@ -119,7 +122,8 @@ impl Master {
         self.value(number, raw)
     }
 
-    /// A refused reboot has no answer, and for one that is about a parameter the parameter is named.
+    /// Converts the error of a request. An error about a parameter names it, and one of a reboot explains why
+    /// it has no answer.
     fn request_error(&self, request: Request, error: RequestError) -> JsValue {
         match error {
             RequestError::NoAnswer => match request {
@@ -134,7 +138,7 @@ impl Master {
         }
     }
 
-    /// A parameter that the drive does not read or write, by its own name and range.
+    /// Converts the refusal of a parameter, with the name and range of the drive's description.
     fn refusal(&self, refused: &Refusal) -> JsValue {
         let described =
             self.tables.as_ref().and_then(|tables| description::shape(Some(tables), refused.number));
@@ -169,7 +173,7 @@ pub(crate) fn download_error(error: DownloadError) -> JsValue {
     }
 }
 
-/// An error that its name tells from others.
+/// Returns an error with this `name`.
 pub(crate) fn thrown(name: &str, message: &dyn Display) -> JsValue {
     let error = Error::new(&message.to_string());
     error.set_name(name);

@@ -1,4 +1,4 @@
-//! Lines of an slcan adapter, as on Web Serial.
+//! Lines of an slcan adapter, for Web Serial.
 
 use js_sys::{Array, Object};
 use narx_sim::can::slcan::{BITRATES, Command, Lines, NO, decode_frame, encode_frame};
@@ -6,7 +6,7 @@ use narx_wasm_values::error::{range_error, whole};
 use narx_wasm_values::frame;
 use wasm_bindgen::prelude::*;
 
-/// Frames out of the bytes that come from an slcan adapter. Everything else that it says is counted or left.
+/// Decoder of the bytes from an slcan adapter. Lines that are no frames are counted or ignored.
 #[wasm_bindgen]
 #[derive(Debug, Default)]
 pub struct SlcanLines {
@@ -16,13 +16,13 @@ pub struct SlcanLines {
 
 #[wasm_bindgen]
 impl SlcanLines {
-    /// Before the first byte.
+    /// Makes a decoder before the first byte.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Takes bytes as they arrived, and returns the frames that are complete with them.
+    /// Takes bytes as they arrived, and returns the frames that they complete.
     #[wasm_bindgen(js_name = handleBytes, unchecked_return_type = "Frame[]")]
     pub fn handle_bytes(&mut self, bytes: &[u8]) -> Array {
         let mut take = |byte: &u8| -> Option<Object> {
@@ -37,14 +37,14 @@ impl SlcanLines {
         bytes.iter().filter_map(&mut take).collect()
     }
 
-    /// How often the adapter has said no.
+    /// Number of commands that the adapter has refused.
     #[wasm_bindgen(getter)]
     pub fn refusals(&self) -> u32 {
         self.refusals
     }
 }
 
-/// A frame as an adapter takes it.
+/// Encodes a frame for an adapter.
 #[wasm_bindgen(js_name = encodeSlcan)]
 pub fn encode_slcan(
     #[wasm_bindgen(unchecked_param_type = "Frame")] frame: &JsValue,
@@ -52,7 +52,8 @@ pub fn encode_slcan(
     Ok(encode_frame(&frame::parse(frame)?, None).to_vec())
 }
 
-/// What opens an adapter at so many bit/s (default 500 000, those of the drive): it is closed before, whatever it was told.
+/// Returns the commands that open an adapter at this bit rate, bit/s (default 500 000, that of the drive).
+/// The adapter is closed first, whatever its state.
 #[wasm_bindgen(js_name = openSlcan)]
 pub fn open_slcan(bitrate: Option<f64>, listen: Option<bool>) -> Result<Vec<u8>, JsValue> {
     let bitrate = whole("bitrate", bitrate.unwrap_or(500_000.0), 0.0, u32::MAX.into())? as u32;
@@ -64,7 +65,7 @@ pub fn open_slcan(bitrate: Option<f64>, listen: Option<bool>) -> Result<Vec<u8>,
     Ok(commands.iter().flat_map(Command::encode).collect())
 }
 
-/// What closes an adapter.
+/// Returns the command that closes an adapter.
 #[wasm_bindgen(js_name = closeSlcan)]
 pub fn close_slcan() -> Vec<u8> {
     Command::Close.encode().to_vec()

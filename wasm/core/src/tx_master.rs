@@ -1,4 +1,4 @@
-//! The master of a TX-Driver: frames and times in, frames out.
+//! Master of a TX-Driver: frames and times in, frames out.
 
 use crate::dictionary::choice;
 use crate::master::{microseconds, seconds};
@@ -16,30 +16,33 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** What a master must know of its TX-Driver. */
+/** Configuration of a TX-Driver's master. */
 export interface TxMasterOptions {
-    /** 1 to 127. */
+    /** Node-id, 1 to 127. */
     nodeId: number;
-    /** Sensors of it; default 1. */
+    /** Number of sensors; default 1. */
     channels?: 1 | 2;
-    /** How long an answer may take, 0.003 to 10 s; default 0.1. */
+    /** Longest time until an answer, 0.003 to 10 s; default 0.1. */
     timeout?: number;
 }
 
 /** The last positions of a TX-Driver. */
 export interface Reading {
-    /** From the start of the measuring range, mm; of as many channels as it has. */
+    /** Positions from the start of the measuring range, mm, one for each channel. */
     readonly positions: readonly number[];
-    /** Counts, of a linear encoder with their sign once 2005h was read; absent where PDOs do not carry the encoder. */
+    /** Counts; of a linear encoder with their sign once 2005h was read. Absent if PDOs do not carry the
+     * encoder. */
     readonly encoder?: number;
-    /** Position of a linear encoder, mm: counts times resolution; absent before 2005h and 2009h were read, and of a rotary one. */
+    /** Position of a linear encoder, mm: counts times resolution. Absent before 2005h and 2009h were read,
+     * and for a rotary one. */
     readonly encoderPosition?: number;
     readonly trigger: "timer" | "sync" | "remote";
-    /** When they came, s. */
+    /** Time of reception, s. */
     readonly time: number;
 }
 
-/** An entry of the object dictionary (eddyCAN specification, Table 4). Limits and factory value are in its unit. */
+/** An entry of the object dictionary (eddyCAN specification, Table 4). Limits and factory value are in its
+ * unit. */
 export interface TxObject {
     readonly index: number;
     readonly subindex: number;
@@ -55,13 +58,14 @@ export interface TxObject {
     readonly description: string;
 }
 
-/** The raw value that was read or written, or why not; `abort` is the code of a node that refuses. */
+/** The raw value that was read or written, or the error; `abort` is the code of a node's refusal. */
 export type TxAnswer =
     | { readonly value: number; readonly error?: undefined }
     | { readonly error: MasterError; readonly abort?: number };
 "#;
 
-/// The other end of a TX-Driver's bus. Times are seconds from any beginning and never run back.
+/// The master of a TX-Driver, at the other end of its bus. Times are seconds from any beginning and never
+/// decrease.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct TxMaster {
@@ -71,7 +75,7 @@ pub struct TxMaster {
 
 #[wasm_bindgen]
 impl TxMaster {
-    /// A master that sends nothing until it is asked for something.
+    /// Makes a master that sends nothing until it gets a command or a request.
     #[wasm_bindgen(constructor)]
     pub fn new(
         #[wasm_bindgen(unchecked_param_type = "TxMasterOptions")] options: &JsValue,
@@ -95,7 +99,7 @@ impl TxMaster {
         Ok(Self { core: Core::new(config), now: 0 })
     }
 
-    /// Takes a frame that arrived at `now`, s. Only messages of its node are heard.
+    /// Takes a frame that arrived at `now`, s. Only messages of its node are used.
     #[wasm_bindgen(js_name = handleFrame)]
     pub fn handle_frame(
         &mut self,
@@ -108,7 +112,7 @@ impl TxMaster {
         Ok(())
     }
 
-    /// Every frame that is due at `now`, s.
+    /// Returns every frame that is due at `now`, s.
     #[wasm_bindgen(unchecked_return_type = "Frame[]")]
     pub fn poll(&mut self, now: f64) -> Array {
         self.tell(now);
@@ -116,7 +120,7 @@ impl TxMaster {
         std::iter::from_fn(|| self.core.poll_frame(now)).map(|due| frame::object(&due)).collect()
     }
 
-    /// When to poll again at the latest, s; infinity without a reason.
+    /// Returns the latest time of the next poll, s; infinity if there is none.
     #[wasm_bindgen(js_name = nextPoll)]
     pub fn next_poll(&mut self, now: f64) -> f64 {
         self.tell(now);
@@ -147,20 +151,20 @@ impl TxMaster {
         self.core.sync().map_err(not_taken)
     }
 
-    /// Asks for PDO3.
+    /// Requests PDO3.
     #[wasm_bindgen(js_name = askPositions)]
     pub fn ask_positions(&mut self) -> Result<(), JsValue> {
         self.core.ask_positions().map_err(not_taken)
     }
 
-    /// Reads an entry, or writes a raw value to it.
+    /// Queues a request that reads an entry, or writes a raw value to it.
     pub fn request(&mut self, index: u16, subindex: u8, value: Option<u32>) -> Result<(), JsValue> {
         let entry = Entry::find(index, subindex).map_err(|refused| range_error(&refused))?;
         let request = value.map_or(Request::Read(entry), |value| Request::Write(entry, value));
         self.core.request(request).map_err(not_taken)
     }
 
-    /// The next answer; `undefined` before it is there.
+    /// Returns the next answer; `undefined` before it has come.
     #[wasm_bindgen(js_name = pollAnswer, unchecked_return_type = "TxAnswer | undefined")]
     pub fn poll_answer(&mut self) -> JsValue {
         let Some(answer) = self.core.poll_answer() else { return JsValue::UNDEFINED };
@@ -186,12 +190,12 @@ impl TxMaster {
         shaped.into()
     }
 
-    /// The last positions, if some have come since the node booted.
+    /// The last positions since the node booted, if there are any.
     #[wasm_bindgen(getter, unchecked_return_type = "Reading | undefined")]
     pub fn reading(&self) -> JsValue {
         let Some((reading, kind, time)) = self.core.reading() else { return JsValue::UNDEFINED };
         let layout = self.core.config().layout;
-        // 2^-27 mm: exact.
+        // Positions are in 2^-27 mm; the division is exact.
         let positions = reading.positions.map(|position| f64::from(position.raw()) / f64::from(1 << 27));
         let count = if layout.channels == Channels::Dual { 2 } else { 1 };
         let shaped = Object::new();
@@ -214,7 +218,7 @@ impl TxMaster {
         shaped.into()
     }
 
-    /// The state of the last heartbeat.
+    /// State in the last heartbeat.
     #[wasm_bindgen(
         getter,
         unchecked_return_type = "\"boot-up\" | \"stopped\" | \"operational\" | \"pre-operational\" | undefined"
@@ -229,25 +233,25 @@ impl TxMaster {
         Some(name.to_owned())
     }
 
-    /// Whether the node was heard lately.
+    /// Returns whether the node was heard within 5 s.
     #[wasm_bindgen(getter)]
     pub fn present(&self) -> bool {
         self.core.is_present(self.now)
     }
 
-    /// Boot-up messages.
+    /// Number of boot-up messages.
     #[wasm_bindgen(getter)]
     pub fn boots(&self) -> u32 {
         self.core.report().boots
     }
 
-    /// Error messages.
+    /// Number of error messages.
     #[wasm_bindgen(getter)]
     pub fn errors(&self) -> u32 {
         self.core.report().errors
     }
 
-    /// What the last error message meant (Table 13).
+    /// Meaning of the last error message (Table 13).
     #[wasm_bindgen(getter, js_name = lastError)]
     pub fn last_error(&self) -> Option<String> {
         let code = self.core.report().last_error?;
@@ -257,7 +261,7 @@ impl TxMaster {
         )
     }
 
-    /// Frames of the node that mean nothing: most likely PDOs of another layout.
+    /// Number of the node's frames that cannot be decoded: most likely PDOs of another layout.
     #[wasm_bindgen(getter)]
     pub fn malformed(&self) -> u32 {
         self.core.report().malformed
@@ -265,20 +269,20 @@ impl TxMaster {
 }
 
 impl TxMaster {
-    /// It is `now`; time never runs back.
+    /// Advances the time to `now`; it never goes back.
     fn tell(&mut self, now: f64) {
         self.now = self.now.max(microseconds(now));
     }
 }
 
-/// The object dictionary in order.
+/// Returns the object dictionary in order.
 #[wasm_bindgen(js_name = txObjects, unchecked_return_type = "TxObject[]")]
 pub fn tx_objects() -> Array {
     OBJECTS.iter().map(object).collect()
 }
 
 fn object(row: &Row) -> Object {
-    // A fraction of the measuring range.
+    // The unit is a fraction of the measuring range.
     let (unit, scale) = match row.unit {
         "2^-30" => ("", 1.0 / f64::from(1 << 30)),
         "-" => ("", 1.0),

@@ -11,22 +11,22 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** What an image says of itself. */
+/** Header of an image. */
 export interface ImageInfo {
     /** Hardware id. */
     readonly hardware: number;
-    /** Name of the board that has it; absent for one that this version does not know. */
+    /** Name of the board with this id; absent for one that this version does not know. */
     readonly board?: string;
-    /** MAJOR.MINOR.PATCH+BUILD. */
+    /** Version, MAJOR.MINOR.PATCH+BUILD. */
     readonly version: string;
-    /** Bytes. */
+    /** Length, bytes. */
     readonly length: number;
 }
 
-/** How far an update is. */
+/** Progress of an update. */
 export interface UpdateProgress {
     readonly stage: UpdateStage;
-    /** Bytes of the stage that are done: erased, received or verified. */
+    /** Number of bytes that are done in this stage: erased, received or verified. */
     readonly done: number;
     /** Length of the image, bytes. */
     readonly total: number;
@@ -37,8 +37,9 @@ const IMAGE: &str = "ImageError";
 
 #[wasm_bindgen]
 impl Master {
-    /// Begins to program the drive with an image, the bytes of a `.narximg` file. Blocks are then among what `poll` has. Throws a `MasterError` for what is no
-    /// whole image, for a silent master, and while another update goes on.
+    /// Begins to program the drive with an image, the bytes of a `.narximg` file. `poll` then also returns
+    /// blocks of the image. Throws a `MasterError` for an incomplete image, for a silent master, and during
+    /// another update.
     pub fn update(&mut self, image: Vec<u8>) -> Result<(), JsValue> {
         let Header { hardware, version, .. } = header(&image)?;
         let about = Image::new(hardware, version.into(), &image);
@@ -47,7 +48,7 @@ impl Master {
         Ok(())
     }
 
-    /// How far the update is; `undefined` without one.
+    /// Progress of the update; `undefined` without one.
     #[wasm_bindgen(getter, js_name = updateProgress, unchecked_return_type = "UpdateProgress | undefined")]
     pub fn update_progress(&self) -> JsValue {
         let Some(UpdateProgress { stage, done, total }) = self.core.update_progress() else {
@@ -60,21 +61,23 @@ impl Master {
         shaped.into()
     }
 
-    /// Whether the update has come to its end: the drive runs the image now and keeps it. Throws a `MasterError` for one that came to nothing; what ran before then
-    /// still runs.
+    /// Returns whether the update has succeeded: the drive runs the image now and keeps it. Throws a
+    /// `MasterError` for one that failed; the previous image then still runs.
     #[wasm_bindgen(js_name = pollUpdate)]
     pub fn poll_update(&mut self) -> Result<bool, JsValue> {
         self.core.poll_update().transpose().map(|end| end.is_some()).map_err(update_error)
     }
 
-    /// Ends the update. An image that is swapped in already is not confirmed then, and its drive goes back.
+    /// Aborts the update. An image that is swapped in already is not confirmed, so the drive goes back to the
+    /// previous one.
     #[wasm_bindgen(js_name = abortUpdate)]
     pub fn abort_update(&mut self) {
         self.core.abort_update();
     }
 }
 
-/// What an image (the bytes of a `.narximg` file) says of itself. Throws a `MasterError` for what is no whole image.
+/// Returns the header of an image (the bytes of a `.narximg` file). Throws a `MasterError` for an incomplete
+/// image.
 #[wasm_bindgen(js_name = imageInfo, unchecked_return_type = "ImageInfo")]
 pub fn image_info(image: &[u8]) -> Result<Object, JsValue> {
     let header = header(image)?;

@@ -1,4 +1,4 @@
-//! The stations of the drive one by one: numbers become fixed point here, and nothing else is done.
+//! The drive's blocks, one by one. This file only converts numbers to fixed point and back.
 
 use js_sys::{Array, Object};
 use narx_core::blocks::{
@@ -37,21 +37,21 @@ export interface RampOptions {
 export interface HallOptions {
     /** Ticks a second; default 10 000. */
     tickRate?: number;
-    /** Which permutation of the lines, 0 to 5 (parameter 262); default 0. */
+    /** Permutation of the lines, 0 to 5 (parameter 262); default 0. */
     order?: number;
     /** Lines to invert, 0 to 7 (parameter 263); default 0. */
     polarity?: number;
-    /** How far the edges lie beyond their place, electrical degrees (parameter 80); default 0. */
+    /** Offset of the edges beyond their place, electrical degrees (parameter 80); default 0. */
     offset?: number;
 }
 
-/** What hall sensors say after a tick. */
+/** Reading of the hall sensors after a tick. */
 export interface HallReading {
-    /** 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; absent until the first valid code. */
+    /** Sector, 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; absent until the first valid code. */
     readonly sector?: number;
-    /** Electrical degrees, 0 to 360. */
+    /** Electrical angle, degrees, 0 to 360. */
     readonly angle: number;
-    /** Electrical rev/s, negative in reverse. */
+    /** Electrical speed, rev/s, negative in reverse. */
     readonly speed: number;
     readonly invalid: boolean;
     readonly jump: boolean;
@@ -59,16 +59,17 @@ export interface HallReading {
     readonly doubtful: boolean;
 }
 
-/** What a commutation answers: the step of a period, and its changes within it. Steps are numbered as `Observation.step`. */
+/** Result of a commutation: the step of a period, and its changes within it. Steps are numbered as
+ * `Observation.step`. */
 export interface Pattern {
     readonly step: number;
     readonly changes: readonly { /** In periods. */ readonly instant: number; readonly step: number }[];
 }
 "#;
 
-/// A period or a unit in fixed point.
+/// Fixed point: 1 of a period or of a unit.
 pub(crate) const ONE: f64 = 65_536.0;
-/// A turn in fixed point.
+/// Fixed point: a turn.
 pub(crate) const TURN: f64 = 4_294_967_296.0;
 
 /// A PI controller of the drive: u = Kp e + integral of Ki e dt, within its limits, bit for bit.
@@ -78,7 +79,7 @@ pub struct Pi(PiCore);
 
 #[wasm_bindgen]
 impl Pi {
-    /// A controller at rest. Throws for a setting out of range.
+    /// Makes a controller at rest. Throws for a setting out of range.
     #[wasm_bindgen(constructor)]
     pub fn new(#[wasm_bindgen(unchecked_param_type = "PiOptions")] options: &JsValue) -> Result<Pi, JsValue> {
         let names = ["proportional", "integral", "stepRate", "minimum", "maximum"];
@@ -93,12 +94,12 @@ impl Pi {
         PiCore::build(&settings).map(Self).map_err(|refused| range_error(&refused))
     }
 
-    /// The output for `error`.
+    /// Returns the output for `error`.
     pub fn step(&mut self, error: f64) -> Result<f64, JsValue> {
         Ok(real(self.0.step(raw("error", error)?)))
     }
 
-    /// The integrator alone gives `output` from now on.
+    /// Sets the integrator so that it alone gives `output`.
     pub fn hold(&mut self, output: f64) -> Result<(), JsValue> {
         self.0.hold(raw("output", output)?);
         Ok(())
@@ -112,7 +113,7 @@ pub struct Ramp(RampCore);
 
 #[wasm_bindgen]
 impl Ramp {
-    /// A ramp at 0. Throws for a setting out of range.
+    /// Makes a ramp at 0. Throws for a setting out of range.
     #[wasm_bindgen(constructor)]
     pub fn new(
         #[wasm_bindgen(unchecked_param_type = "RampOptions")] options: &JsValue,
@@ -123,7 +124,7 @@ impl Ramp {
         RampCore::build(&settings).map(Self).map_err(|refused| range_error(&refused))
     }
 
-    /// One step towards `target`: where it is then.
+    /// Moves one step towards `target`; returns the new value.
     pub fn step(&mut self, target: f64) -> Result<f64, JsValue> {
         Ok(real(self.0.step(raw("target", target)?)))
     }
@@ -135,14 +136,14 @@ impl Ramp {
     }
 }
 
-/// The hall sensors of the drive: codes to sector, angle and speed. The level alone is looked at, once a tick.
+/// The hall sensors of the drive: sector, angle and speed from codes. Only the level is read, once a tick.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Hall(HallCore);
 
 #[wasm_bindgen]
 impl Hall {
-    /// Sensors of which nothing was seen. Throws for a setting out of range.
+    /// Makes a station that has not seen the sensors yet. Throws for a setting out of range.
     #[wasm_bindgen(constructor)]
     pub fn new(
         #[wasm_bindgen(unchecked_optional_param_type = "HallOptions")] options: &JsValue,
@@ -161,7 +162,7 @@ impl Hall {
         HallCore::build(&settings).map(Self).map_err(|refused| range_error(&refused))
     }
 
-    /// One tick. `code`: the lines now, bit 0 is A.
+    /// Runs one tick. `code`: the lines now, bit 0 is A.
     #[wasm_bindgen(unchecked_return_type = "HallReading")]
     pub fn step(&mut self, code: f64) -> Result<Object, JsValue> {
         let code = whole("code", code, 0.0, 7.0)? as u8;
@@ -180,7 +181,7 @@ impl Hall {
     }
 }
 
-/// The commutation of the drive: a rotor's position to steps of the bridge.
+/// The commutation of the drive: steps of the bridge from a rotor's position.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Commutation {
@@ -190,7 +191,8 @@ pub struct Commutation {
 
 #[wasm_bindgen]
 impl Commutation {
-    /// A commutation that has not seen a rotor. `advance`: electrical degrees ahead of its place, 0 to 30; default 0. `tickRate`: default 10 000.
+    /// Makes a commutation that knows no rotor position yet. `advance`: timing advance, electrical degrees, 0
+    /// to 30; default 0. `tickRate`: default 10 000.
     #[wasm_bindgen(constructor)]
     pub fn new(
         advance: Option<f64>,
@@ -198,14 +200,15 @@ impl Commutation {
     ) -> Result<Commutation, JsValue> {
         let advance = whole("advance x 100", (advance.unwrap_or(0.0) * 100.0).round(), 0.0, 3000.0)?;
         let tick_rate = whole("tickRate", tick_rate.unwrap_or(10_000.0), 1.0, 1e6)?;
-        // An eighth of a period: when a drive has its answer.
+        // An eighth of a period: the time after which a drive has its answer.
         let settings = CommutationSettings { advance_cdeg: advance as u16, earliest: 8192 };
         let core = CommutationCore::build(&settings).map_err(|refused| range_error(&refused))?;
         Ok(Self { core, tick_rate })
     }
 
-    /// The step at the earliest instant of a period, and up to two changes later in it. `angle`: electrical degrees at the period's boundary. `speed`: electrical
-    /// rev/s, negative in reverse. `reverse`: torque in reverse.
+    /// Returns the step at the earliest instant of a period, and up to two changes later in it. `angle`:
+    /// electrical degrees at the period's boundary. `speed`: electrical rev/s, negative in reverse.
+    /// `reverse`: torque in reverse.
     #[wasm_bindgen(unchecked_return_type = "Pattern")]
     pub fn step(&mut self, angle: f64, speed: f64, reverse: Option<bool>) -> Result<Object, JsValue> {
         let most = self.tick_rate / 12.0;
@@ -238,7 +241,7 @@ fn step_rate(options: &Options) -> Result<u32, JsValue> {
     Ok(options.whole("stepRate", 1.0, 1e6)?.map_or(10_000, |rate| rate as u32))
 }
 
-/// Raw I16F16 to the nearest.
+/// Converts a value to raw I16F16, rounded to nearest.
 fn raw(name: &str, value: f64) -> Result<i32, JsValue> {
     if (-32_768.0..32_767.999_99).contains(&value) {
         return Ok((value * ONE).round() as i32);
@@ -251,7 +254,7 @@ pub(crate) fn real(raw: i32) -> f64 {
     f64::from(raw) / ONE
 }
 
-/// The gain of 30 bits that is nearest.
+/// Returns the nearest gain of 30 bits.
 fn gain(name: &str, value: f64) -> Result<Gain, JsValue> {
     let largest = f64::from(Gain::MANTISSA_MAX);
     let refused = || {

@@ -9,7 +9,7 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** Whose messages count. */
+/** Addresses and nodes whose messages are decoded. */
 export interface LogOptions {
     /** Address of the drive; default 170, `null` for any. */
     slave?: number | null;
@@ -21,17 +21,18 @@ export interface LogOptions {
 
 /** Every message of one kind: columns of the same length. */
 export interface MessageTable {
-    /** As the CAN database or Table 3 of the eddyCAN specification has it. */
+    /** Name in the CAN database or in Table 3 of the eddyCAN specification. */
     readonly name: MessageName;
-    /** A drive or node sends it, else its master. */
+    /** True if a drive or node sends it, false if its master does. */
     readonly fromDevice: boolean;
-    /** As stamped, s. */
+    /** Time stamps, s. */
     readonly time: Float64Array;
-    /** By signal, in its unit; values with names as their numbers, NaN where a message does not carry it. */
+    /** Values by signal, in its unit. Named values are numbers; NaN if a message does not carry the
+     * signal. */
     readonly columns: Readonly<Record<string, Float64Array>>;
-    /** By signal; empty for plain numbers. */
+    /** Units by signal; empty for plain numbers. */
     readonly units: Readonly<Record<string, string>>;
-    /** By signal: the names of its numbers, where they have some. */
+    /** Names of a signal's numbers, by signal, for signals that have names. */
     readonly names: Readonly<Record<string, Readonly<Record<number, string>>>>;
 }
 
@@ -40,15 +41,15 @@ export interface CanLog {
     readonly lines: number;
     /** All frames. */
     readonly frames: {
-        /** As stamped, s. */
+        /** Time stamps, s. */
         readonly time: Float64Array;
         readonly id: Uint32Array;
         /** Bits: 1 29-bit identifier, 2 remote, 4 error frame, 8 CAN FD, 16 received. */
         readonly flags: Uint8Array;
         readonly dlc: Uint8Array;
-        /** The first 8 bytes of each, zeros behind the last one. */
+        /** First 8 bytes of each frame, zeros behind the last one. */
         readonly data: Uint8Array;
-        /** Place of its table in `tables`; 255 unknown, 254 malformed, 253 an error frame. */
+        /** Index of the frame's table in `tables`; 255 unknown, 254 malformed, 253 an error frame. */
         readonly message: Uint8Array;
     };
     /** The tables that have rows. */
@@ -60,7 +61,7 @@ export interface CanLog {
 
 const OPTIONS: [&str; 3] = ["slave", "monitor", "encoders"];
 
-/// A log of can-utils (`candump -L`), decoded: text or its bytes.
+/// Decodes a log of can-utils (`candump -L`), given as text or bytes.
 #[wasm_bindgen(js_name = readLog, unchecked_return_type = "CanLog")]
 pub fn read_log(
     #[wasm_bindgen(unchecked_param_type = "string | Uint8Array")] text: &JsValue,
@@ -97,7 +98,7 @@ fn encoders(options: &Options) -> Result<u128, JsValue> {
 }
 
 fn object(log: &CanLog) -> Object {
-    // Tables without rows are left out, and places move up.
+    // Tables without rows are left out, so the indices of the others change.
     let mut places = [Kind::Unknown as u8; 256];
     for kind in [Kind::Malformed, Kind::Error] {
         places[kind as usize] = kind as u8;
@@ -137,7 +138,7 @@ fn table(table: &Table) -> Object {
         if !signal.names.is_empty() {
             let named = Object::new();
             for (number, name) in &signal.names {
-                // A number is no name of a property that `set` knows.
+                // Keys are numbers, which `set` does not accept. Setting a new property cannot fail.
                 let _ = Reflect::set_u32(&named, u32::from(*number), &(*name).into());
             }
             set(&names, signal.name, named);
@@ -153,7 +154,7 @@ fn table(table: &Table) -> Object {
     shaped
 }
 
-/// None has more than 48 bits.
+/// Converts values to floats, exactly: none has more than 48 bits.
 fn numbers(values: &Values) -> Vec<f64> {
     match values {
         Values::Quantity(values) => values.clone(),

@@ -1,10 +1,13 @@
-//! The laboratory: recordings that run again, logs of a bus, and the stations of the drive one by one, in browsers and Node: types are converted and nothing else is done.
+//! The laboratory, for browsers and Node: replay of recordings, logs of a bus, and the drive's blocks one by
+//! one. The crate only converts types.
 //!
 //! | file | JavaScript | Rust |
 //! |---|---|---|
-//! | `recording.rs` | `replay`, `replayTrace`, `scopeRecording` | [`narx_core::recording`], [`narx_sim::replayed`] |
+//! | `recording.rs` | `replay`, `scopeRecording` | [`narx_core::recording`] |
+//! | `recording.rs` | `replayTrace` | [`narx_sim::replayed`] |
 //! | `can_log.rs` | `readLog` | [`narx_host::can_log`] |
-//! | `blocks.rs`, `zero_crossing.rs` | `Pi`, `Ramp`, `Hall`, `Commutation`, `ZeroCrossing` | [`narx_core::blocks`] |
+//! | `blocks.rs` | `Pi`, `Ramp`, `Hall`, `Commutation` | [`narx_core::blocks`] |
+//! | `zero_crossing.rs` | `ZeroCrossing` | [`narx_core::blocks`] |
 #![forbid(unsafe_code)]
 
 mod blocks;

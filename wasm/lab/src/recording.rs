@@ -1,4 +1,4 @@
-//! Running a recording again.
+//! Replay of recordings.
 
 use js_sys::{Object, Uint8Array};
 use narx_core::motor::Drive;
@@ -13,35 +13,37 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen(typescript_custom_section)]
 const TYPES: &str = r#"
-/** What a replay found. Digests are 16 lower-case hexadecimal digits. */
+/** Result of a replay. Digests are 16 lower-case hexadecimal digits. */
 export interface Replay {
-    /** Ticks run. */
+    /** Number of ticks that were run. */
     readonly ticks: number;
-    /** Digest of the outputs now. */
+    /** Digest of the outputs of this replay. */
     readonly digest: string;
     /** Digest of the outputs when they were recorded; absent for a prefix. */
     readonly recordedDigest?: string;
-    /** The recorder's behaviour version, where it is another one than ours: digests may then rightly differ. */
+    /** Behaviour version of the recorder, if it differs from this version's: digests may then rightly
+     * differ. */
     readonly otherBehaviour?: number;
     /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
     readonly outputs?: string;
 }
 
-/** What a scope has recorded of the inputs of every control tick. */
+/** The scope's record of the inputs of every control tick, as a recording. */
 export interface ScopeRecording {
-    /** What `replay` takes, and a `.narxrec` file holds. */
+    /** Bytes of the recording, for `replay` or a `.narxrec` file. */
     readonly recording: Uint8Array;
     /** Number of its first tick since the drive's power-up. */
     readonly firstTick: number;
-    /** Whether the replay came to what the drive did itself, from its second checkpoint on; absent where the record has none. */
+    /** True if the replay's state equals the drive's own at the record's second checkpoint; absent if the
+     * record has none. */
     readonly agrees?: boolean;
 }
 "#;
 
-/// Runs a recording again, bit for bit: all of it, or its first `until` ticks.
+/// Replays a recording bit for bit: all of it, or its first `until` ticks.
 ///
-/// Throws an `Error` that names the byte where a damaged recording is wrong, and a `RangeError` for an `until`
-/// that is not a count of ticks.
+/// Throws an `Error` that names the first wrong byte of a damaged recording, and a `RangeError` for an
+/// `until` that is not a number of ticks.
 #[wasm_bindgen(unchecked_return_type = "Replay")]
 pub fn replay(bytes: &[u8], until: Option<f64>) -> Result<JsValue, JsValue> {
     let file = Recording::open(bytes).map_err(|refused| error(&refused))?;
@@ -63,15 +65,17 @@ pub fn replay(bytes: &[u8], until: Option<f64>) -> Result<JsValue, JsValue> {
     Ok(found.into())
 }
 
-/// The trace of a recording that runs again, or of its first `until` ticks: what the drive was given, what it answered, and what it thought meanwhile. Its
-/// speeds are electrical, because a recording does not tell the pole pairs. Throws as `replay`.
+/// Replays a recording, or its first `until` ticks, and returns its trace: inputs, outputs and internal
+/// values of the drive. Its speeds are electrical, because a recording does not contain the pole pairs.
+/// Throws as `replay` does.
 #[wasm_bindgen(js_name = replayTrace)]
 pub fn replay_trace(bytes: &[u8], until: Option<f64>) -> Result<Trace, JsValue> {
     let until = until.map(count).transpose()?;
     replayed(bytes, until).map(|found| found.trace.into()).map_err(|refused| error(&refused))
 }
 
-/// The recording that a scope's record of inputs is: the bytes of the download. Throws an `Error` for one of another version, or one that is damaged.
+/// Converts a scope's record of inputs, the bytes of the download, to a recording. Throws an `Error` for a
+/// record of another version, or one that is damaged.
 #[wasm_bindgen(js_name = scopeRecording, unchecked_return_type = "ScopeRecording")]
 pub fn scope_recording(bytes: &[u8], label: &str) -> Result<Object, JsValue> {
     let words: Vec<u16> = bytes.as_chunks().0.iter().map(|word| u16::from_be_bytes(*word)).collect();

@@ -1,4 +1,4 @@
-//! Zero crossings of the back-EMF: numbers become fixed point here, and nothing else is done.
+//! Zero crossings of the back-EMF. This file only converts numbers to fixed point and back.
 
 use crate::blocks::{ONE, TURN, real};
 use js_sys::{Array, Object};
@@ -20,55 +20,56 @@ const TYPES: &str = r#"
 export interface ZeroCrossingOptions {
     /** Ticks a second, 1 000 to 100 000; default 10 000. */
     tickRate?: number;
-    /** Of the converter that voltages are rounded to, V, up to 0.0625; default 0.019 531. */
+    /** Scale of the converter to which voltages are rounded, V, up to 0.0625; default 0.019 531. */
     voltsPerCode?: number;
     /** Smallest signal, 1 to 255 codes; default 4. */
     noiseCodes?: number;
     /** Least time after a commutation, s (parameter 86); default 200e-6. */
     blanking?: number;
-    /** Of the next commutation, electrical degrees, 0 to 30; default 0. */
+    /** Advance of the next commutation, electrical degrees, 0 to 30; default 0. */
     advance?: number;
-    /** Line to line, V a mechanical rpm (parameter 267); default 0: not known. */
+    /** Line-to-line back-EMF, V a mechanical rpm (parameter 267); default 0: unknown. */
     backEmf?: number;
-    /** 1 to 100; default 1. */
+    /** Pole pairs, 1 to 100; default 1. */
     polePairs?: number;
-    /** No crossing for so long is standstill, s (parameter 85); default 0.05. */
+    /** No crossing for this long is standstill, s (parameter 85); default 0.05. */
     timeout?: number;
 }
 
-/** What a `ZeroCrossing` sees of a period. */
+/** Inputs of a `ZeroCrossing` for one period. */
 export interface Terminals {
-    /** A, B and C against ground, V. */
+    /** Terminal voltages of A, B and C against ground, V. */
     phaseVoltage: readonly [number, number, number];
-    /** V. */
+    /** Bus voltage, V. */
     busVoltage: number;
-    /** The step that was in force in the period that has ended, and its changes: the `Pattern` of the tick before. */
+    /** Pattern that was in force in the period that has ended: the `Pattern` of the previous tick. */
     pattern: Pattern;
-    /** Sampled in the on-time, else in the off-time; default true. */
+    /** True if sampled in the on-time, false in the off-time; default true. */
     onTime?: boolean;
-    /** Torque in reverse; default false. */
+    /** True for torque in reverse; default false. */
     reverse?: boolean;
 }
 
-/** What the terminals say after a tick. */
+/** Reading of the terminals after a tick. */
 export interface ZeroCrossingReading {
-    /** A crossing was seen: how long before the present boundary, s; negative is after it. */
+    /** Age of a crossing that was seen in this tick: time from it to the present boundary, s; negative is
+     * after the boundary. */
     readonly crossing?: number;
-    /** What became of the last step's crossing. */
+    /** Outcome of the last step's crossing. */
     readonly why: "none" | "accepted" | "filtered" | "blind" | "demag-late" | "listened";
-    /** How far the last accepted crossing lay behind its prediction, electrical degrees. */
+    /** Lag of the last accepted crossing behind its prediction, electrical degrees. */
     readonly margin: number;
-    /** Crossings accepted. */
+    /** Number of accepted crossings. */
     readonly accepted: number;
-    /** Electrical degrees, 0 to 360. */
+    /** Electrical angle, degrees, 0 to 360. */
     readonly angle: number;
-    /** Electrical rev/s, negative in reverse; 0 while it is not known. */
+    /** Electrical speed, rev/s, negative in reverse; 0 while unknown. */
     readonly speed: number;
-    /** How long until the next commutation, s; absent while it is not known. */
+    /** Time until the next commutation, s; absent while unknown. */
     readonly commutation?: number;
-    /** Six consistent crossings: the loop may be closed. */
+    /** Six consistent crossings were seen: the loop may be closed. */
     readonly running: boolean;
-    /** The rotor was lost in this tick. */
+    /** Reason why the rotor was lost in this tick. */
     readonly lost?: "stall" | "desynchronised" | "wrong-lock";
 }
 "#;
@@ -77,8 +78,8 @@ const OPTIONS: [&str; 8] =
     ["tickRate", "voltsPerCode", "noiseCodes", "blanking", "advance", "backEmf", "polePairs", "timeout"];
 const TERMINALS: [&str; 5] = ["phaseVoltage", "busVoltage", "pattern", "onTime", "reverse"];
 
-/// The zero crossings of the drive: terminal voltages of a driven or coasting motor to crossing, angle, speed and the next commutation. Align the rotor,
-/// `start`, and commutate as it says.
+/// The zero crossings of the drive: crossing, angle, speed and next commutation from the terminal voltages of
+/// a driven or coasting motor. Align the rotor, call `start`, and commutate at the instants of the readings.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct ZeroCrossing {
@@ -89,13 +90,13 @@ pub struct ZeroCrossing {
 
 #[wasm_bindgen]
 impl ZeroCrossing {
-    /// A motor that nothing has been seen of. Throws for a setting out of range.
+    /// Makes a station that has not seen the motor yet. Throws for a setting out of range.
     #[wasm_bindgen(constructor)]
     pub fn new(
         #[wasm_bindgen(unchecked_optional_param_type = "ZeroCrossingOptions")] options: &JsValue,
     ) -> Result<ZeroCrossing, JsValue> {
         let options = Options::new("ZeroCrossing", options, &OPTIONS)?;
-        // What does not fit its type is out of its range, too: core names it.
+        // A value that does not fit its type is out of its range, too; core then names the setting.
         let scaled = |name, plain: f64, per_unit: f64| {
             Ok::<f64, JsValue>((options.magnitude(name)?.unwrap_or(plain) * per_unit).round())
         };
@@ -121,7 +122,7 @@ impl ZeroCrossing {
         Ok(Self { core, volts_per_code: f64::from(micro_per_code) / 1e6, tick_rate })
     }
 
-    /// The bridge is about to bring up a rotor that rests at `angle`, electrical degrees.
+    /// Begins to bring up a rotor that rests at `angle`, electrical degrees.
     pub fn start(&mut self, angle: f64, reverse: Option<bool>) -> Result<(), JsValue> {
         if !angle.is_finite() {
             return Err(range_error(&format!("angle {}: must be a finite number", shown(&angle.into()))));
@@ -130,13 +131,13 @@ impl ZeroCrossing {
         Ok(())
     }
 
-    /// On by a step without any evidence: the rotor that is being brought up has not moved.
+    /// Goes on by a step without any evidence: the rotor that is being brought up has not moved.
     #[wasm_bindgen(js_name = forceStep)]
     pub fn force_step(&mut self) {
         self.core.force_step();
     }
 
-    /// One tick.
+    /// Runs one tick.
     #[wasm_bindgen(unchecked_return_type = "ZeroCrossingReading")]
     pub fn step(
         &mut self,
@@ -203,7 +204,7 @@ impl ZeroCrossing {
     }
 }
 
-/// What was applied in the period that has ended.
+/// Returns the command that was applied in the period that has ended.
 fn applied(terminals: &Options, sample_mode: SampleMode) -> Result<PwmCommand, JsValue> {
     let pattern = terminals.value("pattern")?;
     let pattern = pattern.ok_or_else(|| type_error("step: pattern is missing"))?;

@@ -1,16 +1,17 @@
-//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM FULL_WASM TRANSCRIPT_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
+//! Makes JavaScript packages of the built modules: `narx-wasm-pack DIRECTORY BENCH_WASM CORE_WASM LAB_WASM
+//! FULL_WASM TRANSCRIPT_WASM` fills `DIRECTORY/web` and `DIRECTORY/node`.
 //!
-//! | import | files | what |
+//! | import | files | content |
 //! |---|---|---|
 //! | `narx` | `narx.js`, `narx_bg.wasm` | the bench |
 //! | `narx/core` | `core.js`, `core_bg.wasm` | masters, messages, the dictionary, slcan |
-//! | `narx/lab` | `lab.js`, `lab_bg.wasm` | recordings that run again, logs |
-//! | `narx/full` | `full.js`, `full_bg.wasm` | the bench whose drive has log memory, description and bootloader |
-//! | `narx/transcript` | `transcript.js`, `transcript_bg.wasm` | what a node was told and asked runs again |
-//! | `narx/drive`, `narx/script` | from `wasm/ts` | what is TypeScript over them |
+//! | `narx/lab` | `lab.js`, `lab_bg.wasm` | replay of recordings, logs |
+//! | `narx/full` | `full.js`, `full_bg.wasm` | the bench with log memory, description and bootloader |
+//! | `narx/transcript` | `transcript.js`, `transcript_bg.wasm` | replay of a node's transcript |
+//! | `narx/drive`, `narx/script` | from `wasm/ts` | TypeScript over the modules |
 //!
-//! A package of its own and not a part of xtask: what it depends on takes longer to compile than all of narx, and
-//! `cargo xtask demo` needs none of it.
+//! It is a package of its own and not a part of xtask, because its dependencies take longer to compile than
+//! all of narx, and `cargo xtask demo` needs none of them.
 
 mod names;
 mod panics;
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 use wasm_bindgen_cli_support::Bindgen;
 
-/// What an import is.
+/// The package.json of a package, with its imports.
 const MANIFEST: &str = r#"{
   "name": "narx",
   "type": "module",
@@ -47,7 +48,7 @@ fn main() -> anyhow::Result<()> {
     };
     let (web, node) = (directory.join("web"), directory.join("node"));
     for package in [&web, &node] {
-        // Nothing of an earlier version stays behind.
+        // Removes all files of an earlier version.
         if package.exists() {
             fs::remove_dir_all(package).with_context(|| package.display().to_string())?;
         }

@@ -1,4 +1,4 @@
-//! The names that TypeScript should know, from the tables that hold them.
+//! Names for TypeScript types, from the tables that define them.
 
 use narx_core::bus::narmotion::{Field, MESSAGES, Meaning, SIGNALS as MEASUREMENTS};
 use narx_core::dictionary::Dictionary;
@@ -13,7 +13,7 @@ use narx_sim::presets::PRESETS;
 use narx_sim::replayed;
 use std::fmt::{self, Write};
 
-/// Those of the bench.
+/// Returns the types of names in the bench's module.
 pub(crate) fn bench() -> Result<String, fmt::Error> {
     let mut text = String::new();
     let signals = SIGNALS.iter().map(|signal| signal.name);
@@ -26,7 +26,7 @@ pub(crate) fn bench() -> Result<String, fmt::Error> {
     Ok(text)
 }
 
-/// Those of the core.
+/// Returns the types of names in the core's module.
 pub(crate) fn core() -> Result<String, fmt::Error> {
     let mut text = String::new();
     union(&mut text, "FaultName", "Bits of the fault word.", faults())?;
@@ -43,7 +43,7 @@ pub(crate) fn core() -> Result<String, fmt::Error> {
     Ok(text)
 }
 
-/// Those of the laboratory.
+/// Returns the types of names in the laboratory's module.
 pub(crate) fn lab() -> Result<String, fmt::Error> {
     let mut text = String::new();
     let signals = replayed::SIGNALS.iter().map(|signal| signal.name);
@@ -54,7 +54,7 @@ pub(crate) fn lab() -> Result<String, fmt::Error> {
     Ok(text)
 }
 
-/// What is in each message of the drive.
+/// Writes the types of the drive's messages.
 fn drive_messages(text: &mut String) -> fmt::Result {
     write!(
         text,
@@ -82,14 +82,14 @@ fn shape(field: &Field) -> String {
     }
 }
 
-/// What is in each message of a TX-Driver.
+/// Writes the types of the TX-Drivers' messages.
 fn node_messages(text: &mut String) -> fmt::Result {
     write!(text, "\n/** What is in the messages of TX-Drivers. */\nexport interface NodeValues {{")?;
     for (place, message) in node::MESSAGES.iter().enumerate() {
         write!(text, "\n    readonly \"{}\": {{", message.name)?;
         let signals = node::signals(place);
         for signal in &signals {
-            // What a PDO does not carry is not there.
+            // Signals that not every PDO carries are optional.
             let optional = if matches!(signal.name, "Position 2" | "Encoder") { "?" } else { "" };
             let shape =
                 if signal.names.is_empty() { "number".to_owned() } else { named(&signal.names, false) };
@@ -101,7 +101,7 @@ fn node_messages(text: &mut String) -> fmt::Result {
     Ok(())
 }
 
-/// Names, and numbers where not every number has one.
+/// Returns the names, and `number` if some numbers have no name.
 fn named(names: &[(u16, &str)], all: bool) -> String {
     let mut text: Vec<String> = names.iter().map(|(_, name)| format!("\"{name}\"")).collect();
     if !all {

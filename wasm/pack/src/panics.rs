@@ -1,21 +1,22 @@
-//! Panics without their messages: there is no console where the standard library would write them, and a trap is all that a program sees of a
-//! panic with them or without.
+//! Removal of the messages of panics. There is no console for the standard library's output, and a program
+//! sees only a trap of a panic, with or without its message.
 
 use anyhow::{Context, ensure};
 use std::fs;
 use std::path::Path;
 use walrus::Module;
 
-/// Functions that only a panic calls, by what is in their mangled paths: those of `core::panicking` and `std::panicking`, and those that make one for
-/// common reasons.
+/// Parts of the mangled paths of functions that only a panic calls: those of `core::panicking` and
+/// `std::panicking`, and those that raise one for common reasons.
 const PANICS: [&str; 5] =
     ["4core9panicking", "3std9panicking", "16slice_index_fail", "13expect_failed", "13unwrap_failed"];
 
-/// The module in a file, with a trap in place of each of [`PANICS`]. What only they have called and read goes with them in `wasm-opt`.
+/// Returns the module in a file, with a trap in place of each of [`PANICS`]. `wasm-opt` then removes
+/// functions and data that only they used.
 pub(crate) fn silenced(wasm: &Path) -> anyhow::Result<Module> {
     let bytes = fs::read(wasm).with_context(|| wasm.display().to_string())?;
     let mut module = walrus::ModuleConfig::new()
-        // As wasm-bindgen parses it.
+        // Not strict, as wasm-bindgen parses it.
         .strict_validate(false)
         .generate_producers_section(false)
         .parse(&bytes)

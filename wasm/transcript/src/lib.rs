@@ -1,4 +1,5 @@
-//! Running again what a node was told and asked. A module of its own: it has both nodes in it, whole, and few open such a file.
+//! Replay of a node's transcript. It is a module of its own, because it contains both nodes completely and is
+//! rarely used.
 #![forbid(unsafe_code)]
 
 use js_sys::Object;
@@ -10,9 +11,11 @@ use narx_wasm_values::error::error;
 use narx_wasm_values::replay::{count, part, whole};
 use wasm_bindgen::prelude::*;
 
-/// Runs the transcript of a drive's node or of a TX-Driver again, bit for bit: all of it, or its first `until` calls. Of what it finds, `ticks` are calls.
+/// Replays the transcript of a drive's node or of a TX-Driver bit for bit: all of it, or its first `until`
+/// calls. In the result, `ticks` counts calls.
 ///
-/// Throws an `Error` that names the byte where a damaged transcript is wrong, or says that it is none, and a `RangeError` for an `until` that is not a count.
+/// Throws an `Error` that names the first wrong byte of a damaged transcript, or that it is not a transcript,
+/// and a `RangeError` for an `until` that is not a number of calls.
 #[wasm_bindgen(
     js_name = replayTranscript,
     unchecked_return_type = "{ ticks: number; digest: string; recordedDigest?: string; otherBehaviour?: number }"

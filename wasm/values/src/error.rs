@@ -1,26 +1,26 @@
-//! Errors of the kinds that JavaScript programmers expect: `TypeError`, `RangeError`, `Error`.
+//! Errors of the standard classes of JavaScript: `TypeError`, `RangeError`, `Error`.
 
 use core::fmt::Display;
 use js_sys::{Error, Number, RangeError, TypeError};
 use wasm_bindgen::JsValue;
 
-/// A value of another type than was asked for, or a name that does not exist.
+/// Returns a `TypeError`: a value of a wrong type, or a name that does not exist.
 pub fn type_error(message: &str) -> JsValue {
     TypeError::new(message).into()
 }
 
-/// A value that the drive or the bench cannot have.
+/// Returns a `RangeError`: a value that the drive or the bench cannot have.
 pub fn range_error(message: &dyn Display) -> JsValue {
     RangeError::new(&message.to_string()).into()
 }
 
-/// What could not be done.
+/// Returns an `Error`: an operation that failed.
 pub fn error(message: &dyn Display) -> JsValue {
     Error::new(&message.to_string()).into()
 }
 
-/// A value as its user wrote it; of what is neither text nor a number the type. The engine formats numbers, which
-/// saves carrying a formatter.
+/// Returns a value as its user wrote it; of anything but a text or a number the type. The engine formats
+/// numbers, which saves the code of a formatter.
 pub fn shown(value: &JsValue) -> String {
     if let Some(text) = value.as_string() {
         return format!("\"{text}\"");
@@ -30,7 +30,7 @@ pub fn shown(value: &JsValue) -> String {
     number.map_or_else(kind, String::from)
 }
 
-/// `a, b, c`
+/// Joins names: `a, b, c`.
 pub fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let mut text = String::new();
     for name in names {
@@ -42,7 +42,7 @@ pub fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     text
 }
 
-/// `value` as a whole number from `min` to `max`.
+/// Checks that `value` is a whole number from `min` to `max`.
 pub fn whole(what: &str, value: f64, min: f64, max: f64) -> Result<f64, JsValue> {
     if value.fract() == 0.0 && (min..=max).contains(&value) {
         return Ok(value);

@@ -1,4 +1,4 @@
-//! CAN frames as plain objects, which pass from a page to its worker as they are.
+//! CAN frames as plain objects, which can be passed unchanged between a page and its worker.
 
 use crate::error::{range_error, shown};
 use crate::options::{Options, set};
@@ -10,22 +10,22 @@ use wasm_bindgen::prelude::*;
 const TYPES: &str = r#"
 /** A classic CAN frame. */
 export interface Frame {
-    /** Identifier, a number of 29 bits, or of 11. */
+    /** Identifier, 29 or 11 bits. */
     readonly id: number;
-    /** It has 29 bits, as all of the drive's have; default true. */
+    /** True for an identifier of 29 bits, as all of the drive's have; default true. */
     readonly extended?: boolean;
-    /** A remote frame; default false. */
+    /** True for a remote frame; default false. */
     readonly remote?: boolean;
-    /** Up to 8 bytes; of a remote frame as many zeros as it asks for. */
+    /** Up to 8 bytes; of a remote frame as many zeros as it requests bytes. */
     readonly data: Uint8Array;
 }
 "#;
 
-/// Identifiers of 29 and of 11 bits, the largest.
+/// Largest identifiers of 29 and of 11 bits.
 const EXTENDED_MAX: f64 = 0x1FFF_FFFF as f64;
 const STANDARD_MAX: f64 = 0x7FF as f64;
 
-/// The frame that an object is. Further properties are those of a frame that was heard.
+/// Converts an object to a frame. It may have further properties, like a received frame.
 pub fn parse(value: &JsValue) -> Result<Frame, JsValue> {
     let names = ["id", "extended", "remote", "data", "time", "sent", "channel"];
     let options = Options::new("frame", value, &names)?;
@@ -46,7 +46,7 @@ pub fn parse(value: &JsValue) -> Result<Frame, JsValue> {
     })
 }
 
-/// A frame as an object.
+/// Converts a frame to an object.
 pub fn object(frame: &Frame) -> Object {
     let zeros = [0; 8];
     let length = usize::from(frame.dlc()).min(zeros.len());

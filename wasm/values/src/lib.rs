@@ -1,17 +1,17 @@
-//! What the modules share: option objects, errors, CAN frames and traces.
+//! Parts that the modules share: option objects, errors, CAN frames and traces.
 //!
 //! | file | JavaScript | Rust |
 //! |---|---|---|
 //! | `frame.rs` | `Frame` | [`narx_core::bus::Frame`] |
 //! | `trace.rs` | `Trace` | [`narx_sim::trace::Trace`] |
-//! | `replay.rs` | what a replay found | [`narx_core::recording::Outcome`] |
+//! | `replay.rs` | `Replay` | [`narx_core::recording::Outcome`] |
 //! | `options.rs`, `error.rs` | option objects, errors | |
 #![forbid(unsafe_code)]
 
 #[cfg(target_family = "wasm")]
 use lol_alloc::{FreeListAllocator, LockedAllocator};
 
-/// Of every module.
+/// Allocator of every module.
 #[cfg(target_family = "wasm")]
 #[global_allocator]
 static ALLOCATOR: LockedAllocator<FreeListAllocator> = LockedAllocator::new(FreeListAllocator::new());

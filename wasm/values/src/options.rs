@@ -1,20 +1,22 @@
-//! Option objects: named arguments as JavaScript has them.
+//! Option objects: the named arguments of JavaScript.
 
 use crate::error::{list, shown, type_error};
 use js_sys::{Object, Reflect};
 use wasm_bindgen::{JsCast, JsValue};
 
-/// An object of named arguments. Every name that is read must be one of those it was opened with.
+/// An object of named arguments. Read only names that were passed to `new`.
 pub struct Options {
     owner: &'static str,
     object: Object,
 }
 
 impl Options {
-    /// Takes `value` for the options of `owner`, who knows these names only. Nothing given is no options.
+    /// Takes `value` as the options of `owner`, which has only these names; `undefined` counts as an empty
+    /// object.
     ///
     /// # Errors
-    /// No object, or a name that `owner` does not know; the other calls likewise throw for a value that cannot be.
+    /// Not an object, or a name that `owner` does not have; the other functions likewise return an error for
+    /// an invalid value.
     pub fn new(owner: &'static str, value: &JsValue, names: &[&str]) -> Result<Self, JsValue> {
         if value.is_undefined() {
             return Ok(Self { owner, object: Object::new() });
@@ -33,13 +35,13 @@ impl Options {
         Ok(Self { owner, object })
     }
 
-    /// The value of `name`, or `None` where there is none.
+    /// Returns the value of `name`, or `None` if it is missing.
     pub fn value(&self, name: &str) -> Result<Option<JsValue>, JsValue> {
         let value = Reflect::get(&self.object, &name.into())?;
         Ok((!value.is_undefined()).then_some(value))
     }
 
-    /// A finite number.
+    /// Returns a finite number.
     pub fn number(&self, name: &str) -> Result<Option<f64>, JsValue> {
         let Some(value) = self.value(name)? else { return Ok(None) };
         match value.as_f64().filter(|number| number.is_finite()) {
@@ -48,13 +50,13 @@ impl Options {
         }
     }
 
-    /// A finite number that must be there.
+    /// Returns a finite number, which must be given.
     pub fn required(&self, name: &str) -> Result<f64, JsValue> {
         let missing = || type_error(&format!("{}: {name} is missing", self.owner));
         self.number(name)?.ok_or_else(missing)
     }
 
-    /// A finite number, 0 or more.
+    /// Returns a finite number, 0 or more.
     pub fn magnitude(&self, name: &str) -> Result<Option<f64>, JsValue> {
         match self.number(name)? {
             Some(number) if number < 0.0 => Err(self.out_of_range(name, number, "0 or more")),
@@ -62,7 +64,7 @@ impl Options {
         }
     }
 
-    /// A whole number within `min..=max`.
+    /// Returns a whole number within `min..=max`.
     pub fn whole(&self, name: &str, min: f64, max: f64) -> Result<Option<f64>, JsValue> {
         match self.number(name)? {
             Some(number) if number.fract() != 0.0 || !(min..=max).contains(&number) => {
@@ -74,13 +76,13 @@ impl Options {
         }
     }
 
-    /// True or false.
+    /// Returns true or false.
     pub fn flag(&self, name: &str) -> Result<Option<bool>, JsValue> {
         let Some(value) = self.value(name)? else { return Ok(None) };
         value.as_bool().map(Some).ok_or_else(|| self.refusal(name, &value, "true or false"))
     }
 
-    /// One of the named values.
+    /// Returns the value of `choices` with the given name.
     pub fn choice<T: Copy>(&self, name: &str, choices: &[(&str, T)]) -> Result<Option<T>, JsValue> {
         let Some(value) = self.value(name)? else { return Ok(None) };
         let text = value.as_string();
@@ -102,8 +104,8 @@ impl Options {
     }
 }
 
-/// Sets a property of a plain object that we made.
+/// Sets a property of a plain object that this package has made.
 pub fn set(object: &Object, name: &str, value: impl Into<JsValue>) {
-    // Only a frozen object refuses.
+    // It fails only for a frozen object.
     let _ = Reflect::set(object, &name.into(), &value.into());
 }

@@ -1,4 +1,4 @@
-//! What a replay found, as an object. Digests are 16 lower-case hexadecimal digits.
+//! Results of a replay, as objects. Digests are 16 lower-case hexadecimal digits.
 
 use crate::error::{range_error, shown};
 use crate::options::set;
@@ -6,7 +6,7 @@ use js_sys::{Number, Object};
 use narx_core::recording::{Outcome, Prefix};
 use wasm_bindgen::JsValue;
 
-/// Of a whole recording.
+/// Converts the result of a whole recording.
 pub fn whole(outcome: &Outcome) -> Object {
     let found = Object::new();
     set(&found, "ticks", outcome.ticks as f64);
@@ -18,7 +18,7 @@ pub fn whole(outcome: &Outcome) -> Object {
     found
 }
 
-/// Of its beginning.
+/// Converts the result of the first part of a recording.
 pub fn part(prefix: &Prefix) -> Object {
     let found = Object::new();
     set(&found, "ticks", prefix.ticks as f64);
@@ -26,9 +26,9 @@ pub fn part(prefix: &Prefix) -> Object {
     found
 }
 
-/// How far a replay is to go, or a `RangeError`.
+/// Converts the length of a replay, or returns a `RangeError`.
 pub fn count(until: f64) -> Result<u64, JsValue> {
-    // Above 2^53 a number no longer counts one by one.
+    // Above 2^53 not every whole number is exact.
     if (0.0..=Number::MAX_SAFE_INTEGER).contains(&until) && until.fract() == 0.0 {
         return Ok(until as u64);
     }

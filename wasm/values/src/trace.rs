@@ -1,4 +1,4 @@
-//! What a run leaves behind, as typed arrays.
+//! Results of a run, as typed arrays.
 
 use crate::error::{list, shown, type_error};
 use crate::options::set;
@@ -22,13 +22,13 @@ pub struct Trace(trace::Trace);
 
 #[wasm_bindgen]
 impl Trace {
-    /// Rows.
+    /// Number of rows.
     #[wasm_bindgen(getter)]
     pub fn length(&self) -> usize {
         self.0.len()
     }
 
-    /// The signals in the order of the columns of `run.csv`.
+    /// Returns the signals in the order of the columns of `run.csv`.
     #[wasm_bindgen(getter, unchecked_return_type = "Signal[]")]
     pub fn signals(&self) -> Array {
         signals(self.0.signals())
@@ -40,7 +40,7 @@ impl Trace {
         self.column(&"time".into())
     }
 
-    /// The values of one signal: 64 bits for time and counts, 32 for what is measured. A copy.
+    /// Returns a copy of the values of one signal: 64 bits for time and counts, 32 for measured values.
     #[wasm_bindgen(unchecked_return_type = "Float32Array | Float64Array")]
     pub fn column(
         &self,
@@ -60,7 +60,7 @@ impl From<trace::Trace> for Trace {
     }
 }
 
-/// Signals as JavaScript sees them.
+/// Converts signals for JavaScript.
 pub fn signals(signals: &[trace::Signal]) -> Array {
     let shape = |signal: &trace::Signal| {
         let shaped = Object::new();
@@ -71,7 +71,7 @@ pub fn signals(signals: &[trace::Signal]) -> Array {
     signals.iter().map(shape).collect()
 }
 
-/// There is no signal of that name.
+/// Returns the error for a signal name that does not exist.
 pub fn unknown(name: &JsValue, signals: &[trace::Signal]) -> JsValue {
     let names = list(signals.iter().map(|signal| signal.name));
     type_error(&format!("signal {}: no such signal; one of {names}", shown(name)))

@@ -1,4 +1,5 @@
-// Keeps the page for when there is no network: every file of this version once, and the newest page while there is one.
+// Keeps the page for use without a network: every file of this version once, and the newest page as long as
+// there is a network.
 
 const CACHE = "narx";
 
@@ -11,7 +12,7 @@ addEventListener("fetch", (event) => {
     }
 });
 
-/** Keeps what files.json names, and forgets what it no longer does. */
+/** Stores the files that files.json names, and removes all others. */
 async function fill() {
     const names = await (await fetch("./files.json", { cache: "no-store" })).json();
     const cache = await caches.open(CACHE);
@@ -24,7 +25,8 @@ async function fill() {
     await cache.addAll(wanted);
 }
 
-/** From the network; without one, what is kept. Files in `assets` have the digest of their content in their names. */
+/** Answers from the network; without one, from the stored files. Files in `assets` never change, because
+ * their names contain the digest of their content. */
 async function answer(request) {
     const cache = await caches.open(CACHE);
     const kept = await cache.match(request, { ignoreSearch: true });

@@ -4,7 +4,7 @@ import App from "./App.svelte";
 
 mount(App, { target: document.body });
 
-// Without a network the page works from what the browser keeps. While it is developed nothing is kept.
+// Without a network the page works from the browser's storage. The development server stores nothing.
 if (import.meta.env.PROD && "serviceWorker" in navigator) {
     addEventListener("load", () => void navigator.serviceWorker.register("./service-worker.js").catch(() => undefined));
 }

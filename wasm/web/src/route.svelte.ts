@@ -1,4 +1,5 @@
-// The address within the page: `#/AREA/PAGE?QUERY`. A static folder has no other that any server would answer.
+// Address within the page: `#/AREA/PAGE?QUERY`. It is in the hash, because a server of static files knows
+// only the page itself.
 
 export interface Route {
     area: string;
@@ -6,7 +7,7 @@ export interface Route {
     query: URLSearchParams;
 }
 
-/** The route that a hash names; what is missing is empty. */
+/** Parses a hash; missing parts are empty. */
 export function parse(hash: string): Route {
     const [path = "", query = ""] = hash.replace(/^#\/?/, "").split("?", 2);
     const [area = "", page = ""] = path.split("/");
@@ -18,7 +19,7 @@ addEventListener("hashchange", () => {
     current = parse(location.hash);
 });
 
-/** Where the reader is. */
+/** Returns the present route. */
 export function route(): Route {
     return current;
 }

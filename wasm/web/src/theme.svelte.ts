@@ -1,4 +1,4 @@
-// Dark or light: the system's choice, or the reader's own, which is kept.
+// Dark or light: the system's setting, or the reader's own choice, which is stored.
 
 export type Theme = "system" | "light" | "dark";
 
@@ -12,12 +12,12 @@ system.addEventListener("change", () => {
 });
 apply();
 
-/** What the reader chose. */
+/** Returns the reader's choice. */
 export function theme(): Theme {
     return chosen;
 }
 
-/** Whether it is dark now: pictures that are drawn on a canvas depend on it. */
+/** Returns whether the page is dark now; pictures on a canvas depend on it. */
 export function isDark(): boolean {
     return chosen === "system" ? systemIsDark : chosen === "dark";
 }
@@ -28,11 +28,11 @@ export function choose(theme: Theme): void {
     try {
         localStorage.setItem(KEY, theme);
     } catch {
-        // A browser that keeps nothing: until the page is closed, then.
+        // A browser without storage: the choice lasts until the page is closed.
     }
 }
 
-/** A colour of style.css as a canvas wants it. */
+/** Returns a colour of style.css for a canvas. */
 export function colour(name: string): string {
     const probe = document.createElement("i");
     probe.style.color = `var(${name})`;

@@ -1,4 +1,5 @@
-// Frames of the drive's protocol that the chapters send: PARAMETER and the hall calibration (PROTOCOL.md, sections 2 and 5).
+// Frames of the drive's protocol that the chapters send: PARAMETER and the hall calibration (PROTOCOL.md,
+// sections 2 and 5).
 
 import type { Frame } from "narx";
 
@@ -14,31 +15,31 @@ function parameter(id: number, number: number, value = 0): Frame {
     return { id, data: new Uint8Array(data.buffer) };
 }
 
-/** Writes a parameter, in its steps. */
+/** Returns a frame that writes a parameter, in its steps. */
 export function set(number: number, value: number): Frame {
     return parameter(SET, number, value);
 }
 
-/** Asks for a parameter. */
+/** Returns a frame that requests a parameter. */
 export function request(number: number): Frame {
     return parameter(REQUEST, number);
 }
 
-/** The value of a parameter where `frame` is the drive's answer about it, in its steps. */
+/** Returns the value of a parameter, in its steps, if `frame` is the drive's answer about it. */
 export function answered(frame: Frame, number: number): number | undefined {
     const data = new DataView(frame.data.buffer, frame.data.byteOffset);
     return frame.id === ANSWER && data.getUint16(0) === number ? data.getInt32(2) : undefined;
 }
 
-/** Hall order, polarity mask and offset: what a calibration finds. */
+/** Results of a calibration: hall order, polarity mask and offset. */
 const FOUND = [262, 263, 80];
 const ORDERS = ["ABC", "ACB", "BAC", "BCA", "CAB", "CBA"];
 
-/** The hall calibration: asked for by a rising edge of parameter 264, at the next start. */
+/** The hall calibration: a rising edge of parameter 264 requests it for the next start. */
 export const calibration = {
     ask: () => [set(264, 0), set(264, 1)],
     askFound: () => FOUND.map(request),
-    /** What the drive's answers say, in words; undefined if one is missing. */
+    /** Returns the results from the drive's answers, in words; undefined if one is missing. */
     found(frames: Frame[]): string | undefined {
         const [order, polarity, offset] = FOUND.map((number) => frames.map((frame) => answered(frame, number)).find((value) => value !== undefined));
         if (order === undefined || polarity === undefined || offset === undefined) {
@@ -49,12 +50,12 @@ export const calibration = {
     },
 };
 
-/** The parts of a 29-bit identifier. */
+/** Returns the parts of a 29-bit identifier. */
 export function identifier(id: number): { priority: number; source: number; destination: number; type: number; opcode: number } {
     return { priority: (id >>> 27) & 3, source: (id >>> 19) & 0xff, destination: (id >>> 11) & 0xff, type: (id >>> 9) & 3, opcode: id & 0x1ff };
 }
 
-/** The four words of a frame. */
+/** Returns the four words of a frame. */
 export function words({ data }: Frame): number[] {
     const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
     return Array.from({ length: data.byteLength >> 1 }, (_, word) => view.getUint16(2 * word));

@@ -1,16 +1,16 @@
-// A rotor that a hand spins, with all switches off: what its windings show.
+// A rotor that is turned by hand, with all switches off, and the voltages of its windings.
 
 import { History } from "./history";
 import { KEPT, type Row } from "./messages";
 import { trapezoid, wrap } from "./model";
 
-/** From row to row, s. */
+/** Time between two rows, s. */
 const FRAME = 1 / 60;
 
 export class Hand {
     row = $state.raw(Object.fromEntries(KEPT.map((name) => [name, 0])) as Row);
     shown = $state(0);
-    /** Electrical turns a second, while nobody holds the rotor. */
+    /** Electrical turns a second, while the rotor is not held. */
     spin = $state(0.5);
     held = $state(false);
     readonly age = 0;
@@ -19,17 +19,17 @@ export class Hand {
 
     #polePairs: number;
     #time = 0;
-    /** Less than a row, s. */
+    /** Time that has not become a row yet, s. */
     #owed = 0;
     #angle = 60;
-    /** Where the hand has put it. */
+    /** Angle at which the rotor is held. */
     #wanted = 60;
 
     constructor(polePairs: number) {
         this.#polePairs = polePairs;
     }
 
-    /** A hand puts the rotor at an electrical angle. */
+    /** Holds the rotor at an electrical angle. */
     hold(angle: number): void {
         this.held = true;
         this.#wanted = this.#angle + wrap(angle - this.#angle + 180) - 180;
@@ -39,9 +39,9 @@ export class Hand {
         this.held = false;
     }
 
-    /** Time passes. */
+    /** Advances the time. */
     step(seconds: number): void {
-        // A page that was hidden does not catch up.
+        // A page that was hidden does not make up for that time.
         for (this.#owed += Math.min(seconds, 0.1); this.#owed >= FRAME; this.#owed -= FRAME) {
             this.#move();
         }
@@ -51,7 +51,7 @@ export class Hand {
     #move(): void {
         const before = this.#angle;
         if (this.held) {
-            // A hand is not as jerky as a pointer.
+            // The rotor follows the pointer smoothly, because pointers move in jumps.
             this.#angle += 0.25 * (this.#wanted - this.#angle);
         } else {
             this.#angle += 360 * this.spin * FRAME;

@@ -1,24 +1,24 @@
-// The control ticks that a chapter remembers: pictures are drawn from them, the newest or an earlier one.
+// The control ticks that a chapter keeps. Pictures are drawn from them, of the newest tick or an earlier one.
 
 import { KEPT, type Kept, type Row, type Rows } from "./messages";
 
-/** Three seconds of simulated time. */
+/** Rows of three seconds of simulated time. */
 const CAPACITY = 30_000;
 
 const INDEX = Object.fromEntries(KEPT.map((name, index) => [name, index])) as Record<Kept, number>;
 
-/** A state of the drive, and when it was entered, s. */
+/** A state of the drive, and the time at which it was entered, s. */
 export interface Entered {
     state: number;
     time: number;
 }
 
-/** Reads a signal of the row in question, or of so many rows before it. */
+/** Reads a signal of the present row, or of the row `before` rows earlier. */
 export type Read = (name: Kept, before?: number) => number;
 
 export class History {
     #columns = KEPT.map(() => new Float64Array(CAPACITY));
-    /** Rows ever appended. */
+    /** Number of all rows that were appended. */
     #appended = 0;
     /** Every change of the drive's state, with the number of its row. */
     #entered: (Entered & { row: number })[] = [];
@@ -41,7 +41,8 @@ export class History {
                 this.#entered.push({ state: states[row], time: times[row], row: this.#appended + row });
             }
         }
-        // A row tells the step at the beginning of its period, and voltages and currents at its end: commutations between are told by the next one.
+        // A row has the step at the beginning of its period, but voltages and currents at its end.
+        // Commutations within the period show only in the next row, so its step is used.
         const steps = this.#columns[INDEX.step];
         for (let row = Math.max(1, this.#appended); row < this.#appended + count; row++) {
             steps[(row - 1) % CAPACITY] = steps[row % CAPACITY];
@@ -49,27 +50,28 @@ export class History {
         this.#appended += count;
     }
 
-    /** The states up to the row `age` before the newest one, oldest first. */
+    /** Returns the states up to the row `age` before the newest one, oldest first. */
     entered(age: number): Entered[] {
         return this.#entered.filter(({ row }) => row <= this.#appended - 1 - age);
     }
 
-    /** Rows that are kept. */
+    /** Number of rows that are kept. */
     get length(): number {
         return Math.min(this.#appended, CAPACITY);
     }
 
-    /** A signal `age` rows before the newest one. */
+    /** Returns a signal `age` rows before the newest one. */
     at(age: number, name: Kept): number {
         return this.#columns[INDEX[name]][(this.#appended - 1 - age) % CAPACITY];
     }
 
-    /** All signals of a row. */
+    /** Returns all signals of a row. */
     row(age: number): Row {
         return Object.fromEntries(KEPT.map((name) => [name, this.at(age, name)])) as Row;
     }
 
-    /** What each function reads in `count` rows that end `age` rows before the newest, every `stride`th of them, oldest first. */
+    /** Returns the values of each function in `count` rows that end `age` rows before the newest, every
+     * `stride`th of them, oldest first. */
     window(reads: ((read: Read) => number)[], count: number, age: number, stride = 1): number[][] {
         const oldest = Math.min(age + count, this.length) - 1;
         const found = reads.map((): number[] => []);

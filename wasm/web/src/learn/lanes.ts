@@ -24,7 +24,7 @@ export const BUS_VOLTAGE: Lane = {
     series: [{ label: "bus voltage", value: "bus_voltage", colour: "--accent" }],
 };
 
-/** Back-EMF of each phase; `peak` is in V at 1 rpm. */
+/** Returns a lane with the back-EMF of each phase; `peak` is in V at 1 rpm. */
 export function emfs(peak: number): Lane {
     return {
         title: "Back-EMF",
@@ -53,10 +53,11 @@ export const SPEED: Lane = {
     ],
 };
 
-/** A zero crossing has just been accepted. */
+/** Returns whether a zero crossing was accepted in this row. */
 const accepted = (read: Read) => read("crossing") === 1 && read("crossing_margin") !== read("crossing_margin", 1);
 
-/** The floating phase's terminal alone, from half of the bus, with the crossings that the drive has accepted. */
+/** Voltage of the floating phase's terminal, relative to half of the bus, with the crossings that the drive
+ * has accepted. */
 export const FLOATING: Lane = {
     title: "Floating",
     unit: "V",
@@ -73,11 +74,11 @@ export const FLOATING: Lane = {
     ],
 };
 
-/** What bounds the duty, by the number of the signal `limiter` (parameter 280). */
+/** Limiters of the duty, by the number of the signal `limiter` (parameter 280). */
 export const LIMITERS = [
     "bridge off", "fixed level", "speed loop", "bus current", "phase current", "power", "temperature", "maximum duty", "slew",
     "no return into the bus", "crossings not seen",
 ];
 
-/** What became of the last step's zero crossing, by the number of the signal `crossing` (parameter 287). */
+/** Outcomes of the last step's zero crossing, by the number of the signal `crossing` (parameter 287). */
 export const CROSSINGS = ["none yet", "accepted", "filtered: too early", "blind: not seen", "late: hidden", "heard while coasting"];

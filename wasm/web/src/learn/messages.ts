@@ -1,9 +1,9 @@
-// What a chapter and its simulation in the worker say to each other.
+// Messages between a chapter and its simulation in the worker.
 
 import type { BenchOptions, BusFrame, Frame, InjectionName, InjectionOptions, LoadOptions, MotorName, MotorOptions, SignalName } from "narx";
 import type { DriveMessage, NodeMessage } from "narx/core";
 
-/** The signals that pictures are drawn from. */
+/** The signals from which pictures are drawn. */
 export const KEPT = [
     "time", "setpoint", "speed", "speed_estimated", "state", "sector", "duty", "current_a", "current_b", "current_c",
     "bus_current", "bus_voltage", "torque", "voltage_a", "voltage_b", "voltage_c", "angle", "hall", "step", "limiter", "faults",
@@ -18,13 +18,13 @@ export type Row = Record<Kept, number>;
 /** Consecutive control ticks, an array for each signal in the order of `KEPT`. */
 export type Rows = Float64Array[];
 
-/** A frame of the bus, and the message that it is. */
+/** A frame of the bus, with its decoded message. */
 export type Heard = BusFrame & { message?: DriveMessage | NodeMessage };
 
-/** What is done to a bench. */
+/** Action on a bench. */
 export type Action =
     | { kind: "run"; seconds: number }
-    /** Until the drive is in another state, but no longer than `seconds`. */
+    /** Runs until the drive is in another state, but no longer than `seconds`. */
     | { kind: "nextState"; seconds: number }
     | { kind: "start"; rpm: number }
     | { kind: "setSpeed"; rpm: number }
@@ -34,20 +34,21 @@ export type Action =
     | { kind: "clear" }
     | { kind: "send"; frame: Frame };
 
-/** A motor on a bench, and what is done before anybody looks. */
+/** A motor on a bench, and the actions before it is shown. */
 export interface Setup {
     motor: MotorName | MotorOptions;
     options: BenchOptions;
     before: Action[];
 }
 
-/** From the page. `pace` is simulated over real time; 0 stands still. */
+/** Message from the page. `pace` is simulated over real time; 0 stops the time. */
 export type Request = { kind: "open"; setup: Setup } | { kind: "pace"; pace: number } | { kind: "act"; actions: Action[] };
 
-/** From the worker. */
+/** Message from the worker. */
 export type Answer =
     | { kind: "ready" }
     | { kind: "opened" }
-    /** `acted`: when the actions began whose consequences these are, s; else they are of time alone. */
+    /** New rows. `acted`: the time at which the actions began that caused them, s; absent if only time has
+     * passed. */
     | { kind: "ran"; rows: Rows; frames: Heard[]; acted?: number; fault?: string }
     | { kind: "refused"; reason: string };

@@ -1,11 +1,11 @@
-// What the pictures know of a motor: the same numbers as core/src/motor/commutate/commutation.rs. Electrical degrees; 0 is the rising zero crossing of
-// phase A's back-EMF.
+// Model of a motor for the pictures, with the same numbers as core/src/motor/commutate/commutation.rs.
+// Electrical degrees; 0 is the rising zero crossing of phase A's back-EMF.
 
 export type Leg = "floating" | "low" | "switched";
 
 export const PHASES = ["A", "B", "C"] as const;
 
-/** What the legs A, B, C do in each step, in the order of the signal `step`. */
+/** Actions of the legs A, B, C in each step, in the order of the signal `step`. */
 const LEGS = ["---", "SL-", "S-L", "-SL", "LS-", "L-S", "-LS", "SLL", "SSL", "LSL", "LSS", "LLS", "SLS"];
 const KINDS: Record<string, Leg> = { "-": "floating", L: "low", S: "switched" };
 
@@ -16,38 +16,38 @@ export const STEP_NAMES = [
 /** The numbers of the six running steps. */
 export const RUNNING = [1, 2, 3, 4, 5, 6];
 
-/** What the legs A, B, C do in a step. */
+/** Returns the actions of the legs A, B, C in a step. */
 export function legs(step: number): Leg[] {
     return [...(LEGS[step] ?? LEGS[0])].map((letter) => KINDS[letter]);
 }
 
-/** The phase that floats in a running step, 0 to 2, or none. */
+/** Returns the phase that floats in a running step, 0 to 2, or none. */
 export function floating(step: number): number | undefined {
     const found = RUNNING.includes(step) ? legs(step).indexOf("floating") : -1;
     return found < 0 ? undefined : found;
 }
 
-/** 0 up to 360. */
+/** Wraps an angle to 0 up to 360. */
 export function wrap(degrees: number): number {
     return ((degrees % 360) + 360) % 360;
 }
 
-/** Sector 0 to 5 of a rotor: 0 spans 30 to 90 degrees. */
+/** Returns the sector of a rotor, 0 to 5: 0 spans 30 to 90 degrees. */
 export function sectorOf(angle: number): number {
     return Math.floor(wrap(angle - 30) / 60);
 }
 
-/** The step that gives forward torque in a sector. */
+/** Returns the step that gives forward torque in a sector. */
 export function stepFor(sector: number): number {
     return 1 + sector;
 }
 
-/** Where a running step pulls a rotor that rests. */
+/** Returns the angle to which a running step pulls a free rotor. */
 export function restOf(step: number): number {
     return wrap(150 + 60 * (step - 1));
 }
 
-/** Back-EMF of the phases over their peak: a trapezoid with a flat top of 120 degrees. */
+/** Returns the back-EMF of the phases over their peak: a trapezoid with a flat top of 120 degrees. */
 export function trapezoid(angle: number): number[] {
     return [0, 120, 240].map((lag) => {
         const x = wrap(angle - lag);
@@ -56,7 +56,8 @@ export function trapezoid(angle: number): number[] {
     });
 }
 
-/** Torque of a step over its largest, with the same current in it: what the two conducting phases' back-EMF say. */
+/** Returns the torque of a step over its largest, with constant current, from the back-EMF of the two
+ * conducting phases. */
 export function torqueOf(step: number, angle: number): number {
     const shape = trapezoid(angle);
     const roles = legs(step);
@@ -64,13 +65,15 @@ export function torqueOf(step: number, angle: number): number {
     return RUNNING.includes(step) ? (sum("switched") - sum("low")) / 2 : 0;
 }
 
-/** Hall code, bit 0 = A: A is high from 330 to 150 degrees, B and C 120 later each, all of them `offset` later. */
+/** Returns the hall code, bit 0 = A: A is high from 330 to 150 degrees, B and C 120 later each, all of them
+ * `offset` later. */
 export function hallOf(angle: number, offset = 0): number {
     const high = (phase: number) => wrap(angle + 30 - offset - 120 * phase) < 180;
     return [0, 1, 2].reduce((code, phase) => code | (Number(high(phase)) << phase), 0);
 }
 
-/** Where the rotor's north pole points: straight at phase A's tooth when the back-EMF of A falls through zero. */
+/** Returns the direction of the rotor's north pole: at phase A's tooth when the back-EMF of A falls through
+ * zero. */
 export function northOf(angle: number): number {
     return angle - 180;
 }

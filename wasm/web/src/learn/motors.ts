@@ -1,25 +1,26 @@
-// The motor that most chapters turn.
+// The motor of most chapters.
 
 import type { MotorOptions } from "narx";
 import type { Action, Setup } from "./messages";
 
-/** A 24 V motor of four pole pairs with a trapezoidal back-EMF, about what a 50 W fan or pump has. */
+/** A 24 V motor of four pole pairs with a trapezoidal back-EMF, typical of a 50 W fan or pump. */
 export const MOTOR: MotorOptions = {
     polePairs: 4,
     resistance: 0.36,
     inductance: 2e-4,
     torqueConstant: 0.036,
     inertia: 4.8e-6,
-    // The drive's own 6 A: the chapters show what the drive does, and not what a small winding lasts.
+    // The drive's own limit of 6 A: the chapters show the limits of the drive, not those of a small winding.
     ratedCurrent: 6,
 };
 
 export const SUPPLY = 24;
 
-/** Until the drive has booted, s. */
+/** Time until the drive has booted, s. */
 export const BOOT = 0.6;
 
-/** Flat top of one phase's back-EMF, V a rpm of the shaft: half of what lies between two lines. */
+/** Returns the flat top of one phase's back-EMF, V a rpm of the shaft: half of the voltage between two
+ * lines. */
 export function perRpm({ torqueConstant }: MotorOptions): number {
     return ((torqueConstant / 2) * 2 * Math.PI) / 60;
 }

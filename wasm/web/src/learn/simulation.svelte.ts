@@ -1,9 +1,10 @@
-// One simulation for all pictures of a chapter: it runs in a worker, and the newest tick, or an earlier one, is in view.
+// One simulation for all pictures of a chapter. It runs in a worker; the newest tick, or an earlier one, is
+// in view.
 
 import { History, type Entered } from "./history";
 import { KEPT, type Action, type Answer, type Heard, type Request, type Row, type Setup } from "./messages";
 
-/** From one figure to the next, ms. */
+/** Time between two updates of the figures, ms. */
 const READING = 200;
 
 const NOTHING = Object.fromEntries(KEPT.map((name) => [name, 0])) as Row;
@@ -11,36 +12,39 @@ const NOTHING = Object.fromEntries(KEPT.map((name) => [name, 0])) as Row;
 export class Simulation {
     /** The tick in view. */
     row = $state.raw<Row>(NOTHING);
-    /** The same for figures that are read: while time runs, a few a second. */
+    /** The tick of the figures: while time runs, it changes only a few times a second, so that they can be
+     * read. */
     reading = $state.raw<Row>(NOTHING);
-    /** The states that led to it, oldest first. */
+    /** The states up to the tick in view, oldest first. */
     entered = $state.raw<Entered[]>([]);
-    /** Rises with every new picture. */
+    /** Increases with every new picture. */
     shown = $state(0);
-    /** Ticks from the one in view to the newest. */
+    /** Number of ticks from the one in view to the newest. */
     age = $state(0);
-    /** Ticks that can be looked back at. */
+    /** Number of ticks that are kept. */
     length = $state(0);
     playing = $state(false);
     /** Simulated over real time. */
     pace = $state(1);
-    /** Why the drive has stopped, at the newest tick. */
+    /** Cause of the drive's stop, at the newest tick. */
     fault = $state<string>();
-    /** Why the simulation cannot be. */
+    /** Reason why the simulation cannot run. */
     problem = $state<string>();
-    /** A bench has been opened and what came before has been done. */
+    /** True once a bench was opened and the actions of its set-up are done. */
     open = $state(false);
     readonly history = new History();
     /** A control tick, s. */
     readonly tick = 1e-4;
-    /** Hears when actions have begun, s. */
+    /** Called when actions are done, with the time at which they began, s. */
     handleActed: (time: number) => void = () => {};
-    /** Hears every frame of the bus, where the bench keeps them; `acted`: what the last actions have brought forth. */
+    /** Called with every frame of the bus, if the bench keeps them; `acted` marks frames that the last
+     * actions caused. */
     handleFrames: (frames: Heard[], acted: boolean) => void = () => {};
 
     #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
     #ready = false;
-    /** Opened as soon as the worker has done with the one before; of several the last. */
+    /** Set-up that is opened as soon as the worker has opened the previous one; a later set-up replaces
+     * it. */
     #wanted: Setup | undefined;
     #busy = false;
     #changed = false;
@@ -60,13 +64,13 @@ export class Simulation {
         this.#draw();
     }
 
-    /** Another bench in place of this one. */
+    /** Replaces the bench. */
     reopen(setup: Setup): void {
         this.#wanted = setup;
         this.#openWanted();
     }
 
-    /** Done now, at the newest tick. */
+    /** Carries out actions now, at the newest tick. */
     act(...actions: Action[]): void {
         this.age = 0;
         this.#ask({ kind: "act", actions });
@@ -85,12 +89,12 @@ export class Simulation {
         this.#tellPace();
     }
 
-    /** Time passes, as fast as it can be computed. */
+    /** Runs the simulation as fast as possible. */
     run(seconds: number): void {
         this.act({ kind: "run", seconds });
     }
 
-    /** So many ticks forward, or back where negative; time stands still then. */
+    /** Goes this many ticks forward, or back if negative, and stops the time. */
     go(count: number): void {
         if (this.playing) {
             this.play(false);
@@ -125,7 +129,7 @@ export class Simulation {
     #openWanted(): void {
         if (this.#ready && !this.#busy && this.#wanted) {
             this.#busy = true;
-            // What a component keeps is a proxy, which no message can carry.
+            // The state of a component is a proxy, which messages cannot contain.
             this.#ask({ kind: "open", setup: $state.snapshot(this.#wanted) as Setup });
             this.#wanted = undefined;
         }
@@ -166,7 +170,7 @@ export class Simulation {
         }
         this.#changed = true;
         if (this.age > 0) {
-            // Whoever looks back keeps looking at the same tick.
+            // While looking back, the tick in view stays the same.
             this.age = Math.min(this.age + rows[0].length, this.history.length - 1);
         }
     }
@@ -177,7 +181,8 @@ export class Simulation {
             this.length = this.history.length;
             this.row = this.history.row(this.age);
             const entered = this.history.entered(this.age);
-            // The same array as long as nothing has changed: what depends on it is not drawn anew then.
+            // The array is replaced only when it has changed, so that its pictures are not drawn again in
+            // vain.
             if (entered.length !== this.entered.length || entered.at(-1)?.time !== this.entered.at(-1)?.time) {
                 this.entered = entered;
             }

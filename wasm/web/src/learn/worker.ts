@@ -1,22 +1,23 @@
-// The bench of a chapter, in a worker: time passes at the reader's pace, and every control tick is told.
+// The bench of a chapter, in a worker: time runs at the pace that the reader has chosen, and every control
+// tick is reported.
 
 import init, { Bench, Motor, type BusFrame, type Trace } from "narx";
 import initCore, { decode } from "narx/core";
 import { KEPT, type Action, type Answer, type Heard, type Request, type Rows, type Setup } from "./messages";
 
-/** Between two runs, ms: a picture of a usual screen. */
+/** Time between two runs, ms: one picture of a common screen. */
 const PERIOD = 16;
-/** What is simulated at once, s. A computer that is too slow for more falls behind the clock. */
+/** Longest run at once, s. A computer that is too slow for more falls behind the clock. */
 const RUN_MAX = 0.05;
 /** A control tick, s. */
 const TICK = 1e-4;
-/** What is told at once of a long run, ticks: what a page keeps. */
+/** Largest number of ticks in one report: as many as a page keeps. */
 const TOLD_MAX = 30_000;
 
 let bench: Bench | undefined;
 let pace = 0;
 let before = 0;
-/** Time that has been asked for and has not passed yet: less than a tick, s. */
+/** Requested time that was not simulated yet, less than a tick, s. */
 let owed = 0;
 
 function answer(message: Answer, transfer: Transferable[] = []): void {
@@ -39,7 +40,7 @@ function rowsOf(trace: Trace): Rows {
     return rows;
 }
 
-/** One behind the other, the last `TOLD_MAX` ticks of them. */
+/** Joins rows, and keeps the last `TOLD_MAX` ticks of them. */
 function joined(parts: Rows[]): Rows {
     return KEPT.map((_, column) => {
         const length = parts.reduce((sum, part) => sum + part[column].length, 0);
@@ -54,7 +55,7 @@ function joined(parts: Rows[]): Rows {
 }
 
 function act(bench: Bench, actions: Action[]): void {
-    // What was on the bus before is not of these actions.
+    // Reports earlier frames first: they are no effect of these actions.
     tell(joined([]));
     const began = bench.time;
     const parts: Rows[] = [];
@@ -100,7 +101,7 @@ function act(bench: Bench, actions: Action[]): void {
 function open({ motor, options, before }: Setup): void {
     const made = typeof motor === "string" ? Motor.preset(motor) : new Motor(motor);
     try {
-        // Nobody asks for its recording, which would grow.
+        // Without a recording, which would only grow and is not used.
         const fresh = new Bench(made, { ...options, recording: false });
         bench?.free();
         bench = fresh;

@@ -1,16 +1,16 @@
-// Frames as can-utils writes them (`candump -L`).
+// Frames in the text format of can-utils (`candump -L`).
 
 import type { BusFrame } from "narx";
 
-/** Name of the interface in the lines; a page has none. */
+/** Name of the interface in the lines, which a page does not have. */
 const INTERFACE = "can0";
 
-/** A line a frame. */
+/** Returns a line for each frame. */
 export function candump(frames: readonly BusFrame[]): string {
     return frames.map((frame) => `${line(frame)}\n`).join("");
 }
 
-/** ID#DATA of a frame. */
+/** Returns ID#DATA of a frame. */
 export function compact({ id, extended, remote, data }: BusFrame): string {
     const number = id.toString(16).toUpperCase().padStart(extended ? 8 : 3, "0");
     return `${number}#${remote ? `R${data.length}` : hex(data)}`;

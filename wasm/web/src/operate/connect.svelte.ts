@@ -1,4 +1,4 @@
-// What was chosen on the connection panel, and the connections that come of it.
+// Settings of the connection panel, and the connections that are made from them.
 
 import type { BusFrame, MotorName, Mode } from "narx";
 import type { Action, Setup } from "./bench/messages";
@@ -8,29 +8,29 @@ import { play } from "./link/playback";
 import { virtualDrive } from "./link/virtual.svelte";
 import { session } from "./session.svelte";
 
-/** How long an answer over an adapter may take, s: a browser does other things, too. */
+/** Longest time until an answer through an adapter, s; browsers may delay frames. */
 const ADAPTER_TIMEOUT = 0.25;
 
 export const settings = $state({
     motor: "bly172s-24v" as MotorName,
     mode: "hall" as Mode,
-    /** V. */
+    /** Supply voltage, V. */
     supplyVoltage: 24,
-    /** N m, N m s/rad, N m s2/rad2, kg m2. */
+    /** Load torques, N m, N m s/rad, N m s2/rad2, and load inertia, kg m2. */
     loadTorque: 0,
     loadViscous: 0,
     loadQuadratic: 0,
     loadInertia: 0,
-    /** Degrees Celsius. */
+    /** Ambient temperature, degrees Celsius. */
     ambient: 25,
     seed: 1,
-    /** On the drive's bus, with node-ids from 2 on. */
+    /** Number of TX-Drivers on the drive's bus, with node-ids from 2 on. */
     txDrivers: 0,
-    /** The virtual drive has log memory, description and bootloader. */
+    /** True if the virtual drive has log memory, description and bootloader. */
     full: false,
     slave: 170,
     monitor: 85,
-    /** ms. */
+    /** Period of the set-points, ms. */
     setpointPeriod: 50,
     readParameters: true,
     silent: false,
@@ -41,35 +41,35 @@ export function connectVirtual(setup: Setup, txDrivers = 0): Promise<void> {
     return session.connect((listener) => virtualDrive.open(setup, actions, listener), master());
 }
 
-/** Whether the connection is a virtual drive of this page. */
+/** Returns whether the connection is a virtual drive of this page. */
 export function isVirtual(): boolean {
     return session.link?.name.startsWith("Virtual") === true;
 }
 
-/** The virtual drive on the bench now, powered up anew with everything that a drive can have. */
+/** Powers up the present virtual drive again, with all functions of a drive. */
 export async function connectFull(): Promise<void> {
     settings.full = true;
     const { motor, options } = virtualDrive.opened!.setup;
     await connectVirtual({ motor, options, full: true }, settings.txDrivers);
 }
 
-/** The virtual drive that everybody finds who comes without a wish. */
+/** Connects the default virtual drive, for a reader who has not chosen one. */
 export function connectFirst(): Promise<void> {
     const { motor, mode, supplyVoltage } = settings;
     return connectVirtual({ motor, options: { mode, supplyVoltage } });
 }
 
-/** A run that somebody has passed on. */
+/** Connects the run that another user has passed on. */
 export function connectRun(run: Run): Promise<void> {
     return session.connect((listener) => virtualDrive.reproduce(run, listener), { ...master(), readParameters: false, readDescription: false });
 }
 
-/** A bus log: the master hears what was heard then, and sends nothing. */
+/** Connects a bus log: the master receives the logged frames, and sends nothing. */
 export function connectLog(name: string, frames: readonly BusFrame[]): Promise<void> {
     return session.connect(async (listener) => play(name, frames, listener), { ...master(), silent: true });
 }
 
-/** Asks the reader for a serial port. */
+/** Asks the user for a serial port, and connects the adapter. */
 export function connectAdapter(): Promise<void> {
     return session.connect((listener) => openAdapter(listener, settings.silent), { ...master(), timeout: ADAPTER_TIMEOUT });
 }

@@ -4,7 +4,7 @@ import type { Descriptions } from "narx/drive";
 
 const PREFIX = "narx-description-";
 
-/** In the browser's storage; where that is full or switched off, for as long as the page is open. */
+/** Descriptions in the browser's storage; if that is full or disabled, only as long as the page is open. */
 class Kept implements Descriptions {
     #read = new Map<string, Uint8Array>();
 
@@ -26,7 +26,7 @@ class Kept implements Descriptions {
         try {
             localStorage.setItem(PREFIX + key, new TextDecoder().decode(text));
         } catch {
-            // It is downloaded the next time, too.
+            // It is downloaded again the next time.
         }
     }
 }

@@ -2,15 +2,15 @@
 
 import type { Table } from "narx/drive";
 
-/** Names with their units, then a row for each time; NaN is an empty field. */
+/** Returns a line of names with units, then a line for each time; NaN is an empty field. */
 export function csv(table: Table): string {
     const [header, ...rows] = cells(table);
     return [header.map((name) => (/[",]/.test(String(name)) ? `"${String(name).replaceAll('"', '""')}"` : name)), ...rows].map((row) => `${row.map((cell) => cell ?? "").join(",")}\n`).join("");
 }
 
-/** A workbook with one sheet. */
+/** Returns a workbook with one sheet. */
 export async function xlsx(table: Table): Promise<Blob> {
-    // Nobody waits for it who does not want it.
+    // Loaded only when it is needed.
     const { default: write } = await import("write-excel-file/browser");
     const [header, ...rows] = cells(table);
     const bold = header.map((value) => ({ value: String(value), fontWeight: "bold" as const }));

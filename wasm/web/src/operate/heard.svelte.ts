@@ -1,4 +1,4 @@
-// Speed and set-point as they were heard on the bus.
+// Speed and set-point, as received on the bus.
 
 import { Rolling } from "./rolling.svelte";
 

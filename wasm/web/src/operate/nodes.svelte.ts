@@ -34,7 +34,8 @@ export class Node {
         await this.#ask(() => this.master.request(index, subindex, Math.round(value / scale)));
     }
 
-    /** Reads what positions of its encoder need: whether PDOs carry it, whether it is linear, and the length of a count. */
+    /** Reads the entries that determine the position of its encoder: whether PDOs carry it, whether it is
+     * linear, and the length of a count. */
     async learn(): Promise<void> {
         await Promise.all(ENCODER.map((entry) => this.read(entry)));
     }
@@ -44,7 +45,7 @@ export class Node {
         this.#settle();
     }
 
-    /** What is to be sent. Nothing new is asked without room for its answer on the bus. */
+    /** Returns the frames to send. `room`: the bus has room for the answer to a new request. */
     poll(now: number, room: boolean): Frame[] {
         if (!this.#asked && room) {
             this.#asked = this.#waiting.shift();
@@ -80,7 +81,7 @@ export class Node {
 
 class Nodes {
     found = $state.raw<readonly Node[]>([]);
-    /** Asked whether they are there. */
+    /** Nodes that are asked for an answer. */
     #candidates: readonly Node[] = [];
 
     handleFrame(frame: Frame, now: number): void {
@@ -98,12 +99,12 @@ class Nodes {
         this.#candidates = [];
     }
 
-    /** Adds a node whether it answers or not. */
+    /** Adds a node, whether it answers or not. */
     add(id: number, channels: 1 | 2): void {
         this.found = [...this.found.filter((node) => node.id !== id), new Node(id, channels)].toSorted((one, two) => one.id - two.id);
     }
 
-    /** Asks nodes for an entry; those that answer at all, if only that they do not want to, are there. */
+    /** Asks nodes for an entry, and adds those that answer, even with a refusal. */
     async ask(ids: readonly number[], entry: TxObject): Promise<void> {
         const candidates = ids.map((id) => new Node(id));
         this.#candidates = candidates;

@@ -13,7 +13,7 @@ import Update from "./Update.svelte";
 import VirtualDrive from "./VirtualDrive.svelte";
 
 export interface PanelEntry {
-    /** In the address: `#/operate/PATH`. */
+    /** Name of the panel in the address: `#/operate/PATH`. */
     path: string;
     title: string;
     Panel: Component;

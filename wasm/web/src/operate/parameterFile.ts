@@ -1,10 +1,11 @@
-// A file of parameters: one object of names and values, as `narx.Drive.parameters.save` of the Python package writes it, too.
+// A file of parameters: one object of names and values, the format of `narx.Drive.parameters.save` in the
+// Python package.
 
 import type { ParameterName } from "narx/core";
 
 export type Values = Partial<Record<ParameterName, number>>;
 
-/** The values of a file. Throws an Error that says what it is instead. */
+/** Returns the values of a file. Throws an Error that describes the problem of an invalid one. */
 export function parse(name: string, text: string): Values {
     let values: unknown;
     try {

@@ -1,11 +1,11 @@
-// Where a run is opened: the address of this page with the run in it.
+// Link to a run: the address of this page with the run in it.
 
 import { encode, type Run } from "./bench/run";
 
-/** The name of the run in the route's query. */
+/** Name of the run in the route's query. */
 export const RUN = "run";
 
-/** The whole address. */
+/** Returns the whole address. */
 export async function address(run: Run): Promise<string> {
     return `${location.href.split("#")[0]}#/operate/virtual?${RUN}=${await encode(run)}`;
 }

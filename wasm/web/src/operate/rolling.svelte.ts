@@ -1,4 +1,4 @@
-// Columns of the last seconds, for plots that roll.
+// Columns of the last seconds, for rolling plots.
 
 import type uPlot from "uplot";
 
@@ -11,12 +11,13 @@ export class Rolling {
     #version = $state(0);
     #drawn = true;
 
-    /** `seconds` are kept. */
+    /** Keeps the last `seconds`. */
     constructor(seconds = VIEW) {
         this.#seconds = seconds;
     }
 
-    /** Appends rows; one of the columns is "time". What is older than the last row by more than is kept, goes; time that runs back begins anew. */
+    /** Appends rows; one of the columns is "time". Rows that are older than the kept seconds are removed. If
+     * time goes back, all earlier rows are removed. */
     append(rows: Readonly<Record<string, ArrayLike<number>>>): void {
         const time = this.#column("time");
         const first = rows.time[0];
@@ -30,7 +31,7 @@ export class Rolling {
             }
         }
         const oldest = (time.at(-1) ?? 0) - this.#seconds;
-        // Not with every row: to move the rest costs more than to keep it.
+        // Not at every row, because moving the rest costs more than keeping a few old rows.
         if (time.length > 0 && time[0] < oldest - this.#seconds / 4) {
             const kept = time.findIndex((t) => t >= oldest);
             for (const column of this.#columns.values()) {
@@ -47,13 +48,13 @@ export class Rolling {
         this.#draw();
     }
 
-    /** The columns of these names, for a plot; it is told at most once a picture that there are more. */
+    /** Returns the columns of these names, for a plot; its effect runs at most once a picture. */
     data(names: readonly string[]): uPlot.AlignedData {
         void this.#version;
         return names.map((name) => this.#column(name)) as unknown as uPlot.AlignedData;
     }
 
-    /** The last seconds. */
+    /** Time range of the last seconds. */
     get view(): { min: number; max: number } {
         void this.#version;
         const max = Math.max(this.#column("time").at(-1) ?? 0, this.#seconds);

@@ -1,4 +1,5 @@
-// The page's one master on its link. Panels read `view` and call this; none of them knows what kind of link it is.
+// The page's one master on its link. Panels read `view` and call this class; they do not depend on the kind
+// of link.
 
 import { untrack } from "svelte";
 import type { BusFrame } from "narx";
@@ -10,9 +11,9 @@ import { nodes } from "./nodes.svelte";
 import { trace } from "./trace.svelte";
 import { NOTHING, look, setpointOf, type View } from "./view";
 
-/** Time that a drive has to be heard, s. */
+/** Time in which a drive must be heard, s. */
 const BOOT = 1.5;
-/** Frames that are heard at once after a return to an earlier instant. */
+/** Number of frames that are processed at once after a return to an earlier instant. */
 const PIECE = 20;
 
 class Session {
@@ -20,38 +21,38 @@ class Session {
     drive = $state.raw<Drive>();
     view = $state.raw<View>(NOTHING);
     options = $state.raw<DriveOptions>({});
-    /** Why there is no link, or none any more. */
+    /** Reason why there is no link. */
     problem = $state<string>();
     connecting = $state(false);
     #changed = false;
     /** The link's time when it was opened, s. */
     #opened = 0;
     #wasConnected = false;
-    /** Ends what waits for a drive that is gone. */
+    /** Rejects the calls that wait for the present drive. */
     #gone: ((reason: Error) => void) | undefined;
     #over: Promise<never> = Promise.reject(new Error("there is no connection"));
 
     constructor() {
         this.#over.catch(() => undefined);
-        // Whoever closes the page leaves no motor turning without a master.
+        // Closing the page must not leave a motor running without a master.
         addEventListener("pagehide", () => this.#halt());
         requestAnimationFrame(() => this.#draw());
     }
 
-    /** Nothing has come from the drive for longer than it takes to boot. */
+    /** True if the drive was not heard for longer than it takes to boot. */
     get unheard(): boolean {
         return this.link !== undefined && !this.view.connected && this.view.time > this.#opened + BOOT;
     }
 
-    /** Whether this master can command: it is on a link that sends, and the drive is heard. */
+    /** True if this master can command: its link can send, and the drive is heard. */
     get commands(): boolean {
         return this.link !== undefined && !this.link.readOnly && this.options.silent !== true && this.view.connected;
     }
 
-    /** Nobody has asked for a connection yet. */
+    /** True until a connection was requested. */
     isFresh = true;
 
-    /** Opens a link and puts a master on it; the one before is let go. `problem` tells what went wrong. */
+    /** Opens a link and puts a master on it; the previous link is closed. `problem` has the error. */
     async connect(open: (listener: Listener) => Promise<Link>, options: DriveOptions): Promise<void> {
         this.isFresh = false;
         this.disconnect();
@@ -78,7 +79,7 @@ class Session {
         }
     }
 
-    /** Asks for Standby and lets the link go. */
+    /** Requests Standby and closes the link. */
     disconnect(): void {
         this.#halt();
         this.link?.close();
@@ -88,7 +89,8 @@ class Session {
         this.view = NOTHING;
     }
 
-    /** Asks for a speed, rpm, negative in reverse; fails with the reason if the motor does not start. */
+    /** Requests a start at a speed, rpm, negative in reverse; rejects with the reason if the motor does not
+     * start. */
     start(rpm: number): Promise<void> {
         return this.run((drive) => drive.start(rpm));
     }
@@ -98,7 +100,7 @@ class Session {
         this.pump();
     }
 
-    /** Asks for Standby, which also acknowledges a fault. */
+    /** Requests Standby, which also acknowledges a fault. */
     stop(): void {
         this.drive?.stop();
         this.pump();
@@ -109,7 +111,7 @@ class Session {
         this.pump();
     }
 
-    /** What a task with the drive comes to; it fails when the connection goes. */
+    /** Returns the result of a task with the drive; rejects when the connection is closed. */
     async run<T>(task: (drive: Drive) => Promise<T>): Promise<T> {
         if (!this.drive || !this.link) {
             throw new Error("there is no connection");
@@ -119,12 +121,13 @@ class Session {
         return Promise.race([found, this.#over]);
     }
 
-    /** Sends what is due. Whoever asks for something in an effect does not depend on the link's time by that. */
+    /** Sends the frames that are due. It is untracked, so an effect that calls it does not depend on the
+     * link's time. */
     pump(): void {
         untrack(() => this.#send());
     }
 
-    /** A master that has heard of nothing yet. */
+    /** Makes a master that has received nothing yet. */
     #begin(options: DriveOptions): Drive {
         const drive = new Drive({ ...options, descriptions });
         this.#over = new Promise((_, reject) => (this.#gone = reject));
@@ -133,12 +136,13 @@ class Session {
         return drive;
     }
 
-    /** A master at an earlier instant, who has heard what came just before it and goes on asking for the same speed. */
+    /** Makes a master at an earlier instant. It receives the frames just before that, and continues to
+     * request their set-point. */
     #return(options: DriveOptions, time: number, frames: readonly BusFrame[]): Drive {
         this.#forget("time has returned to an earlier instant meanwhile");
         const drive = this.#begin(options);
         this.#opened = time;
-        // Piece by piece, as it came: plots have a point for each.
+        // In pieces, as the frames came, because plots get a point for each piece.
         for (let at = 0; at < frames.length; at += PIECE) {
             const piece = frames.slice(at, at + PIECE);
             this.#hear(drive, piece[piece.length - 1].time, piece);
@@ -151,7 +155,7 @@ class Session {
         return drive;
     }
 
-    /** What was heard, and what waits for an answer. */
+    /** Removes everything that was received, and rejects the calls that wait. */
     #forget(reason: string): void {
         this.#gone?.(new Error(reason));
         this.#wasConnected = false;
@@ -187,7 +191,7 @@ class Session {
             chart.append({ time: [time], speed: [speed], setpoint: [setpointOf(drive.master)] });
         }
         if (this.#wasConnected && !connected) {
-            // A drive that comes back must not begin to turn.
+            // A drive that comes back must not start to turn.
             drive.stop();
         }
         this.#wasConnected = connected;
@@ -201,7 +205,7 @@ class Session {
         }
     }
 
-    /** The last frames before the link goes: Standby. */
+    /** Sends Standby, in the last frames before the link is closed. */
     #halt(): void {
         if (this.link && !this.link.readOnly) {
             this.stop();
@@ -217,7 +221,7 @@ class Session {
     }
 }
 
-/** What an error says, as a sentence. */
+/** Returns the message of an error, as a sentence. */
 export function words(error: unknown): string {
     const text = error instanceof Error ? error.message : String(error);
     return `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.!?]$/.test(text) ? "" : "."}`;

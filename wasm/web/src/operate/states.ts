@@ -1,4 +1,5 @@
-// The eight states of the drive (specification, section 7), and the bits of its fault word (Table 9). The types hold both to the core's tables.
+// The eight states of the drive (specification, section 7), and the bits of its fault word (Table 9). The
+// types check both against the core's tables.
 
 import type { FaultName, StateName } from "narx/core";
 
@@ -34,7 +35,7 @@ export const FAULTS = Object.keys(BITS) as readonly FaultName[];
 export const STANDBY = 1;
 export const FAULT = 6;
 
-/** Whether the bridge is on in a state. */
+/** Returns whether the bridge is on in a state. */
 export function turns(state: number | undefined): boolean {
     return state !== undefined && state >= 2 && state !== FAULT;
 }

@@ -1,18 +1,18 @@
-// The frames of the bus, as they passed.
+// The frames of the bus, in the order in which they passed.
 
 import type { BusFrame } from "narx";
 
-/** Frames that are kept; the oldest go first. */
+/** Largest number of frames that are kept; the oldest are removed. */
 const KEPT = 200_000;
-/** Frames that are thrown away at once. */
+/** Number of frames that are removed at once. */
 const DROPPED = 20_000;
 
 class Trace {
-    /** Counts up with every change: what is drawn from `frames` depends on it. */
+    /** Increases with every change: effects that read `frames` depend on it. */
     version = $state(0);
-    /** Not reactive: thousands come in a second. */
+    /** Not reactive: there are thousands of frames a second. */
     readonly frames: BusFrame[] = [];
-    /** Frames that were forgotten. */
+    /** Number of removed frames. */
     dropped = 0;
 
     append(frames: readonly BusFrame[]): void {

@@ -1,9 +1,9 @@
-// The update of the drive. It goes on whichever panel is looked at.
+// The update of the drive. It continues when another panel is opened.
 
 import type { MasterError, UpdateProgress } from "narx/core";
 import { session, words } from "./session.svelte";
 
-/** What an error means for the drive, by its name. */
+/** Consequence of an error for the drive, by the error's name. */
 const MEANING: Partial<Record<string, string>> = {
     ImageError: "The drive was not touched.",
     RefusedError: "The drive runs what it ran before.",
@@ -15,7 +15,7 @@ class Update {
     busy = $state(false);
     told = $state.raw<{ text: string; good: boolean }>();
 
-    /** Programs the drive with an image; `told` is how that ended. */
+    /** Programs the drive with an image; `told` is the result. */
     async run(image: Uint8Array, version: string): Promise<void> {
         this.busy = true;
         this.told = undefined;

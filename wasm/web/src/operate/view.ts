@@ -1,4 +1,4 @@
-// What the master knows at one instant, as the panels show it.
+// Snapshot of the master for the panels.
 
 import type { Master, Measurement, MeasurementSignal, Parameter, ParameterName, ScopeSignal, SpeedLimits } from "narx/core";
 import { measurementSignals, parameters, scopeSignals } from "narx/core";
@@ -8,40 +8,40 @@ import { FAULT } from "./states";
 export interface View {
     /** The link's time, s. */
     time: number;
-    /** The drive was heard lately. */
+    /** True if the drive was heard within the time-out for a lost drive. */
     connected: boolean;
-    /** 0 to 7; absent while it is not known. */
+    /** State of the drive, 0 to 7; absent while unknown. */
     state?: number;
     stateName: string;
     /** Names of the set bits of the fault word. */
     faults: readonly string[];
-    /** What the extended code of the last critical fault means, in Fault. */
+    /** Meaning of the extended code of the last critical fault, in Fault. */
     fault?: string;
     /** The fields of STATUS_WORD. */
     status: Readonly<Record<string, string | number | boolean>>;
     measurements: readonly Measurement[];
-    /** By what the control mode uses, rpm. */
+    /** Mechanical speed from the source that the control mode uses, rpm. */
     speed?: number;
-    /** What the drive is asked for and has accepted, rpm, negative in reverse. */
+    /** Set-point that was requested and that the drive has accepted, rpm, negative in reverse. */
     setpoint: number;
-    /** Why the motor turns at another speed than was asked for. */
+    /** Reason why the motor runs at another speed than requested. */
     speedWarning?: string;
-    /** Set-points that the drive takes as they are, as far as that was heard. */
+    /** Set-points that the drive accepts unchanged; absent before they were heard. */
     speedLimits?: SpeedLimits;
-    /** What the drive is made of: by its own description, or by this page's tables. */
+    /** Parameters of the drive: from its own description, or from this page's tables. */
     parameters: readonly Parameter[];
     scopeSignals: readonly ScopeSignal[];
     measurementSignals: readonly MeasurementSignal[];
     description: DescriptionState;
-    /** Why its description was refused. */
+    /** Reason why the drive's description was refused. */
     descriptionProblem?: string;
-    /** Parameters that are still to be read of those that are read in the background. */
+    /** Number of parameters that are still to be read in the background. */
     toRead: number;
-    /** The value of a parameter as it was last heard, in its unit. */
+    /** Returns the value of a parameter as last heard, in its unit. */
     parameter: (key: ParameterName | number) => number | undefined;
 }
 
-/** Before anything is connected. */
+/** View without a connection. */
 export const NOTHING: View = {
     time: 0,
     connected: false,
@@ -85,14 +85,15 @@ export function look(drive: Drive, time: number): View {
             try {
                 return master.parameter(key);
             } catch {
-                // A drive of another description does not have it.
+                // A drive with another description may not have the parameter.
                 return undefined;
             }
         },
     };
 }
 
-/** What the drive is asked for and has accepted, rpm, negative in reverse; 0 in Standby. */
+/** Returns the set-point that was requested and that the drive has accepted, rpm, negative in reverse; 0 in
+ * Standby. */
 export function setpointOf({ acceptedSpeed = 0, status }: Master): number {
     const mode = status?.["Motor mode"];
     return mode === "Drive" ? acceptedSpeed : mode === "Reverse" ? -acceptedSpeed : 0;

@@ -1,14 +1,14 @@
-// Files to and from the reader.
+// Files for download, and files chosen by the user.
 
-/** Hands a file to the reader. */
+/** Offers a file for download. */
 export function save(name: string, content: BlobPart, type = "application/octet-stream"): void {
     const url = URL.createObjectURL(new Blob([content], { type }));
     Object.assign(document.createElement("a"), { href: url, download: name }).click();
-    // The browser has it only after the click's task.
+    // The browser reads the address only after the click's task.
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
-/** Asks for one file; `undefined` if none was chosen. */
+/** Asks the user for one file; `undefined` if none was chosen. */
 export function choose(accept: string): Promise<File | undefined> {
     const input = Object.assign(document.createElement("input"), { type: "file", accept });
     return new Promise((resolve) => {

@@ -12,10 +12,10 @@ import SixSteps from "./SixSteps.svelte";
 import SpeedLoop from "./SpeedLoop.svelte";
 
 export interface Chapter {
-    /** In the address. */
+    /** Name of the chapter in the address. */
     path: string;
     title: string;
-    /** What the reader does there. */
+    /** The reader's task in the chapter. */
     about: string;
     page: Component;
 }

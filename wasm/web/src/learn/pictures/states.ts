@@ -1,8 +1,9 @@
-// The states of the specification (section 7) and their transitions (Table 7), as they are drawn.
+// The states of the specification (section 7) and their transitions (Table 7), with their places in the
+// picture.
 
 export interface State {
     name: string;
-    /** What the bridge does. */
+    /** Action of the bridge. */
     does: string;
     x: number;
     y: number;
@@ -13,9 +14,9 @@ export interface Transition {
     from: number;
     to: number;
     when: string;
-    /** How far the line bends to its left. */
+    /** Distance by which the line bends to its left. */
     bend: number;
-    /** Where along the line its name stands, 0 to 1, and how far above it. */
+    /** Place of the name along the line, 0 to 1, and its distance above the line. */
     at?: number;
     above?: number;
 }
@@ -31,7 +32,7 @@ export const STATES: State[] = [
     { name: "Sensorless Auto-Restart", does: "listens, tries again", x: 402, y: 376 },
 ];
 
-/** The words that fit into a box. */
+/** Names that fit into a box. */
 export const SHORT = ["Initialization", "Standby", "Rotor lock", "Open-loop", "Sensorless", "Hall sensors", "Fault", "Auto-restart"];
 
 const FAULT = "a critical fault, or the master is silent";

@@ -1,4 +1,4 @@
-// A bench with the journal of its inputs, which can return to an instant of its run.
+// A bench with a journal of its inputs, which can return to an earlier instant of its run.
 
 import type { Bench, BusFrame, Trace } from "narx";
 import { apply, type Input } from "narx/script";
@@ -10,15 +10,16 @@ export type Kit = Pick<typeof import("narx"), "Bench" | "Motor">;
 
 /** Ticks from one row to the next: 1 ms at 10 kHz. */
 const STRIDE = 10;
-/** Copies of the bench that are kept at most, at first so many ticks apart: a copy holds the recording up to its instant, too. */
+/** Largest number of copies of the bench, and their first distance in ticks. Copies are expensive: each holds
+ * the recording up to its instant. */
 const [COPIES_MAX, COPIES_APART] = [12, 50_000];
-/** What is run at once where nobody waits for its rows, ticks. */
+/** Longest run at once if its rows are not needed, ticks. */
 const PIECE = 1_000_000;
 
 interface Copy {
     bench: Bench;
     tick: number;
-    /** Inputs that it has had. */
+    /** Number of inputs that it has had. */
     applied: number;
 }
 
@@ -26,7 +27,7 @@ export class JournalledBench {
     readonly setup: Setup;
     #kit: Kit;
     #bench: Bench;
-    /** All of the run, also those that lie beyond an instant to which it has returned. */
+    /** All inputs of the run, including those after an instant to which it has returned. */
     #inputs: Input[] = [];
     #applied = 0;
     /** The furthest tick of the run. */
@@ -34,7 +35,7 @@ export class JournalledBench {
     #copies: Copy[] = [];
     #apart = COPIES_APART;
 
-    /** Throws where the setup cannot be. */
+    /** Throws for an invalid set-up. */
     constructor(setup: Setup, kit: Kit) {
         this.setup = setup;
         this.#kit = kit;
@@ -45,7 +46,7 @@ export class JournalledBench {
         return this.#bench;
     }
 
-    /** Throws where the bench refuses; then nothing has happened. */
+    /** Carries out an action and records it. Throws if the bench refuses it; it is then not recorded. */
     act(action: Action): void {
         const input = { ...action, tick: this.#bench.ticks } as Input;
         apply(this.#bench, input);
@@ -54,7 +55,8 @@ export class JournalledBench {
         this.#applied += 1;
     }
 
-    /** Lets ticks pass: what has been heard and seen meanwhile. What came later in a run that has returned to an instant is forgotten. */
+    /** Runs the bench for some ticks; returns new rows and frames. If the run had returned to an instant, its
+     * later inputs are removed. */
     advance(ticks: number): { rows: Rows; frames: BusFrame[] } {
         if (ticks > 0) {
             this.#forget();
@@ -65,7 +67,7 @@ export class JournalledBench {
         return seen;
     }
 
-    /** Returns to an instant of the run, and tells what was heard and seen in the `before` ticks before it. */
+    /** Returns to an instant of the run; returns the rows and frames of the `before` ticks before it. */
     seek(tick: number, before: number): { rows: Rows; frames: BusFrame[] } {
         const instant = Math.min(Math.max(tick, 0), this.#end);
         const first = Math.max(instant - before, 0);
@@ -83,7 +85,7 @@ export class JournalledBench {
         return { time: this.#bench.time, ticks: this.#bench.ticks, end: this.#end, pace };
     }
 
-    /** All that decides what the drive has done so far. */
+    /** Returns everything that determines the run so far. */
     run(): Run {
         return { setup: this.setup, inputs: this.#inputs.slice(0, this.#applied), ticks: this.#bench.ticks, digest: this.#bench.digest };
     }
@@ -111,7 +113,8 @@ export class JournalledBench {
         return { rows, frames: this.#bench.takeFrames() };
     }
 
-    /** Up to `tick`, with the inputs of the journal at their ticks; `run` lets ticks pass. */
+    /** Runs up to `tick`, with the inputs of the journal at their ticks; `run` runs the bench for some
+     * ticks. */
     #repeat(tick: number, run: (ticks: number) => void): void {
         for (;;) {
             while ((this.#inputs[this.#applied]?.tick ?? Infinity) <= this.#bench.ticks) {
@@ -126,7 +129,7 @@ export class JournalledBench {
         }
     }
 
-    /** The run goes another way from here on. */
+    /** Removes later inputs and copies: the run continues differently from here. */
     #forget(): void {
         const now = this.#bench.ticks;
         if (this.#applied < this.#inputs.length || now < this.#end) {
@@ -137,7 +140,7 @@ export class JournalledBench {
         }
     }
 
-    /** Keeps a copy now and then; the longer the run, the further apart. */
+    /** Makes a copy from time to time; the longer the run, the greater their distance. */
     #keep(): void {
         const tick = this.#bench.ticks;
         if (tick < (this.#copies.at(-1)?.tick ?? 0) + this.#apart) {
@@ -152,7 +155,7 @@ export class JournalledBench {
     }
 }
 
-/** Rows at whole milliseconds, wherever the pieces of a run begin. */
+/** Selects rows at whole milliseconds, whatever the beginning of this piece of the run. */
 function thin(trace: Trace, before: number): Rows {
     const first = (STRIDE - (before % STRIDE)) % STRIDE;
     const every = <T extends Float32Array | Float64Array>(column: T) => column.filter((_, row) => (row - first) % STRIDE === 0) as T;
@@ -163,7 +166,7 @@ function thin(trace: Trace, before: number): Rows {
     return rows;
 }
 
-/** Rows one after another. */
+/** Joins rows. */
 function joined(pieces: readonly Rows[]): Rows {
     const rows = { time: Float64Array.from(pieces.flatMap(({ time }) => [...time])) } as Rows;
     for (const name of ROW) {

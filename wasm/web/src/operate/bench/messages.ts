@@ -1,43 +1,43 @@
-// What the page and the worker with the bench say to each other.
+// Messages between the page and the worker with the bench.
 
 import type { BenchOptions, BusFrame, InjectionName, Input as BoardInput, MotorName } from "narx";
 import type { Input } from "narx/script";
 import type { Run } from "./run";
 
-/** What is on the bench: everything that decides a run, but its inputs. */
+/** Set-up of the bench: everything that determines a run, except its inputs. */
 export interface Setup {
     motor: MotorName;
     options: BenchOptions;
-    /** The drive has a log memory, its description and a bootloader ("narx/full"). */
+    /** True if the drive has a log memory, its description and a bootloader ("narx/full"). */
     full?: boolean;
 }
 
-/** What is done to the bench: an input of a script, now. */
+/** Action on the bench: an input of a script, carried out now. */
 export type Action = Untimed<Input>;
 type Untimed<One> = One extends unknown ? Omit<One, "tick"> : never;
 
-/** From the page. */
+/** Message from the page. */
 export type Request =
     /** Powers a drive up; the actions come before its first tick. */
     | { kind: "open"; setup: Setup; actions: Action[] }
     | { kind: "act"; actions: Action[] }
-    /** A report was taken. */
+    /** Confirms that a report was processed. */
     | { kind: "heard" }
-    /** Simulated seconds in a second; 0 stands still. */
+    /** Sets the simulated seconds in a second; 0 stops the time. */
     | { kind: "pace"; pace: number }
     | { kind: "step"; ticks: number }
-    /** Returns to an instant of the run and stands still there. */
+    /** Returns to an instant of the run and stops the time there. */
     | { kind: "seek"; tick: number }
     | { kind: "reproduce"; run: Run }
     | { kind: "run" }
     | { kind: "recording" };
 
-/** From the worker. */
+/** Message from the worker. */
 export type Answer =
     | { kind: "ready"; motors: MotorEntry[]; inputs: BoardInput[]; injections: InjectionName[] }
     | { kind: "opened"; setup: Setup; speedMin: number; speedMax: number; notes: string[]; tickRate: number }
     | { kind: "ran"; now: Now; rows: Rows; frames: BusFrame[] }
-    /** After "seek": what was heard and seen just before that instant. */
+    /** Answer to "seek": rows and frames just before that instant. */
     | { kind: "sought"; now: Now; rows: Rows; frames: BusFrame[] }
     | { kind: "reproduced"; digest: string; expected: string }
     | { kind: "run"; run: Run }
@@ -47,7 +47,7 @@ export type Answer =
 export interface MotorEntry {
     name: MotorName;
     title: string;
-    /** V. */
+    /** Nominal voltage, V. */
     nominalVoltage: number;
 }
 
@@ -58,13 +58,13 @@ export type RowName = (typeof ROW)[number];
 /** True values of the plant, a row each millisecond: `time` in s since power-up. */
 export type Rows = Record<RowName, Float32Array> & { time: Float64Array };
 
-/** Where the bench is. */
+/** Present time of the bench. */
 export interface Now {
-    /** s since power-up. */
+    /** Time since power-up, s. */
     time: number;
     ticks: number;
-    /** The furthest tick of the run: later than `ticks` where it has returned to an instant. */
+    /** The last tick of the run: later than `ticks` if the run has returned to an instant. */
     end: number;
-    /** Simulated seconds in a second that were asked for. */
+    /** Requested simulated seconds in a second. */
     pace: number;
 }

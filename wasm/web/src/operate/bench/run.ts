@@ -1,41 +1,41 @@
-// A run as something that can be passed on: what was on the bench, and every input with its control tick. It has all that decides
-// the run, so that it comes out bit for bit the same wherever it is repeated.
+// A run that can be passed on: the set-up of the bench, and every input with its control tick. It contains
+// everything that determines the run, so repeating it gives the same bits.
 
 import type { Input } from "narx/script";
 import type { Setup } from "./messages";
 
-/** Raised where the meaning of a run's fields changes. */
+/** Version of the format; increased when the meaning of a field changes. */
 const FORMAT = 1;
 /** Longest run that can be repeated: an hour at 10 kHz. */
 const TICKS_MAX = 36_000_000;
 
 export interface Run {
     setup: Setup;
-    /** In the order in which they came. */
+    /** Inputs, in the order in which they came. */
     inputs: Input[];
-    /** Length, control ticks. */
+    /** Length of the run, control ticks. */
     ticks: number;
-    /** What the drive's outputs came to, 16 hexadecimal digits. */
+    /** Digest of the drive's outputs, 16 hexadecimal digits. */
     digest: string;
 }
 
 type Sent = Extract<Input, { call: "send" }>;
 type Call = Omit<Exclude<Input, Sent>, "tick">;
 
-/** As it is compressed: each frame once, then a row for each input. */
+/** Form of a run before compression: each frame once, and a row for each input. */
 interface Packed {
     format: number;
     setup: Setup;
     frames: string[];
-    /** Ticks since the input before. */
+    /** Ticks since the previous input. */
     after: number[];
-    /** A number of `frames`, or an action. */
+    /** Index in `frames`, or an action. */
     what: (number | Call)[];
     ticks: number;
     digest: string;
 }
 
-/** As text that an address can hold. */
+/** Encodes a run as text for an address. */
 export async function encode({ setup, inputs, ticks, digest }: Run): Promise<string> {
     const places = new Map<string, number>();
     const place = (frame: Sent) => {
@@ -51,7 +51,7 @@ export async function encode({ setup, inputs, ticks, digest }: Run): Promise<str
     return base64(bytes);
 }
 
-/** The run of `encode`. Throws an Error that says what is wrong with the text. */
+/** Decodes the text of `encode`. Throws an Error that describes the first problem of the text. */
 export async function decode(text: string): Promise<Run> {
     let packed: Partial<Packed>;
     try {

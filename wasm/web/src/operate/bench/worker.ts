@@ -1,21 +1,24 @@
-// The bench in a worker: it runs in step with the wall clock, and the page only draws.
+// The bench in a worker: it runs in step with the clock, and the page only draws.
 
 import init, { Bench, Motor } from "narx";
 import { JournalledBench, type Kit } from "./journal";
 import type { Answer, MotorEntry, Request, Rows, Setup } from "./messages";
 import type { Run } from "./run";
 
-/** Between two pieces of a run, ms. */
+/** Time between two pieces of a run, ms. */
 const PERIOD = 8;
-/** Ticks of a piece in real time: inputs come at its ends, so that their ticks are round numbers, which a link keeps short. */
+/** Ticks of a piece in real time. Inputs come at the ends of pieces, so their ticks are round numbers, which
+ * keeps a link short. */
 const PIECE = 50;
-/** What is simulated at once, s. A computer that is too slow for more falls behind the clock. */
+/** Longest run at once, s. A computer that is too slow for more falls behind the clock. */
 const BEHIND_MAX = 0.05;
-/** Reports that the page has not heard yet. A page that is busy stops the time of the bench: its set-points must not come too late. */
+/** Largest number of reports that the page has not processed yet. A busy page stops the time of the bench, so
+ * that its set-points do not come too late. */
 const UNHEARD_MAX = 2;
 /** Ticks between two reports of a run that is repeated. */
 const REPORT = 5000;
-/** What is told before an instant to which a run returns: enough for a plot that rolls, and for a master to know its drive, ticks. */
+/** Length of the rows and frames that are sent before an instant to which a run returns, ticks: enough for
+ * the rolling plots, and for a new master. */
 const BEFORE = 80_000;
 
 let journal: JournalledBench | undefined;
@@ -39,7 +42,7 @@ function buffers(rows: Rows): Transferable[] {
     return Object.values(rows).map((column) => column.buffer);
 }
 
-/** The module with such a bench; the larger one is loaded once somebody wants it. */
+/** Returns the module with such a bench; the larger one is loaded only when it is needed. */
 async function kit({ full = false }: Setup): Promise<Kit> {
     if (!full) {
         return { Bench, Motor };
@@ -64,7 +67,8 @@ function begin(opened: JournalledBench): void {
     answer({ kind: "opened", setup: opened.setup, speedMin, speedMax, notes, tickRate });
 }
 
-/** Repeats a run as fast as it goes, and stands still at its end; unless another drive is opened meanwhile. */
+/** Repeats a run as fast as possible, and stops the time at its end; ends early if another drive is
+ * opened. */
 async function reproduce(run: Run): Promise<void> {
     const repeated = new JournalledBench(run.setup, await kit(run.setup));
     pace = 0;
@@ -72,7 +76,7 @@ async function reproduce(run: Run): Promise<void> {
     const until = async (tick: number) => {
         while (journal === repeated && repeated.bench.ticks < tick) {
             report(repeated, Math.min(tick - repeated.bench.ticks, REPORT));
-            // Requests are heard in between.
+            // Lets requests be handled in between.
             await new Promise((resolve) => setTimeout(resolve));
         }
         return journal === repeated;

@@ -1,8 +1,9 @@
-// CSV of numbers with a header: what the scope, the log and `cargo xtask demo` write.
+// CSV of numbers with a header, as written by the scope, the log and `cargo xtask demo`.
 
 import type { Table } from "narx/drive";
 
-/** The columns of a text whose first one is the time; `undefined` if it is none. An empty field is NaN. */
+/** Returns the columns of a text whose first one is the time; `undefined` if the text is no such table. An
+ * empty field is NaN. */
 export function columns(text: string): Table | undefined {
     const [header, ...lines] = text.split(/\r?\n/).filter((line) => line.trim() !== "");
     const names = fields(header ?? "").map((field) => /^(.*?)(?:\s*\[(.*)\])?$/.exec(field)?.slice(1) ?? [field]);
@@ -17,13 +18,13 @@ export function columns(text: string): Table | undefined {
     const rest = names.slice(1).map(([name], index) => [name, column(index + 1)] as const);
     return {
         time: column(0),
-        // A column of words has no curve.
+        // A column of words cannot be plotted.
         columns: Object.fromEntries(rest.filter(([, values]) => values.some((value) => !Number.isNaN(value)))),
         units: Object.fromEntries(names.slice(1).map(([name, unit]) => [name, unit ?? ""])),
     };
 }
 
-/** Fields of a line, some of them in quotes. */
+/** Returns the fields of a line, some of them in quotes. */
 function fields(line: string): string[] {
     return [...line.matchAll(/"((?:[^"]|"")*)"|([^",]+)/g)].map(([, quoted, plain]) => (quoted ?? plain ?? "").replaceAll('""', '"').trim());
 }

@@ -1,4 +1,4 @@
-// Files that were opened, by dropping them anywhere on the page or by choosing them.
+// Opened files, dropped anywhere on the page or chosen.
 
 import type { Answer, Content, Request } from "./messages";
 
@@ -7,13 +7,13 @@ export interface Entry {
     name: string;
     bytes: Uint8Array;
     content?: Content;
-    /** Why it could not be read. */
+    /** Reason why it could not be read. */
     reason?: string;
 }
 
 class Files {
     entries = $state.raw<readonly Entry[]>([]);
-    /** The key of what is shown. */
+    /** Key of the shown file. */
     chosen = $state<number>();
     outputs = $state.raw<{ key: number; until: number; outputs: string }>();
     #next = 0;
@@ -29,7 +29,7 @@ class Files {
         }
     }
 
-    /** Asks for what the drive answered in the tick before `until`. */
+    /** Requests the drive's outputs in the tick before `until`. */
     step({ key, bytes }: Entry, until: number): void {
         this.#ask({ kind: "outputs", key, bytes, until });
     }

@@ -1,4 +1,4 @@
-// Reads files: what takes longer than a picture does not belong on the page.
+// Reads files in a worker, because that takes longer than one picture.
 
 import init, { readLog, replay, replayTrace, type CanLog } from "narx/lab";
 import type { BusFrame } from "narx";
@@ -10,7 +10,7 @@ import type { Answer, Content, Request } from "./messages";
 const [EXTENDED, REMOTE, OTHER] = [1, 2, 4 | 8];
 /** A line of `candump -L`. */
 const CANDUMP = /^\s*\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]+#/;
-/** Address of a master, as a drive has it from the factory: its frames were sent, if the log does not tell. */
+/** Factory address of a master: without directions in the log, frames from it count as sent. */
 const MONITOR = 85;
 
 function open(name: string, bytes: Uint8Array): Content {

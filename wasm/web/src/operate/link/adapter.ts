@@ -4,12 +4,13 @@ import type { BusFrame, Frame } from "narx";
 import { SlcanLines, closeSlcan, encodeSlcan, openSlcan } from "narx/core";
 import type { Link, Listener } from "./link";
 
-/** Of the line; adapters on USB do not care. */
+/** Baud rate of the serial line; adapters on USB ignore it. */
 const BAUD = 115_200;
-/** Between two ticks without a frame, ms. */
+/** Time between two ticks without a frame, ms. */
 const TICK = 5;
 
-/** Asks the reader for a port and opens the bus on it, 500 kbit/s. `listen`: the adapter acknowledges nothing, either. */
+/** Asks the user for a port and opens the bus on it, 500 kbit/s. With `listen` the adapter does not
+ * acknowledge frames, either. */
 export async function openAdapter(listener: Listener, listen: boolean): Promise<Link> {
     const port = await navigator.serial.requestPort().catch(() => {
         throw new Error("No adapter was chosen.");
@@ -34,7 +35,7 @@ class Adapter implements Link {
     readonly #clock = new Worker(new URL("./clock.ts", import.meta.url), { type: "module" });
     #listener: Listener | undefined;
     #sent: BusFrame[] = [];
-    /** What goes out at the end of this turn: one transfer for all frames that are due at once. */
+    /** Bytes that are sent at the end of this turn: one transfer for all frames that are due at once. */
     #due: number[] = [];
 
     constructor(
@@ -75,7 +76,7 @@ class Adapter implements Link {
     }
 
     async #release(): Promise<void> {
-        // What was written goes out first: Standby is the last of it.
+        // Closing waits until all bytes are written; the last ones are Standby.
         await this.#writer.close().catch(() => undefined);
         await this.#reader.cancel().catch(() => undefined);
         await this.#port.close().catch(() => undefined);
@@ -98,7 +99,7 @@ class Adapter implements Link {
                 this.#tell(this.#lines.handleBytes(piece.value).map((frame) => bus(frame, time, false)));
             }
         } catch {
-            // The reason of a browser says nothing to a reader.
+            // The browser's reason does not help the user.
         }
         this.#reader.releaseLock();
         this.#lose();

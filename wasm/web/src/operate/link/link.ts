@@ -1,25 +1,27 @@
-// What lies between the page's master and a drive. Panels know only the master; the master's frames go through one of these.
+// Links between the page's master and a drive. Panels use only the master, whose frames pass through a link.
 
 import type { BusFrame, Frame } from "narx";
 
-/** What a link tells whoever has opened it. */
+/** Receiver of a link's events. */
 export interface Listener {
-    /** Time has come so far, s, and these frames have passed meanwhile, in order: those that were sent among them. */
+    /** Called with the present time, s, and the frames that have passed since the previous call, in order,
+     * sent ones included. */
     handle(time: number, frames: readonly BusFrame[]): void;
-    /** Time goes on from an earlier instant: what was heard so far has not happened. These frames came just before it. */
+    /** Called when time continues from an earlier instant; everything received after it is void. `frames`
+     * came just before it. */
     handleReturn(time: number, frames: readonly BusFrame[]): void;
-    /** The link is gone; in words. */
+    /** Called when the link is lost, with the reason in words. */
     handleLoss(reason: string): void;
 }
 
 export interface Link {
-    /** In words: "Virtual drive, bly172s-24v". */
+    /** Name in words, such as "Virtual drive, bly172s-24v". */
     readonly name: string;
-    /** The link's time now, s, which never runs back. */
+    /** The link's present time, s, which never decreases. */
     readonly now: number;
-    /** Nothing can be sent. */
+    /** True if nothing can be sent. */
     readonly readOnly: boolean;
     send(frame: Frame): void;
-    /** Lets go. Nothing is told after that. */
+    /** Closes the link. The listener is not called after that. */
     close(): void;
 }

@@ -1,9 +1,9 @@
-// A bus log as a link: read only, at the speed at which it was written, or at once.
+// A bus log as a read-only link, played at its original speed, or at once.
 
 import type { BusFrame } from "narx";
 import type { Link, Listener } from "./link";
 
-/** Frames that are handed over at once. */
+/** Number of frames that are passed on at once. */
 const PIECE = 2000;
 
 /** Plays frames whose times are in s. */

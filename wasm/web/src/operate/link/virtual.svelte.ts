@@ -1,4 +1,4 @@
-// The bench in its worker, as a link and as what can be done to it.
+// The bench in its worker, as a link, with the functions that only a bench has.
 
 import type { Frame, InjectionName, Input } from "narx";
 import type { Action, Answer, MotorEntry, Now, Request, Setup } from "../bench/messages";
@@ -6,7 +6,7 @@ import type { Run } from "../bench/run";
 import { Rolling } from "../rolling.svelte";
 import type { Link, Listener } from "./link";
 
-/** What the worker can do. */
+/** Abilities of the worker. */
 export interface Known {
     motors: MotorEntry[];
     inputs: Input[];
@@ -24,27 +24,29 @@ class VirtualDrive {
     opened = $state.raw<Answer & { kind: "opened" }>();
     now = $state.raw<Now>({ time: 0, ticks: 0, end: 0, pace: 1 });
     reproduced = $state.raw<Reproduced>();
-    /** Why the last wish was refused. */
+    /** Reason why the last request was refused. */
     problem = $state<string>();
     /** The true signals of the last seconds. */
     readonly rows = new Rolling();
     #worker: Worker | undefined;
     #listener: Listener | undefined;
     #queue: Action[] = [];
-    /** The past is shown, of a run that is being repeated or has returned to an instant: what was sent is among its inputs, and nothing else may be. */
+    /** True while the past is shown: a run is being repeated, or has returned to an instant. Its journal
+     * contains the frames that were sent then, so no others may be sent. */
     #repeats = false;
-    /** Where to return to, once the return before has been made. */
+    /** Tick to which the run returns, and the next one, which is used once that is done. */
     #sought: { tick: number; next?: number } | undefined;
     #waiting: ((answer: Answer) => boolean)[] = [];
 
-    /** Powers a virtual drive up, with what is done to it before its first tick. Refused with an Error for a setup that cannot be. */
+    /** Powers a virtual drive up, with actions before its first tick. Rejects with an Error for an invalid
+     * set-up. */
     async open(setup: Setup, actions: Action[], listener: Listener): Promise<Link> {
         this.reproduced = undefined;
         this.#repeats = false;
         return this.#connect({ kind: "open", setup, actions }, listener);
     }
 
-    /** Repeats a run; the virtual drive stands still at its end. */
+    /** Repeats a run; the time stops at its end. */
     async reproduce(run: Run, listener: Listener): Promise<Link> {
         this.reproduced = undefined;
         this.#repeats = true;
@@ -56,7 +58,7 @@ class VirtualDrive {
         this.#ask({ kind: "act", actions: [action] });
     }
 
-    /** Simulated seconds in a second; 0 stands still. */
+    /** Sets the simulated seconds in a second; 0 stops the time. */
     setPace(pace: number): void {
         this.#repeats &&= pace === 0;
         this.#ask({ kind: "pace", pace });
@@ -67,7 +69,8 @@ class VirtualDrive {
         this.#ask({ kind: "step", ticks });
     }
 
-    /** Returns to a tick of the run and stands still there: what came later is forgotten once time runs or something is done. */
+    /** Returns to a tick of the run and stops the time there. The later part of the run is removed once time
+     * runs or an action is carried out. */
     seek(tick: number): void {
         this.#repeats = true;
         if (this.#sought) {
@@ -78,17 +81,17 @@ class VirtualDrive {
         }
     }
 
-    /** Everything that decides the run so far. */
+    /** Returns everything that determines the run so far. */
     async run(): Promise<Run> {
         return (await this.#answer({ kind: "run" }, "run")).run;
     }
 
-    /** The recording of the drive since it last booted. */
+    /** Returns the recording of the drive since it last booted. */
     async recording(): Promise<Uint8Array> {
         return (await this.#answer({ kind: "recording" }, "recording")).bytes;
     }
 
-    /** Starts the worker, so that the motors are known. */
+    /** Starts the worker, which reports the known motors. */
     start(): void {
         if (this.#worker) {
             return;
@@ -101,7 +104,7 @@ class VirtualDrive {
     }
 
     async #connect(request: Request & { kind: "open" | "reproduce" }, listener: Listener): Promise<Link> {
-        // Frames of the bench before are nobody's.
+        // Frames of the previous bench are dropped.
         this.#listener = undefined;
         const { setup } = await this.#answer(request, "opened");
         this.#listener = listener;
@@ -179,7 +182,8 @@ class VirtualDrive {
                 this.now = answer.now;
                 this.rows.append(answer.rows);
                 this.#listener?.handle(answer.now.time, answer.frames);
-                // Behind what was sent for it.
+                // In a microtask, so that it follows the frames that the page sends in reaction to the
+                // report.
                 return queueMicrotask(() => this.#worker?.postMessage({ kind: "heard" } satisfies Request));
             case "sought":
                 return this.#return(answer);
