@@ -12,63 +12,64 @@
  *
  *     narx_drive_step(&drive, &samples, &command);        control interrupt, every PWM period
  *
- *     narx_drive_handle_frame(&drive, &frame);            main loop: what the CAN bus brings,
- *     narx_drive_run(&drive, tick);                       then this,
- *     while (narx_drive_poll_frame(&drive, &frame) == NARX_OK) send(&frame);    then what it takes
+ *     narx_drive_handle_frame(&drive, &frame);            main loop: for each received frame,
+ *     narx_drive_run(&drive, tick);                       then once,
+ *     while (narx_drive_poll_frame(&drive, &frame) == NARX_OK) send(&frame);    then until it is empty
  *
  *
- * What else there is
+ * Other parts
  *
  *     narx_storage_*                                      a drive's flash: stored parameters and the log
  *     narx_pi_*, _ramp_*, _hall_*, _zero_crossing_*,      the drive's blocks one by one, for a driver of
  *     _commutation_*, _fault_*, _state_*                  your own
- *     narx_q16_*, _iq24_*, _q15_*, _q12_*                 its number formats and yours
- *     narx_message_*, narx_tx_message_*                   frames to meaning and back
- *     narx_master_*                                       the other end of the bus: a drive's master
+ *     narx_q16_*, _iq24_*, _q15_*, _q12_*                 conversions between its number formats and yours
+ *     narx_message_*, narx_tx_message_*                   decoding and encoding of frames
+ *     narx_master_*                                       a drive's master, at the other end of the bus
  *     narx_tx_driver_*, narx_tx_master_*                  the TX-Driver, another device, and its master
  *     narx_replay*                                        recordings
  *
  *
- * Which call may interrupt which
+ * Calls that may interrupt each other
  *
  *     A drive has two halves that share nothing but queues. The tick half is narx_drive_step; the
  *     background half is every other narx_drive_* call. Either half may interrupt the other at any
  *     instruction, or run on another thread or processor. Within a half, calls for one drive must
- *     not interrupt each other; narx_drive_init, _init_stored and _attach_scope, and
- *     narx_storage_init_drive, come before both. narx_storage_serve is a call of the background half.
+ *     not interrupt each other. narx_drive_init, _init_stored and _attach_scope, and
+ *     narx_storage_init_drive, must return before either half is called. narx_storage_serve belongs
+ *     to the background half.
  *
  *     Any other object has one half: calls for one of them must not interrupt each other. A block's
- *     step belongs where you call it from, mostly the control interrupt; its init to power-up.
- *     "Any context" says that a call has no object at all.
+ *     step function is called where you need it, mostly in the control interrupt; its init function
+ *     is called at power-up. "Any context" marks a function that has no object at all.
  *
- *     Different objects have nothing in common: the library has no variables.
+ *     Different objects share nothing: the library has no variables.
  *
  *
  * Memory
  *
- *     All memory is the caller's; the library has no heap. It keeps no pointer that it is given
- *     but the drive's own and its scope's: every other object may go when the call returns. A
- *     pointer shows readable (const) or writable memory of its type. NULL is answered by
- *     NARX_ERROR_NULL unless the function says what NULL means, a misaligned pointer by
- *     NARX_ERROR_ALIGNMENT, an object that was not initialised by NARX_ERROR_UNINITIALISED.
- *     Memory of an object should be zeroed before, as static memory is. On an error nothing
- *     has changed.
+ *     All memory is the caller's; the library has no heap. The only pointers that it keeps are those
+ *     to the memory of a drive and of its scope: every other object may be freed when the call
+ *     returns. A pointer points to readable (const) or writable memory of its type. The result is
+ *     NARX_ERROR_NULL for NULL, unless the function gives NULL a meaning, NARX_ERROR_ALIGNMENT for a
+ *     misaligned pointer, and NARX_ERROR_UNINITIALISED for an object that was not initialised.
+ *     Zero the memory of an object before its first use, as static memory is. A call that returns an
+ *     error has changed nothing.
  *
  *
  * Numbers
  *
  *     Q16 is I16F16: 65 536 is 1 V, A, degree Celsius or rev/s. Duty is U1F15: 32 768 is 1. Angles
  *     are unsigned parts of a turn and wrap. Instants are 1/65 536 of a PWM period. Converter codes
- *     are what the converter gives; narx_board_t has their scales. Parameters are raw integers,
- *     whose unit and decimal scale stand in PROTOCOL.md.
+ *     are the raw results of the converter; narx_board_t has their scales. Parameters are raw
+ *     integers; PROTOCOL.md lists their units and decimal scales.
  *
  *
  * Cost
  *
- *     Flash, RAM and instructions of each part on a Cortex-M: tests/golden/ffi_sizes.toml. What a
- *     drive does costs some 250 instructions a tick with hall sensors, 380 without, 2 850 in the
- *     worst tick of all conformance vectors (tests/golden/instructions.toml); narx_drive_step adds
- *     what the caller's structures cost. Link with --gc-sections.
+ *     Flash, RAM and instructions of each part on a Cortex-M: tests/golden/ffi_sizes.toml. The drive
+ *     itself costs some 250 instructions a tick with hall sensors, 380 without, 2 850 in the worst
+ *     tick of all conformance vectors (tests/golden/instructions.toml); narx_drive_step adds the
+ *     conversion of the caller's structures. Link with --gc-sections.
  */
 
 #ifndef NARX_H
@@ -858,16 +859,17 @@ typedef union narx_fields_t {
     } measurement_5;
 } narx_fields_t;
 
-// Room for the name and the unit of a setting, the closing 0 included.
+// Size of the name and the unit of a setting in narx_setting_error_t, the closing 0 included.
 #define NARX_NAME_SIZE 24
 
 // 64-bit words of a drive on any processor.
 #define NARX_DRIVE_WORDS 800
 
-// Bytes of a drive on any processor; narx_drive_size tells what it needs on this one.
+// Bytes of a drive on any processor; narx_drive_size returns the bytes that it needs on this one.
 #define NARX_DRIVE_SIZE (NARX_DRIVE_WORDS * 8)
 
-// Values that a TX-Driver keeps over a restart: those of the entries NARX_TX_ENTRY_NODE_ID to _ENCODER_RESOLUTION, in their order.
+// Values that a TX-Driver keeps over a restart: those of the entries NARX_TX_ENTRY_NODE_ID to
+// _ENCODER_RESOLUTION, in their order.
 #define NARX_TX_VALUES 12
 
 // 64-bit words of a TX-Driver on any processor.
@@ -876,13 +878,14 @@ typedef union narx_fields_t {
 // 64-bit words of a TX-Driver's master on any processor.
 #define NARX_TX_MASTER_WORDS 60
 
-// 1 in Q16 (I16F16), the library's volts, amperes, degrees Celsius and revolutions per second: -32 768 to 32 767.99998.
+// 1 in Q16 (I16F16), the library's volts, amperes, degrees Celsius and revolutions per second: -32 768 to
+// 32 767.99998.
 #define NARX_Q16_ONE (1 << 16)
 
 // 1 in IQ24 (I8F24), as DSP libraries have it: -128 to 127.99999994.
 #define NARX_IQ24_ONE (1 << 24)
 
-// 1 in Q15 (I1F15) is one more than its largest value, 32 767: -1 to 0.99997.
+// 1 in Q15 (I1F15), which is one more than its largest value, 32 767: -1 to 0.99997.
 #define NARX_Q15_ONE (1 << 15)
 
 // 1 in Q12 (I4F12), the virtual scope's samples: -8 to 7.9998.
@@ -897,13 +900,13 @@ typedef union narx_fields_t {
 // 64-bit words of a master on any processor.
 #define NARX_MASTER_WORDS 528
 
-// Pattern changes that one period can hold.
+// Largest number of pattern changes in one period.
 #define NARX_COMMUTATIONS_MAX 2
 
-// Room for the longest line that narx_replay_until writes, the closing 0 included.
+// Size of the longest line that narx_replay_until writes, the closing 0 included.
 #define NARX_OUTPUTS_TEXT_SIZE 1024
 
-// Edges that one period can carry; more are counted in narx_samples_t.edges_lost.
+// Largest number of edges in one period; more are counted in narx_samples_t.edges_lost.
 #define NARX_EDGES_MAX 4
 
 // Bit of narx_samples_t.lines: the gate driver reports a fault.
@@ -924,13 +927,13 @@ typedef union narx_fields_t {
 // 64-bit words of a narx_storage_t on any processor.
 #define NARX_STORAGE_WORDS 320
 
-// Bytes that one program call writes at most: a page, within which it stays.
+// Largest number of bytes of one program call: a page, within which it stays.
 #define NARX_FLASH_PAGE 256
 
 // Bytes of the smallest erase.
 #define NARX_FLASH_SUBSECTOR 4096
 
-// What every call answers: 0 or more when it did its work, negative when it did nothing.
+// Result of every call: 0 or more if the call did its work, negative if it did nothing.
 enum narx_status_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -938,25 +941,25 @@ enum narx_status_t
  {
     // Done.
     NARX_OK = 0,
-    // Done, and there is nothing to hand out.
+    // Done; there is nothing to hand out.
     NARX_NOTHING = 1,
-    // A pointer is NULL that must not be.
+    // A required pointer is NULL.
     NARX_ERROR_NULL = -1,
-    // A pointer is not aligned as its type asks for.
+    // A pointer is not aligned as its type requires.
     NARX_ERROR_ALIGNMENT = -2,
     // The storage is too small: see the size function of its type.
     NARX_ERROR_SIZE = -3,
-    // The storage holds nothing of its type: it was not initialised, or a drive was moved since.
+    // The storage holds no object of its type: it was not initialised, or a drive was moved since.
     NARX_ERROR_UNINITIALISED = -4,
-    // The board's constants lead to no working controller.
+    // No working controller can be built from the board's constants.
     NARX_ERROR_BOARD = -5,
-    // A field of the samples has a value that does not exist.
+    // A field of the samples has an undefined value.
     NARX_ERROR_SAMPLES = -6,
     // Not a CAN frame: identifier or length out of range.
     NARX_ERROR_FRAME = -7,
     // No parameter has this number.
     NARX_ERROR_UNKNOWN_PARAMETER = -8,
-    // The drive alone writes this parameter.
+    // Only the drive writes this parameter.
     NARX_ERROR_READ_ONLY = -9,
     // The value is outside the parameter's range (PROTOCOL.md).
     NARX_ERROR_OUT_OF_RANGE = -10,
@@ -964,11 +967,11 @@ enum narx_status_t
     NARX_ERROR_WRONG_STATE = -11,
     // The parameter store is missing, busy or failed.
     NARX_ERROR_STORAGE = -12,
-    // The bytes do not begin as a recording does.
+    // The bytes do not begin like a recording.
     NARX_ERROR_NOT_A_RECORDING = -13,
     // The recording's container has another version.
     NARX_ERROR_CONTAINER_VERSION = -14,
-    // The recording holds a drive of another layout.
+    // The recording holds a drive with another layout of its state.
     NARX_ERROR_LAYOUT_VERSION = -15,
     // The recording is not one of a drive.
     NARX_ERROR_KIND = -16,
@@ -982,41 +985,41 @@ enum narx_status_t
     NARX_ERROR_STATE = -20,
     // Not a message of this protocol: identifier, type or length do not fit.
     NARX_ERROR_NOT_A_MESSAGE = -21,
-    // A field of the message has a value that means nothing.
+    // A field of the message has an undefined value.
     NARX_ERROR_FIELD = -22,
-    // No such request, or a value that it does not take.
+    // An undefined request, or an undefined value for it.
     NARX_ERROR_REQUEST = -23,
     // The master is silent: it transmits nothing.
     NARX_ERROR_SILENT = -24,
-    // Earlier answers were not taken yet.
+    // Earlier answers were not taken yet, or earlier messages wait for the bus.
     NARX_ERROR_FULL = -25,
-    // No answer, however often it was asked.
+    // No answer after all attempts.
     NARX_ERROR_NO_ANSWER = -26,
-    // The drive has refused a message that has no answer.
+    // The drive has refused a message to which the protocol has no answer.
     NARX_ERROR_NOT_OBEYED = -27,
     // The drive has no log memory.
     NARX_ERROR_NO_LOG = -28,
-    // A record of the log comes whole and is not what was written.
+    // A record of the log was received whole, but its content is damaged.
     NARX_ERROR_SPOILED = -29,
-    // The download was ended by narx_master_abort_download.
+    // The download was aborted by narx_master_abort_download.
     NARX_ERROR_ABORTED = -30,
-    // No such node-id: 1 to 127.
+    // The node-id is not 1 to 127.
     NARX_ERROR_NODE = -31,
-    // No such TX-Driver: channels, sample rate or measuring range.
+    // No TX-Driver has these channels, sample rate or measuring range.
     NARX_ERROR_VARIANT = -32,
     // No entry has this number.
     NARX_ERROR_UNKNOWN_ENTRY = -33,
     // The node refuses to read or write the entry.
     NARX_ERROR_ENTRY = -34,
-    // No such state of a CAN controller.
+    // The node refused to read or write the entry.
     NARX_ERROR_BUS_STATE = -35,
-    // A block cannot be built from its settings; narx_setting_error_t says which.
+    // A block cannot be built from its settings; narx_setting_error_t names the setting.
     NARX_ERROR_SETTING = -36,
-    // An argument has a value that does not exist.
+    // An argument has an undefined value.
     NARX_ERROR_ARGUMENT = -37,
     // The drive would clamp this set-point: narx_master_speed_limits.
     NARX_ERROR_SPEED = -38,
-    // The board lacks what the value needs (narx_board_t, equipment).
+    // The board lacks equipment that the value needs (narx_board_t, equipment).
     NARX_ERROR_NOT_EQUIPPED = -39,
 };
 #ifndef __cplusplus
@@ -1175,7 +1178,7 @@ typedef uint8_t narx_edge_source_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What can be downloaded.
+// Data that can be downloaded.
 enum narx_download_kind_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint8_t
@@ -1185,7 +1188,8 @@ enum narx_download_kind_t
     NARX_DOWNLOAD_KIND_DESCRIPTION = 0,
     // The scope's record: `count` words, selected signals times samples, at most 65 536. Q3.12.
     NARX_DOWNLOAD_KIND_SCOPE = 1,
-    // `count` records of the log from index `first` on; each comes in as many words as half of parameter 69 says.
+    // `count` records of the log from index `first` on; each has half as many words as parameter 69 has
+    // bytes.
     NARX_DOWNLOAD_KIND_LOG = 2,
 };
 #ifndef __cplusplus
@@ -1196,7 +1200,7 @@ typedef uint8_t narx_download_kind_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What can be asked of a drive once.
+// Kind of a request to a drive.
 enum narx_request_kind_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint8_t
@@ -1206,23 +1210,24 @@ enum narx_request_kind_t
     NARX_REQUEST_KIND_READ = 0,
     // Write `value` to parameter `number`.
     NARX_REQUEST_KIND_WRITE = 1,
-    // Run the command parameter `number`: NARX_PARAMETER_STORE and its like.
+    // Run the command parameter `number`: NARX_PARAMETER_STORE and others of its kind.
     NARX_REQUEST_KIND_RUN = 2,
-    // BUILD_INFO; what it says is in the frame that answers: narx_message_decode.
+    // Read BUILD_INFO; its content is in the frame that answers: narx_message_decode.
     NARX_REQUEST_KIND_BUILD_INFO = 3,
-    // DEVICE_INFO; likewise.
+    // Read DEVICE_INFO; its content is in the frame that answers: narx_message_decode.
     NARX_REQUEST_KIND_DEVICE_INFO = 4,
     // Restart the drive.
     NARX_REQUEST_KIND_REBOOT = 5,
-    // Factory values; `value` is the serial number of the board that is meant.
+    // Restore factory values; `value` is the serial number of the addressed board.
     NARX_REQUEST_KIND_RESTORE_FACTORY = 6,
-    // Set the digital lines: `value` bit 0 enables DSIO1, bit 1 is its level, bits 2 and 3 likewise DSIO2.
+    // Set the digital lines: `value` bit 0 enables DSIO1, bit 1 is its level, bits 2 and 3 are the same for
+    // DSIO2.
     NARX_REQUEST_KIND_DIGITAL_OUTPUTS = 7,
     // Switch the hall supply off (`value` 1), or leave it to parameter 97 (0).
     NARX_REQUEST_KIND_DISABLE_HALL_SUPPLY = 8,
-    // Arm the scope; when it is armed, force its trigger.
+    // Arm the scope; if it is armed, force its trigger.
     NARX_REQUEST_KIND_TRIGGER_SCOPE = 9,
-    // Length and CRC-32 of the description; they are in the frame that answers: narx_message_decode.
+    // Read length and CRC-32 of the description; they are in the frame that answers: narx_message_decode.
     NARX_REQUEST_KIND_DESCRIPTION_INFO = 10,
 };
 #ifndef __cplusplus
@@ -1233,33 +1238,37 @@ typedef uint8_t narx_request_kind_t;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What a message is.
+// Kind of a message.
 enum narx_tx_kind_t
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint8_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // Master: node `node`, or all for 0, is to obey NMT command `command`: 1 start, 2 stop, 128 pre-operational, 129 reset.
+    // Master: NMT command `command` to node `node`, or to all for 0: 1 start, 2 stop, 128 pre-operational,
+    // 129 reset.
     NARX_TX_KIND_NMT = 0,
-    // Master: all nodes sample now and send PDO2.
+    // Master: SYNC; all nodes sample now and send PDO2.
     NARX_TX_KIND_SYNC = 1,
-    // Master: `node` is to send PDO3 of `size` bytes.
+    // Master: request to `node` for PDO3, of `size` bytes.
     NARX_TX_KIND_REQUEST_PDO = 2,
-    // Master: read entry `index`, `subindex` of `node`.
+    // Master: read request for entry `index`, `subindex` of `node`.
     NARX_TX_KIND_READ = 3,
-    // Master: write `value` to it; `size` is 1 to 4 bytes, or 0 if only the node knows.
+    // Master: request to write `value` to the entry `index`, `subindex` of `node`; `size` is 1 to 4 bytes,
+    // or 0 if only the node knows it.
     NARX_TX_KIND_WRITE = 4,
-    // Node: boot-up or heartbeat; `command` is its state: 0 boot-up, 4 Stopped, 5 Operational, 127 Pre-Operational.
+    // Node: boot-up or heartbeat; `command` is its state: 0 boot-up, 4 Stopped, 5 Operational, 127
+    // Pre-Operational.
     NARX_TX_KIND_HEARTBEAT = 5,
     // Node: an error; `value` is its code.
     NARX_TX_KIND_ERROR = 6,
-    // Node: `positions` and `encoder`, as far as the layout has them; `command` is the number of the PDO, 1 to 3.
+    // Node: PDO with `positions` and `encoder`, as far as the layout has them; `command` is the number of
+    // the PDO, 1 to 3.
     NARX_TX_KIND_PDO = 7,
     // Node: the entry was written.
     NARX_TX_KIND_WRITTEN = 8,
     // Node: the entry holds `value`, of `size` bytes.
     NARX_TX_KIND_VALUE = 9,
-    // Either: not done, or not wanted any more; `value` is the abort code (Table 10).
+    // Master or node: the request was refused or is aborted; `value` is the abort code (Table 10).
     NARX_TX_KIND_ABORT = 10,
 };
 #ifndef __cplusplus
@@ -1278,23 +1287,24 @@ typedef struct narx_commutator_t {
 
 // Settings of a narx_commutator_t.
 typedef struct narx_commutation_settings_t {
-    // Commutation ahead of its place, electrical, 0 to 3 000 in 0.01 degree.
+    // Timing advance, electrical, 0 to 3 000 in 0.01 degree.
     uint16_t advance_cdeg;
-    // First instant of a period at which a new step can act, in 1/65 536 of it: when you have the answer.
+    // First instant of a period at which a new step can act, in 1/65 536 of it: when the caller has its
+    // answer.
     uint16_t earliest;
 } narx_commutation_settings_t;
 
-// A setting that no block can be built from.
+// A setting from which no block can be built.
 typedef struct narx_setting_error_t {
-    // What it was.
+    // The rejected value.
     int64_t value;
     // Smallest value that builds, with the other settings as they are.
     int64_t min;
     // Largest value that builds.
     int64_t max;
-    // Fraction bits of the three: 16 for a Q16, 0 for a count.
+    // Fraction bits of the three values: 16 for a Q16, 0 for a count.
     uint8_t fraction_bits;
-    // Name of the setting, as its field is called.
+    // Name of the setting: the name of its field.
     char setting[NARX_NAME_SIZE];
     // Its unit, empty without one.
     char unit[NARX_NAME_SIZE];
@@ -1302,9 +1312,9 @@ typedef struct narx_setting_error_t {
 
 // One pattern change.
 typedef struct narx_commutation_t {
-    // When, in 1/65 536 of the period.
+    // Instant of the change, in 1/65 536 of the period.
     uint16_t instant;
-    // The pattern from then on.
+    // Pattern from then on.
     narx_step_t step;
 } narx_commutation_t;
 
@@ -1312,13 +1322,14 @@ typedef struct narx_commutation_t {
 typedef struct narx_steps_t {
     // The step at the earliest instant.
     narx_step_t step;
-    // How many of `commutations` count.
+    // Number of valid entries of `commutations`.
     uint8_t commutation_count;
     // Changes later in the period, in order of time.
     struct narx_commutation_t commutations[NARX_COMMUTATIONS_MAX];
 } narx_steps_t;
 
-// Settings of a narx_fault_t. Quantities are Q16. How long each condition must hold stands beside its NARX_CAUSE_* in PROTOCOL.md.
+// Settings of a narx_fault_t. Quantities are Q16. The time for which each condition must hold is listed with
+// its NARX_CAUSE_* in PROTOCOL.md.
 typedef struct narx_fault_settings_t {
     // Ticks a second, 1 000 to 100 000 Hz.
     uint32_t tick_rate;
@@ -1334,9 +1345,10 @@ typedef struct narx_fault_settings_t {
     int32_t warning;
     // Largest pressure reading, -1 000 to 1 000 V; cleared 1/16 below.
     int32_t over_pressure;
-    // Largest electrical speed that is asked for, 0 to 10 000 rev/s: 30 % above is overspeed.
+    // Largest electrical speed that is requested, 0 to 10 000 rev/s: 30 % above is overspeed.
     int32_t speed_max;
-    // Which bits are critical, sum of NARX_FAULT_*; what protects the power stage is critical while driving all the same.
+    // Critical fault mask, sum of NARX_FAULT_*; faults that protect the power stage are critical while
+    // driving in any case.
     uint32_t critical_mask;
     // Torque without a hall edge for this long is a stall, 1 to 65 535 ms.
     uint32_t hall_stall_ms;
@@ -1350,14 +1362,14 @@ typedef struct narx_fault_t {
     uint64_t words[28];
 } narx_fault_t;
 
-// What the fault logic looks at in one tick. Quantities are Q16; flags are not 0 where they hold. Zeroed, it is a board at rest without a
-// supply.
+// Inputs of the fault logic in one tick. Quantities are Q16; a flag is set if it is not 0. All zeros
+// describe a board at rest without a supply.
 typedef struct narx_evidence_t {
     // Bus voltage.
     int32_t bus_voltage;
     // Mean DC-link current of this tick.
     int32_t bus_current;
-    // The same after a first-order filter of 64 ticks.
+    // Mean DC-link current after a first-order filter of 64 ticks.
     int32_t bus_current_filtered;
     // Temperature of the power stage.
     int32_t temperature;
@@ -1367,11 +1379,12 @@ typedef struct narx_evidence_t {
     int32_t speed;
     // Faults of a parameter store: NARX_FAULT_STORE_*.
     uint32_t store_faults;
-    // What sensorless control has failed of: NARX_CAUSE_SENSORLESS_STALL, _DESYNCHRONISATION or _WRONG_LOCK, or 0.
+    // Failure of sensorless control: NARX_CAUSE_SENSORLESS_STALL, _DESYNCHRONISATION or _WRONG_LOCK; 0
+    // without one.
     uint16_t sensorless;
     // Digital inputs: sum of NARX_LINE_*.
     uint8_t lines;
-    // What is asked for: 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown.
+    // The master's request: 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown.
     uint8_t request;
     // A self-test has failed.
     uint8_t self_test_failed;
@@ -1381,9 +1394,9 @@ typedef struct narx_evidence_t {
     uint8_t hall_jump;
     // Sectors that the hall sensors have turned in this tick, signed.
     int8_t hall_sectors;
-    // No hall edge for the hall time-out.
+    // No hall edge came for the hall time-out.
     uint8_t hall_stopped;
-    // The hall closed loop is running: its sensors are judged.
+    // The hall closed loop is running: its sensors are checked for plausibility.
     uint8_t hall_driving;
     // The bridge is on, or a start is about to turn it on.
     uint8_t driving;
@@ -1393,15 +1406,15 @@ typedef struct narx_evidence_t {
     uint8_t open_phase;
 } narx_evidence_t;
 
-// What the fault logic tells.
+// Outputs of the fault logic.
 typedef struct narx_faults_t {
-    // What is present or latched: sum of NARX_FAULT_*.
+    // Faults that are present or latched: sum of NARX_FAULT_*.
     uint32_t word;
-    // What is latched of it.
+    // Latched faults.
     uint32_t critical;
     // Extended code of the first critical fault, a NARX_CAUSE_*; 0 without one.
     uint16_t cause;
-    // Not 0: a critical fault is present, the bridge is to go off.
+    // Not 0: a critical fault is present; the bridge must be switched off.
     uint8_t present;
     // Not 0: none of the latched causes is present any more.
     uint8_t causes_gone;
@@ -1413,7 +1426,7 @@ typedef struct narx_change_t {
     uint8_t from;
     // State after.
     uint8_t to;
-    // Not 0: no command came for the time-out.
+    // Not 0: the change fired because of the command time-out.
     uint8_t timed_out;
 } narx_change_t;
 
@@ -1421,17 +1434,17 @@ typedef struct narx_change_t {
 typedef struct narx_hall_settings_t {
     // Ticks a second, 1 000 to 100 000 Hz.
     uint32_t tick_rate;
-    // How far the edges lie beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
+    // Offset of the edges beyond their place, -18 000 to 18 000 in 0.01 electrical degree.
     int32_t offset_cdeg;
     // No edge for this long means standstill, ms, and no more than 65 535 ticks.
     uint32_t timeout_ms;
     // Slowest electrical speed that is interpolated between edges, Q16 rev/s.
     int32_t interpolation_min;
-    // Which permutation of the lines, 0 to 5; 0 is A, B, C.
+    // Permutation of the lines, 0 to 5; 0 is A, B, C.
     uint8_t order;
     // Lines to invert before the permutation: bit 0 = A, bit 1 = B, bit 2 = C.
     uint8_t polarity;
-    // Not 0: edges come time-stamped; else the level alone is looked at, once a tick.
+    // Not 0: edges are time-stamped; else only the level is read, once a tick.
     uint8_t captured;
 } narx_hall_settings_t;
 
@@ -1443,33 +1456,33 @@ typedef struct narx_hall_t {
 
 // One time-stamped edge.
 typedef struct narx_edge_t {
-    // When, in 1/65 536 of the period that has just ended.
+    // Instant, in 1/65 536 of the period that has just ended.
     uint16_t instant;
-    // What changed: a narx_edge_source_t.
+    // Source of the edge: a narx_edge_source_t.
     uint8_t source;
     // The three lines after the edge: bit 0 = A, bit 1 = B, bit 2 = C.
     uint8_t code;
 } narx_edge_t;
 
-// What the sensors say after a tick.
+// Reading of the sensors after a tick.
 typedef struct narx_hall_reading_t {
     // Electrical angle at the present period's boundary, 2^32 a turn; for narx_commutation_step.
     uint32_t angle;
-    // 2^-32 turn a tick, signed; for narx_commutation_step.
+    // Speed, 2^-32 turn a tick, signed; for narx_commutation_step.
     int32_t turn_speed;
-    // Electrical speed, Q16 rev/s, signed, never more than the edge that has not come allows.
+    // Electrical speed, Q16 rev/s, signed, limited by the time for which the next edge has not come.
     int32_t speed;
-    // 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; 255 until the first valid code.
+    // Sector, 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; 255 until the first valid code.
     uint8_t sector;
     // Sectors turned in this tick, signed.
     int8_t sectors;
-    // Not 0: the code is 000 or 111 now.
+    // Not 0: the present code is 000 or 111.
     uint8_t invalid;
     // Not 0: a sector was jumped over in this tick.
     uint8_t jump;
-    // Not 0: no edge for the time-out.
+    // Not 0: no edge came for the time-out: standstill.
     uint8_t stopped;
-    // Not 0: torque by this position could be torque in any direction.
+    // Not 0: the position is doubtful; torque by this position could act in any direction.
     uint8_t doubtful;
 } narx_hall_reading_t;
 
@@ -1515,7 +1528,7 @@ typedef struct narx_ramp_settings_t {
     uint32_t step_rate;
 } narx_ramp_settings_t;
 
-// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; flags are not 0 where they hold.
+// Settings of a narx_state_machine_t. Durations are 0 to 3 600 000 ms; a flag is set if it is not 0.
 typedef struct narx_state_settings_t {
     // Ticks a second, 1 000 to 100 000 Hz.
     uint32_t tick_rate;
@@ -1529,13 +1542,13 @@ typedef struct narx_state_settings_t {
     uint32_t auto_restart_ms;
     // Wait before a fault can be acknowledged.
     uint32_t fault_wait_ms;
-    // No command for so long while driving is a fault.
+    // Longest time without a command while driving; more is a fault.
     uint32_t command_timeout_ms;
-    // Open loop may run the motor.
+    // Open loop is enabled.
     uint8_t open_loop;
-    // The sensorless loop may run the motor.
+    // The sensorless loop is enabled.
     uint8_t sensorless;
-    // The hall loop may run the motor, before the others.
+    // The hall loop is enabled; it takes precedence over the other two.
     uint8_t hall;
 } narx_state_settings_t;
 
@@ -1545,7 +1558,7 @@ typedef struct narx_state_machine_t {
     uint64_t words[11];
 } narx_state_machine_t;
 
-// What the machine looks at in one tick; flags are not 0 where they hold.
+// Inputs of the state machine in one tick; a flag is set if it is not 0.
 typedef struct narx_state_inputs_t {
     // A critical fault is present.
     uint8_t critical;
@@ -1557,21 +1570,22 @@ typedef struct narx_state_inputs_t {
     uint8_t stopped;
     // A hall calibration has a result.
     uint8_t calibrated;
-    // The present parameters fit each other.
+    // A working controller can be built from the present parameters.
     uint8_t parameters_fit;
 } narx_state_inputs_t;
 
-// Where the machine stands.
+// Present state of the machine.
 typedef struct narx_state_report_t {
-    // Ticks in this state, saturating.
+    // Ticks in the present state, saturating.
     uint32_t age;
     // A narx_state_t.
     uint8_t state;
     // Direction of this start: 0 forward, 1 reverse.
     uint8_t direction;
-    // Why the last start was refused: 0 it was not, 1 no mode is enabled, 2 parameters, 4 Standby was not requested since the last stop.
+    // Reason why the last start was refused: 0 it was not, 1 no mode is enabled, 2 parameters, 4 Standby was
+    // not requested since the last stop.
     uint8_t refusal;
-    // Not 0: this tick turns the bridge on unless something refuses it.
+    // Not 0: this tick turns the bridge on unless a condition prevents the start.
     uint8_t starting;
 } narx_state_report_t;
 
@@ -1591,35 +1605,36 @@ typedef struct narx_zero_crossing_settings_t {
     uint32_t blanking_us;
     // Delay of a rising crossing, -10 000 to 10 000 us.
     int32_t delay_rising_us;
-    // Delay of a falling crossing, the same.
+    // Delay of a falling crossing, -10 000 to 10 000 us.
     int32_t delay_falling_us;
-    // Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm; 0 unknown, then crossings in the off-time are not corrected for their
-    // threshold.
+    // Line-to-line back-EMF, 0 to 1 000 000 uV a mechanical rpm. 0 is unknown: crossings in the off-time are
+    // then not corrected for their threshold.
     uint32_t back_emf_uv_per_rpm;
     // Scale of the three phase terminals.
     struct narx_channel_t terminal;
     // Scale of the bus voltage.
     struct narx_channel_t bus_voltage;
-    // Where in its period a new step acts, and the advance of the next commutation.
+    // Instant of the period at which a new step acts, and the advance of the next commutation.
     struct narx_commutation_settings_t commutation;
     // Pole pairs, 1 to 100.
     uint16_t pole_pairs;
     // No crossing for this long is standstill, 1 to 32 767 ticks.
     uint16_t timeout_ticks;
-    // Smallest signal that is told from noise, 1 to 255 codes of a terminal.
+    // Smallest signal that stands out of the noise, 1 to 255 codes of a terminal.
     uint8_t noise_codes;
     // Not 0: comparators with captured edges take the place of samples.
     uint8_t comparator;
 } narx_zero_crossing_settings_t;
 
-// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved between calls.
+// A zero crossing detector with its estimator: memory that the caller owns. It may be copied and moved
+// between calls.
 typedef struct narx_zero_crossing_t {
     // Private.
     uint64_t words[37];
 } narx_zero_crossing_t;
 
-// Everything the tick `tick` knows of the outside, measured in period `tick` at the instant that the command before
-// asked for.
+// All inputs of the tick `tick`, measured in period `tick` at the instant that the previous command
+// requested.
 typedef struct narx_samples_t {
     // Number of this PWM period since power-up.
     uint64_t tick;
@@ -1629,80 +1644,85 @@ typedef struct narx_samples_t {
     uint16_t bus_voltage;
     // Bus current, converter code; see current_mode.
     uint16_t bus_current;
-    // From the bus voltage's conversion to phase C's, in 1/65 536 of a period (A and B lie evenly between).
+    // Time from the bus voltage's conversion to phase C's, in 1/65 536 of a period (A and B lie evenly
+    // between).
     uint16_t skew;
-    // Where in the period the phase voltages were sampled: a narx_sample_mode_t.
+    // Part of the period in which the phase voltages were sampled: a narx_sample_mode_t.
     uint8_t sample_mode;
-    // What bus_current is: a narx_current_mode_t.
+    // Kind of bus_current: a narx_current_mode_t.
     uint8_t current_mode;
     // Hall lines at the sampling instant: bit 0 = A, bit 1 = B, bit 2 = C.
     uint8_t hall;
     // Digital inputs at the sampling instant: sum of NARX_LINE_*, a bit is set while the input is asserted.
     uint8_t lines;
-    // How many of `edges` count.
+    // Number of valid `edges`.
     uint8_t edge_count;
-    // Edges of period `tick` - 1 that found no room.
+    // Number of edges of period `tick` - 1 beyond NARX_EDGES_MAX.
     uint8_t edges_lost;
     // Edges captured during the whole of period `tick` - 1, oldest first.
     struct narx_edge_t edges[NARX_EDGES_MAX];
 } narx_samples_t;
 
-// The pattern that was in force in the period that has ended.
+// The pattern that was applied in the period that has ended.
 typedef struct narx_applied_t {
-    // When the phases were sampled, in 1/65 536 of the period.
+    // Instant at which the phases were sampled, in 1/65 536 of the period.
     uint16_t sample_at;
-    // The step at its earliest instant: a narx_step_t.
+    // Step at the period's earliest instant: a narx_step_t.
     uint8_t step;
-    // How many changes followed.
+    // Number of changes that followed.
     uint8_t commutation_count;
-    // Their instants, in 1/65 536 of the period.
+    // Instants of the changes, in 1/65 536 of the period.
     uint16_t instants[NARX_COMMUTATIONS_MAX];
-    // The steps from then on.
+    // Steps after the changes.
     uint8_t steps[NARX_COMMUTATIONS_MAX];
 } narx_applied_t;
 
-// What the terminals say after a tick.
+// Reading of the terminals after a tick.
 typedef struct narx_zero_crossing_reading_t {
-    // A crossing that was seen in this tick: how long before the present boundary, 1/65 536 tick; INT32_MIN without one.
+    // Age of a crossing that was seen in this tick: time from it to the present boundary, 1/65 536 tick,
+    // negative after the boundary; INT32_MIN without one.
     int32_t crossing;
-    // The next commutation, this long after the present boundary, 1/65 536 tick: 0 is now, UINT32_MAX that it is not known.
+    // Time from the present boundary to the next commutation, 1/65 536 tick: 0 is now, UINT32_MAX is
+    // unknown.
     uint32_t commutation;
     // Electrical angle at the present boundary, 2^32 a turn; for narx_commutation_step.
     uint32_t angle;
-    // 2^-32 turn a tick, signed; for narx_commutation_step.
+    // Speed, 2^-32 turn a tick, signed; for narx_commutation_step.
     int32_t turn_speed;
-    // Electrical speed, Q16 rev/s, signed; 0 while none is known.
+    // Electrical speed, Q16 rev/s, signed; 0 while unknown.
     int32_t speed;
     // Crossings accepted since narx_zero_crossing_init, wrapping.
     uint32_t accepted;
-    // How far the last accepted crossing lay behind its prediction, 65 536 a turn.
+    // Lag of the last accepted crossing behind its prediction, 65 536 a turn.
     int16_t margin;
-    // What became of the last step's crossing: 0 none yet, 1 accepted, 2 too early, 3 not seen, 4 hidden by demagnetisation, 5 heard from a
-    // coasting motor.
+    // Outcome of the last step's crossing: 0 none yet, 1 accepted, 2 too early, 3 not seen, 4 hidden by
+    // demagnetisation, 5 seen on a coasting motor.
     uint8_t why;
     // Not 0: six consistent crossings of both polarities; the position may close a loop.
     uint8_t running;
-    // Not 0: the bridge is to go off: 1 stalled, 2 out of step.
+    // Not 0: the bridge must be switched off: 1 stalled, 2 out of step.
     uint8_t lost;
 } narx_zero_crossing_reading_t;
 
-// What a board promises the control core.
+// Constants of a board.
 typedef struct narx_board_t {
     // Control ticks, and PWM periods, per second (Hz): 1 000 to 100 000.
     uint32_t tick_rate;
-    // First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken and
-    // narx_drive_step has returned.
+    // First instant of a period at which a new step can act, in 1/65 536 of the period: the sample is taken
+    // and narx_drive_step has returned.
     uint16_t earliest;
-    // Both switches of a leg stay off this long between one and the other, ns.
+    // Time for which both switches of a leg stay off between one and the other, ns.
     uint16_t dead_time_ns;
-    // Resistance of the two switches that conduct in a step, milliohm: what the drive knows of its losses (output power, Table 1).
+    // Resistance of the two switches that conduct in a step, milliohm; the drive computes its losses from it
+    // (output power, Table 1).
     uint16_t bridge_milliohm;
     // Not 0: the hall lines have time-stamping input captures.
     uint8_t hall_capture;
     // Not 0: back-EMF comparators with time-stamping input captures watch the floating phase.
     uint8_t comparator_capture;
-    // Parts that the board has; the drive refuses what needs another. Sum of 1 external temperature sensor, 2 switch for the supply of
-    // the hall sensors, 4 DSIO1 and DSIO2 as inputs, 8 as outputs, 16 accelerometer, 32 pressure input, 64 memory of the log.
+    // Parts that the board has; the drive refuses a parameter value that needs another one. Sum of 1
+    // external temperature sensor, 2 switch for the supply of the hall sensors, 4 DSIO1 and DSIO2 as inputs,
+    // 8 as outputs, 16 accelerometer, 32 pressure input, 64 memory of the log.
     uint8_t equipment;
     // Bus voltage, uV per code.
     struct narx_channel_t bus_voltage;
@@ -1712,14 +1732,14 @@ typedef struct narx_board_t {
     struct narx_channel_t bus_current;
 } narx_board_t;
 
-// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is the library's own. It must
-// neither move nor be copied after narx_drive_init; to end a drive, stop calling it.
+// A drive: memory that the caller owns, static, on a stack or from a pool. Its content is private to the
+// library. It must neither move nor be copied after narx_drive_init. To end a drive, stop calling it.
 typedef struct narx_drive_t {
     // Private.
     uint64_t words[NARX_DRIVE_WORDS];
 } narx_drive_t;
 
-// What firmware and board say of themselves (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
+// Identity of firmware and board (BUILD_INFO, DEVICE_INFO, parameters 4 to 7).
 typedef struct narx_identity_t {
     // Date of the build, YYYYMMDD in decimal.
     uint32_t build_date;
@@ -1735,26 +1755,27 @@ typedef struct narx_identity_t {
 
 // A parameter that was stored.
 typedef struct narx_stored_t {
-    // Its number: a NARX_PARAMETER_*.
+    // Number of the parameter: a NARX_PARAMETER_*.
     uint16_t number;
-    // Its raw value.
+    // Raw value.
     int32_t value;
 } narx_stored_t;
 
-// The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k + 1.
+// The answer to the samples of period k. `step` and `commutations` act in period k, the rest from period k +
+// 1.
 typedef struct narx_pwm_command_t {
-    // Duty of the switched legs in period k + 1: U1F15, 32 768 = 1, never more. The on-time is centred on the
+    // Duty of the switched legs in period k + 1: U1F15, at most 32 768 = 1. The on-time is centred on the
     // period's boundary.
     uint16_t duty;
-    // When to sample in period k + 1, in 1/65 536 of it.
+    // Sampling instant in period k + 1, in 1/65 536 of it.
     uint16_t sample_at;
-    // What that sample will show.
+    // Part of the period in which that sample is taken.
     narx_sample_mode_t sample_mode;
-    // How current freewheels in period k + 1.
+    // Freewheeling in period k + 1.
     narx_rectification_t rectification;
     // The pattern to apply at once, when narx_drive_step returns. Coast turns all six switches off.
     narx_step_t step;
-    // How many of `commutations` count.
+    // Number of valid entries of `commutations`.
     uint8_t commutation_count;
     // Pattern changes later in period k, in order of time, none before the board's `earliest`.
     struct narx_commutation_t commutations[NARX_COMMUTATIONS_MAX];
@@ -1768,30 +1789,30 @@ typedef struct narx_frame_t {
     uint8_t extended;
     // Not 0: a remote request, without data.
     uint8_t remote;
-    // Data bytes, or those asked for: 0 to 8.
+    // Number of data bytes, or of those that a remote frame requests: 0 to 8.
     uint8_t length;
-    // The data bytes, `length` of which count.
+    // Data bytes; the first `length` are valid.
     uint8_t data[8];
 } narx_frame_t;
 
-// A TX-Driver: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls. Calls for one
-// TX-Driver must not interrupt each other.
+// A TX-Driver: memory that the caller owns. Its content is private to the library; it may be copied and
+// moved between calls. Calls for one TX-Driver must not interrupt each other.
 typedef struct narx_tx_driver_t {
     // Private.
     uint64_t words[NARX_TX_DRIVER_WORDS];
 } narx_tx_driver_t;
 
-// What a TX-Driver is made of. Positions in 2^-27 mm.
+// Hardware and firmware of a TX-Driver. Positions in 2^-27 mm.
 typedef struct narx_tx_variant_t {
-    // Sensors: 1 or 2.
+    // Number of sensors: 1 or 2.
     uint8_t channels;
     // Release of the firmware, major in the high byte (2100h).
     uint16_t firmware;
-    // Samples a second that narx_tx_driver_handle_sample is called with, Hz.
+    // Rate at which narx_tx_driver_handle_sample is called, Hz.
     uint32_t sample_rate;
-    // Where the measuring range of each sensor starts.
+    // Start of each sensor's measuring range.
     int32_t range_start[2];
-    // Where it ends, beyond the start.
+    // End of each sensor's measuring range, beyond its start.
     int32_t range_end[2];
 } narx_tx_variant_t;
 
@@ -1805,72 +1826,72 @@ typedef struct narx_bus_state_t {
     uint16_t receive_errors;
 } narx_bus_state_t;
 
-// What the PDOs of a node carry.
+// Layout of a node's PDOs.
 typedef struct narx_tx_layout_t {
-    // Sensors: 1 or 2.
+    // Number of sensors: 1 or 2.
     uint8_t channels;
     // Not 0: the encoder's value follows.
     uint8_t encoder;
 } narx_tx_layout_t;
 
-// What a TX-Driver tells its board.
+// State of a TX-Driver that its board needs.
 typedef struct narx_tx_driver_report_t {
-    // Bits per second to set the CAN controller to.
+    // Bit rate for the CAN controller, bit/s.
     uint32_t bits_per_second;
     // The node-id in force.
     uint8_t node;
     // NMT state: 4 Stopped, 5 Operational, 127 Pre-Operational.
     uint8_t state;
-    // What its PDOs carry.
+    // Layout of its PDOs.
     struct narx_tx_layout_t layout;
     // Levels of the two switching outputs.
     uint8_t outputs[2];
 } narx_tx_driver_report_t;
 
-// The master of one TX-Driver: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls.
-// Calls for one master must not interrupt each other.
+// The master of one TX-Driver: memory that the caller owns. Its content is private to the library; it may be
+// copied and moved between calls. Calls for one master must not interrupt each other.
 typedef struct narx_tx_master_t {
     // Private.
     uint64_t words[NARX_TX_MASTER_WORDS];
 } narx_tx_master_t;
 
-// What came of a request.
+// Answer to a request.
 typedef struct narx_tx_answer_t {
     // NARX_OK, NARX_ERROR_NO_ANSWER, or NARX_ERROR_ENTRY with the abort code of Table 10 in `value`.
     narx_status_t status;
-    // What was read or written.
+    // Value that was read or written.
     uint32_t value;
-    // Of which entry: a NARX_TX_ENTRY_*.
+    // Entry of the request: a NARX_TX_ENTRY_*.
     uint8_t entry;
-    // Not 0: it was written, or else read.
+    // Not 0: the request was a write; else a read.
     uint8_t written;
 } narx_tx_answer_t;
 
-// What a master knows of its node.
+// State of a node, from its last messages.
 typedef struct narx_tx_node_report_t {
-    // When the last positions came, microseconds; UINT64_MAX before the first.
+    // Time of reception of the last positions, microseconds; UINT64_MAX before the first.
     uint64_t at;
     // The last positions, 2^-27 mm; 0 before the first.
     int32_t positions[2];
-    // Boot-up messages.
+    // Number of boot-up messages.
     uint32_t boots;
-    // Error messages.
+    // Number of error messages.
     uint32_t errors;
-    // Frames of the node that mean nothing: PDOs of another layout, above all.
+    // Number of the node's frames that cannot be decoded: most likely PDOs of another layout.
     uint32_t malformed;
     // Encoder, counts; 0 before the first.
     uint16_t encoder;
     // Code of the last error message; 0 before the first.
     uint16_t last_error;
-    // Not 0: the node was heard lately.
+    // Not 0: the node was heard within the last 5 s.
     uint8_t present;
-    // The state that the last heartbeat told, or 255 before the first.
+    // State in the last heartbeat; 255 before the first.
     uint8_t state;
 } narx_tx_node_report_t;
 
-// An eddyCAN message (PROTOCOL.md, section 10). Fields that its kind does not name do not count.
+// An eddyCAN message (PROTOCOL.md, section 10). Fields that are not named at its kind are ignored.
 typedef struct narx_tx_message_t {
-    // Which one: a narx_tx_kind_t.
+    // Kind: a narx_tx_kind_t.
     uint8_t kind;
     // Node-id, 1 to 127.
     uint8_t node;
@@ -1882,9 +1903,9 @@ typedef struct narx_tx_message_t {
     uint16_t index;
     // Counts of the encoder.
     uint16_t encoder;
-    // Bytes of a value.
+    // Number of bytes of a value.
     uint8_t size;
-    // Not 0, of NARX_TX_KIND_ABORT: the node says it, or else the master.
+    // Not 0: the node sends this NARX_TX_KIND_ABORT; else the master does.
     uint8_t from_node;
     // Value, error code or abort code.
     uint32_t value;
@@ -1892,11 +1913,12 @@ typedef struct narx_tx_message_t {
     int32_t positions[2];
 } narx_tx_message_t;
 
-// What the board reads besides the tick's samples, before calibration. Volts and degrees Celsius in Q16: 65 536 is 1 (narx_q16_from_milli).
+// Readings of the board besides the tick's samples, before calibration. Volts and degrees Celsius in Q16:
+// 65 536 is 1 (narx_q16_from_milli).
 typedef struct narx_slow_inputs_t {
     // Sensor on the power board.
     int32_t ambient_temperature;
-    // External sensor, where there is one (parameter 8).
+    // External sensor, if there is one (parameter 8).
     int32_t external_temperature;
     // Pressure input after its amplifier.
     int32_t pressure;
@@ -1920,46 +1942,47 @@ typedef struct narx_slow_inputs_t {
 
 // Levels to apply to the board: 0 or 1.
 typedef struct narx_outputs_t {
-    // DSIO1 drives its line, or else is an input.
+    // 1: DSIO1 is an output; 0: an input.
     uint8_t dsio1_enable;
     // Level of DSIO1.
     uint8_t dsio1_level;
-    // DSIO2 drives its line, or else is an input.
+    // 1: DSIO2 is an output; 0: an input.
     uint8_t dsio2_enable;
     // Level of DSIO2.
     uint8_t dsio2_level;
-    // Supply of the hall sensors.
+    // Switch for the supply of the hall sensors.
     uint8_t hall_supply;
 } narx_outputs_t;
 
-// How a master talks. Times in microseconds.
+// Configuration of a master. Times in microseconds.
 typedef struct narx_master_config_t {
-    // Between two set-points, at least 1 000; 50 000.
+    // Period of the set-points, at least 1 000; default 50 000.
     uint64_t setpoint_period;
-    // How long an answer may take, at least 1 000; 100 000.
+    // Longest time until an answer, at least 1 000; default 100 000.
     uint64_t timeout;
-    // A drive that has said nothing for so long is lost; 500 000.
+    // Silence after which the drive counts as lost; default 500 000.
     uint64_t lost_after;
-    // CAN address of the drive; 170.
+    // CAN address of the drive; default 170.
     uint8_t drive;
-    // CAN address of the master; 85.
+    // CAN address of the master; default 85.
     uint8_t master;
-    // Not 0: transmits nothing and hears everything.
+    // Not 0: listens only and transmits nothing; default 0.
     uint8_t silent;
-    // Not 0: reads every parameter when the drive is first heard, and after it was lost; 1.
+    // Not 0: reads every parameter when the drive is first heard, and after it was lost; default 1.
     uint8_t read_parameters;
-    // How often a message is sent before it counts as not answered; 3.
+    // Number of times that a message is sent before it counts as not answered; default 3.
     uint8_t attempts;
 } narx_master_config_t;
 
-// The master of one drive: memory that the caller owns. Its content is the library's own; it may be copied and moved between calls.
-// Calls for one master must not interrupt each other; different masters have nothing in common.
+// The master of one drive: memory that the caller owns. Its content is private to the library; it may be
+// copied and moved between calls. Calls for one master must not interrupt each other; different masters
+// share nothing.
 typedef struct narx_master_t {
     // Private.
     uint64_t words[NARX_MASTER_WORDS];
 } narx_master_t;
 
-// The set-points that the drive takes as they are, and the parameters that say so.
+// Set-points that the drive accepts unchanged, and the parameters that state them.
 typedef struct narx_speed_limits_t {
     // Smallest magnitude, rpm.
     uint16_t min;
@@ -1967,21 +1990,22 @@ typedef struct narx_speed_limits_t {
     uint16_t max;
     // Number of the parameter of `min`: 102, 104, or 88 in open loop; 65 535 while no mode is enabled.
     uint16_t min_parameter;
-    // Number of the parameter of `max`: 101, 103, or 88; 65 535 likewise.
+    // Number of the parameter of `max`: 101, 103, or 88 in open loop; 65 535 while no mode is enabled.
     uint16_t max_parameter;
 } narx_speed_limits_t;
 
-// What a master knows of its drive.
+// State of a drive, from its last messages.
 typedef struct narx_drive_report_t {
-    // Not 0: the drive was heard lately.
+    // Not 0: the drive was heard within `lost_after` of narx_master_config_t, or within three of its
+    // broadcast periods if that is longer.
     uint8_t connected;
-    // A narx_state_t, or 255 while it is not known.
+    // State: a narx_state_t, or 255 while unknown.
     uint8_t state;
     // Motor mode of the last STATUS_WORD: a narx_motor_mode_t, or 255 before the first.
     uint8_t motor_mode;
     // Control mode of the last STATUS_WORD: a narx_control_mode_t, or 255 before the first.
     uint8_t control_mode;
-    // The set-point that the drive uses, rpm; 0 before it said one.
+    // Set-point that the drive uses, rpm; 0 before the drive sent one.
     uint16_t accepted_speed;
     // Estimated mechanical speed, rpm, negative in reverse; 0 before the first.
     int16_t speed;
@@ -1989,27 +2013,27 @@ typedef struct narx_drive_report_t {
     uint32_t faults;
     // Critical faults of the last CRITICAL_FAULT.
     uint32_t critical;
-    // Its extended fault code: NARX_CAUSE_*.
+    // Extended fault code of that CRITICAL_FAULT: NARX_CAUSE_*.
     uint16_t cause;
 } narx_drive_report_t;
 
 // A NarMotion-X message (PROTOCOL.md, section 2).
 typedef struct narx_message_t {
-    // Which one: a narx_message_kind_t.
+    // Kind: a narx_message_kind_t.
     uint16_t kind;
     // CAN address of the drive; 170 as shipped.
     uint8_t drive;
     // CAN address of the master; 85 as shipped.
     uint8_t master;
-    // What it says: raw numbers, whose unit and scale stand beside each. Those of other messages do not count.
+    // Fields: raw numbers, with unit and scale beside each. The fields of other messages are ignored.
     narx_fields_t fields;
 } narx_message_t;
 
 // Up to three words of a download.
 typedef struct narx_chunk_t {
-    // Place of the first one in the download, words.
+    // Place of the first word in the download, words.
     uint32_t offset;
-    // How many of `words` count.
+    // Number of valid `words`.
     uint8_t length;
     // The words.
     uint16_t words[3];
@@ -2017,62 +2041,68 @@ typedef struct narx_chunk_t {
 
 // A request to a drive.
 typedef struct narx_request_t {
-    // What is asked: a narx_request_kind_t.
+    // Kind: a narx_request_kind_t.
     uint8_t kind;
-    // Of which parameter, where it is about one.
+    // Number of the parameter, if the request is about one.
     uint16_t number;
-    // Raw value, where it has one.
+    // Raw value, if the request has one.
     int32_t value;
 } narx_request_t;
 
-// What came of a request.
+// Answer to a request.
 typedef struct narx_answer_t {
-    // What was asked for.
+    // The request.
     struct narx_request_t request;
-    // NARX_OK, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or why the drive refuses the parameter.
+    // NARX_OK, NARX_ERROR_NO_ANSWER, NARX_ERROR_NOT_OBEYED, or the reason why the drive refuses the
+    // parameter.
     narx_status_t status;
-    // The raw value that the parameter has now; 0 where there is no parameter.
+    // The raw value that the parameter has now; 0 for a request without a parameter.
     int32_t value;
 } narx_answer_t;
 
-// What a replay found.
+// Result of a replay.
 typedef struct narx_outcome_t {
-    // Ticks run.
+    // Number of ticks that were run.
     uint64_t ticks;
-    // Digest of the outputs now.
+    // Digest of the outputs of this replay.
     uint64_t digest;
     // Digest of the outputs when they were recorded; equal to `digest` if they were the same, bit for bit.
     uint64_t recorded_digest;
-    // A warning: the behaviour version that recorded, where it is another one than this library's (the digests may
+    // A warning: the behaviour version of the recorder if it differs from this library's (the digests may
     // then rightly differ); otherwise 0.
     uint16_t other_behaviour;
 } narx_outcome_t;
 
-// Memory of a virtual scope with room for as many samples as parameter 23 can ask for of one signal (4096), or for 68 ms of inputs at
-// 10 kHz. Its content is the library's own; it must stay where it is for as long as the drive lives.
+// Memory of a virtual scope. It has room for the largest number of samples of one signal that parameter 23
+// can request (4096), or for 68 ms of inputs at 10 kHz. Its content is private to the library. It must stay
+// at its address as long as the drive lives.
 typedef struct narx_scope_t {
     // Private.
     uint64_t words[NARX_SCOPE_WORDS];
 } narx_scope_t;
 
-// What stores a drive's parameters and its log: memory that the caller owns. Its content is the library's own.
+// Storage of a drive's parameters and its log: memory that the caller owns. Its content is private to the
+// library.
 typedef struct narx_storage_t {
     // Private.
     uint64_t words[NARX_STORAGE_WORDS];
 } narx_storage_t;
 
-// A serial NOR flash, as the board drives it. The calls wait until the flash is done and answer 0, or anything else if it is not there or has
-// failed: then fault bit 30 says so on the bus.
+// A serial NOR flash, as the board drives it. The functions wait until the flash is done and return 0, or
+// another number if it is absent or has failed. The drive then reports fault bit 30 on the bus.
 typedef struct narx_flash_t {
-    // Bytes of the flash: whole subsectors, 512 KiB or more. The log takes what the parameters leave.
+    // Bytes of the flash: whole subsectors, 512 KiB or more. The log uses the space that the parameters
+    // leave.
     uint32_t size;
-    // Handed to the calls.
+    // Pointer that is passed to the functions.
     void *context;
     // Reads `length` bytes from `address` on.
     int32_t (*read)(void *context, uint32_t address, uint8_t *bytes, size_t length);
-    // Programs `length` bytes from `address` on, within one page of NARX_FLASH_PAGE: bits go from 1 to 0.
+    // Programs `length` bytes from `address` on, within one page of NARX_FLASH_PAGE: bits change from 1 to
+    // 0.
     int32_t (*program)(void *context, uint32_t address, const uint8_t *bytes, size_t length);
-    // Erases from `from` to before `to`, whole subsectors of NARX_FLASH_SUBSECTOR: all bits become 1. Larger sectors in between are yours to use.
+    // Erases from `from` to before `to`, whole subsectors of NARX_FLASH_SUBSECTOR: all bits become 1. The
+    // function may erase larger sectors in between at once.
     int32_t (*erase)(void *context, uint32_t from, uint32_t to);
 } narx_flash_t;
 
@@ -2080,185 +2110,197 @@ typedef struct narx_flash_t {
 extern "C" {
 #endif // __cplusplus
 
-// The step that gives torque in `towards` (0 forward, 1 reverse) to a rotor in `sector`, 0 to 5. Any context; no state.
+// Writes the step that gives torque in direction `towards` (0 forward, 1 reverse) to a rotor in `sector`, 0
+// to 5. Any context; no state.
 narx_status_t narx_commutation_step_for(uint8_t sector,
                                         uint8_t towards,
                                         narx_step_t *step);
 
-// What a step (a narx_step_t) does to the legs of phases A, B, C: 0 both switches off, 1 low side on, 2 switched with the duty; in
-// `legs`, 3 bytes. Any context; no state.
+// Writes the action of a step (a narx_step_t) on the legs of phases A, B, C into `legs`, 3 bytes: 0 both
+// switches off, 1 low side on, 2 switched with the duty. Any context; no state.
 narx_status_t narx_commutation_legs(uint8_t step,
                                     uint8_t *legs);
 
-// Makes a commutation that has not seen a rotor yet. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
-// which.
+// Makes a commutation that knows no rotor position yet. Returns NARX_ERROR_SETTING if it cannot be built
+// from the settings; `error`, which may be NULL, then names the setting.
 narx_status_t narx_commutation_init(struct narx_commutator_t *commutation,
                                     size_t size,
                                     const struct narx_commutation_settings_t *settings,
                                     struct narx_setting_error_t *error);
 
-// The steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed` (2^-32 turn a tick, signed), both at its
-// boundary, and torque in `towards` (0 forward, 1 reverse). A rotor that seems to have fallen back by less than 15 degrees is not commutated
-// back.
+// Writes the steps of this period for a rotor at `angle` (2^32 a turn) that turns with `turn_speed`
+// (2^-32 turn a tick, signed), both at the period's boundary, with torque in direction `towards` (0 forward,
+// 1 reverse). A rotor that seems to have fallen back by less than 15 degrees is not commutated back.
 narx_status_t narx_commutation_step(struct narx_commutator_t *commutation,
                                     uint32_t angle,
                                     int32_t turn_speed,
                                     uint8_t towards,
                                     struct narx_steps_t *steps);
 
-// Forgets the sector: the bridge was off.
+// Forgets the sector; call it after the bridge was off.
 narx_status_t narx_commutation_reset(struct narx_commutator_t *commutation);
 
-// The drive's factory values at 10 kHz; no speed is too high: to change what differs.
+// Writes the drive's factory values at 10 kHz, as a start for your own settings; no speed counts as too
+// high.
 narx_status_t narx_fault_settings_default(struct narx_fault_settings_t *settings);
 
-// Makes fault logic without a fault. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an
-// interrupt: it divides.
+// Makes a fault logic without a fault. Returns NARX_ERROR_SETTING if it cannot be built from the settings;
+// `error`, which may be NULL, then names the setting. Not for an interrupt: it divides.
 narx_status_t narx_fault_init(struct narx_fault_t *fault,
                               size_t size,
                               const struct narx_fault_settings_t *settings,
                               struct narx_setting_error_t *error);
 
-// One tick. A critical fault latches.
+// Runs one tick. A critical fault latches.
 narx_status_t narx_fault_step(struct narx_fault_t *fault,
                               const struct narx_evidence_t *evidence,
                               struct narx_faults_t *faults);
 
-// What the fault logic does as the state machine beside it (narx_state_step) changes its state: a time-out and a failed boot are latched,
-// leaving Fault acknowledges, and sensors are judged anew in every driven episode.
+// Follows a state change of the state machine beside it (narx_state_step): a time-out and a failed boot are
+// latched, leaving Fault acknowledges, and the plausibility checks of the sensors start anew in every driven
+// episode.
 narx_status_t narx_fault_handle_change(struct narx_fault_t *fault,
                                        const struct narx_change_t *change,
                                        const struct narx_evidence_t *evidence);
 
-// Clears what is latched if none of its causes is present any more; else NARX_ERROR_WRONG_STATE, and nothing is done.
+// Clears the latched faults if none of their causes is present any more; else returns NARX_ERROR_WRONG_STATE
+// and does nothing.
 narx_status_t narx_fault_acknowledge(struct narx_fault_t *fault);
 
-// 10 kHz, lines as they are named, the factory's time-out, 1 rev/s, captured edges: to change what differs.
+// Writes default settings, as a start for your own: 10 kHz, lines in the order A, B, C, the factory's
+// time-out, interpolation from 1 rev/s, captured edges.
 narx_status_t narx_hall_settings_default(struct narx_hall_settings_t *settings);
 
-// Makes a station that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+// Makes a station that has not seen the sensors yet. Returns NARX_ERROR_SETTING if it cannot be built from
+// the settings; `error`, which may be NULL, then names the setting.
 narx_status_t narx_hall_init(struct narx_hall_t *hall,
                              size_t size,
                              const struct narx_hall_settings_t *settings,
                              struct narx_setting_error_t *error);
 
-// One tick: the lines now (bit 0 = A, bit 1 = B, bit 2 = C), and the `count` edges of the period that has ended, oldest first, at most
-// NARX_EDGES_MAX; `edge` may be NULL without any.
+// Runs one tick with the lines now (bit 0 = A, bit 1 = B, bit 2 = C) and the `count` edges of the period
+// that has ended, oldest first, at most NARX_EDGES_MAX; `edge` may be NULL if `count` is 0.
 narx_status_t narx_hall_step(struct narx_hall_t *hall,
                              uint8_t code,
                              const struct narx_edge_t *edge,
                              size_t count,
                              struct narx_hall_reading_t *reading);
 
-// Makes a controller at rest: its integrator is 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says
-// which. Not for an interrupt: it divides.
+// Makes a controller at rest: its integrator is 0. Returns NARX_ERROR_SETTING if it cannot be built from the
+// settings; `error`, which may be NULL, then names the setting. Not for an interrupt: it divides.
 narx_status_t narx_pi_init(struct narx_pi_t *pi,
                            size_t size,
                            const struct narx_pi_settings_t *settings,
                            struct narx_setting_error_t *error);
 
-// The output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The integrator never holds more than brings the output
-// to one of them.
-narx_status_t narx_pi_step(struct narx_pi_t *pi,
-                           int32_t error,
-                           int32_t *output);
+// Writes the output for an error, both Q16: u = Kp e + integral of Ki e dt, within its limits. The
+// integrator never holds more than brings the output to a limit.
+narx_status_t narx_pi_step(struct narx_pi_t *pi, int32_t error, int32_t *output);
 
-// Something else decided `applied` (Q16) in this step, whose error was `error`: the integrator goes an eighth of the way to what would have
-// given that, so that the controller takes over again without a bump.
+// Follows the output `applied` (Q16) that something else decided in this step, whose error was `error`. The
+// integrator goes an eighth of the way to the value that would have given `applied`, so that the controller
+// takes over again without a bump.
 narx_status_t narx_pi_track(struct narx_pi_t *pi,
                             int32_t applied,
                             int32_t error);
 
-// The integrator alone gives `output` (Q16) from now on.
+// Sets the integrator so that it alone gives `output` (Q16).
 narx_status_t narx_pi_hold(struct narx_pi_t *pi, int32_t output);
 
-// Makes a ramp at 0. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which. Not for an interrupt: it
-// divides.
+// Makes a ramp at 0. Returns NARX_ERROR_SETTING if it cannot be built from the settings; `error`, which may
+// be NULL, then names the setting. Not for an interrupt: it divides.
 narx_status_t narx_ramp_init(struct narx_ramp_t *ramp,
                              size_t size,
                              const struct narx_ramp_settings_t *settings,
                              struct narx_setting_error_t *error);
 
-// One step towards `target`; where it is then in `value`. Both Q16.
+// Moves one step towards `target` and writes the new value to `value`, both Q16.
 narx_status_t narx_ramp_step(struct narx_ramp_t *ramp, int32_t target, int32_t *value);
 
 // Continues from `value`, Q16.
 narx_status_t narx_ramp_set(struct narx_ramp_t *ramp, int32_t value);
 
-// The drive's factory values at 10 kHz, with hall sensors: to change what differs.
+// Writes the drive's factory values at 10 kHz, with hall sensors, as a start for your own settings.
 narx_status_t narx_state_settings_default(struct narx_state_settings_t *settings);
 
-// Makes a machine in Initialization. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL, says which.
+// Makes a machine in Initialization. Returns NARX_ERROR_SETTING if it cannot be built from the settings;
+// `error`, which may be NULL, then names the setting.
 narx_status_t narx_state_init(struct narx_state_machine_t *machine,
                               size_t size,
                               const struct narx_state_settings_t *settings,
                               struct narx_setting_error_t *error);
 
-// A command has arrived: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point, Q16 rev/s. It feeds the
-// time-out. Standby acknowledges a fault; Drive and Reverse start the motor if Standby was asked for before.
+// Takes a command: `mode` is 0 Standby, 1 Drive, 2 Reverse, 3 Shutdown, `speed` the electrical set-point,
+// Q16 rev/s. It restarts the command time-out. Standby acknowledges a fault; Drive and Reverse start the
+// motor if Standby was requested before.
 narx_status_t narx_state_handle_command(struct narx_state_machine_t *machine,
                                         uint8_t mode,
                                         int32_t speed);
 
-// One tick: time passes, at most one transition fires: NARX_OK and what it was, or NARX_NOTHING.
+// Runs one tick: time passes, and at most one transition fires. Returns NARX_OK and writes the transition to
+// `change`, or returns NARX_NOTHING.
 narx_status_t narx_state_step(struct narx_state_machine_t *machine,
                               const struct narx_state_inputs_t *inputs,
                               struct narx_change_t *change);
 
-// Where it stands.
+// Writes the present state of the machine.
 narx_status_t narx_state_report(struct narx_state_machine_t *machine,
                                 struct narx_state_report_t *report);
 
-// 10 kHz, narx's own converter, 4 codes of noise, 200 us of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is not
-// known: to change what differs.
+// Writes default settings, as a start for your own: 10 kHz, narx's own converter, 4 codes of noise, 200 us
+// of blanking, samples, no delays, no advance, 500 ticks; the back-EMF is unknown.
 narx_status_t narx_zero_crossing_settings_default(struct narx_zero_crossing_settings_t *settings);
 
-// Makes a detector of a motor that nothing has been seen of. NARX_ERROR_SETTING for settings that do not build: `error`, which may be NULL,
-// says which. Not for an interrupt: it divides.
+// Makes a detector that has not seen the motor yet. Returns NARX_ERROR_SETTING if it cannot be built from
+// the settings; `error`, which may be NULL, then names the setting. Not for an interrupt: it divides.
 narx_status_t narx_zero_crossing_init(struct narx_zero_crossing_t *detector,
                                       size_t size,
                                       const struct narx_zero_crossing_settings_t *settings,
                                       struct narx_setting_error_t *error);
 
-// The bridge is about to bring up a rotor that rests at `angle` (2^32 a turn) in `towards` (0 forward, 1 reverse).
+// Begins to bring up a rotor that rests at `angle` (2^32 a turn), in direction `towards` (0 forward, 1
+// reverse).
 narx_status_t narx_zero_crossing_start(struct narx_zero_crossing_t *detector,
                                        uint32_t angle,
                                        uint8_t towards);
 
-// On by a step without any evidence: the rotor that is being brought up has not moved.
+// Goes on by a step without any evidence: the rotor that is being brought up has not moved.
 narx_status_t narx_zero_crossing_force_step(struct narx_zero_crossing_t *detector);
 
-// One tick: what was sampled (phase and bus voltages with their mode, edges of comparators), and the pattern that was in force in the
-// period that has ended, with torque in `towards` (0 forward, 1 reverse).
+// Runs one tick with the samples (phase and bus voltages with their mode, edges of comparators) and the
+// pattern that was applied in the period that has ended, with torque in direction `towards` (0 forward, 1
+// reverse).
 narx_status_t narx_zero_crossing_step(struct narx_zero_crossing_t *detector,
                                       const struct narx_samples_t *samples,
                                       const struct narx_applied_t *applied,
                                       uint8_t towards,
                                       struct narx_zero_crossing_reading_t *reading);
 
-// The default board, to change what differs on yours: 10 kHz, a tick that takes at most 12.5 us, 500 ns dead time, 12-bit
-// converters to 80 V and +-16.4 A.
+// Writes the default board, as a start for your own: 10 kHz, a tick that takes at most 12.5 us, 500 ns dead
+// time, 12-bit converters to 80 V and +-16.4 A.
 narx_status_t narx_board_default(struct narx_board_t *board);
 
-// Bytes that a drive needs on this processor: at most NARX_DRIVE_SIZE. Any context.
+// Returns the bytes that a drive needs on this processor: at most NARX_DRIVE_SIZE. Any context.
 size_t narx_drive_size(void);
 
-// Alignment that a drive needs on this processor: at most that of narx_drive_t. Any context.
+// Returns the alignment that a drive needs on this processor: at most that of narx_drive_t. Any context.
 size_t narx_drive_align(void);
 
 // Makes a drive at power-up, with factory parameters, in `size` bytes of memory (sizeof(narx_drive_t), or
-// narx_drive_size() in memory of your own). `board` is NULL for the default board. What stood in the memory before is lost, a drive
-// included: this is its reboot.
+// narx_drive_size() in memory of your own). `board` is NULL for the default board. The previous content of
+// the memory is lost. If it was a drive, this reboots it.
 //
-// Call it before any other use, not during another call for the same drive. A narx_drive_step that interrupts it
-// answers NARX_ERROR_UNINITIALISED and coast.
+// Call it before any other use, not during another call for the same drive. A narx_drive_step that
+// interrupts it returns NARX_ERROR_UNINITIALISED and writes a coast command.
 narx_status_t narx_drive_init(struct narx_drive_t *drive,
                               size_t size,
                               const struct narx_board_t *board);
 
-// The same with what you have stored and who you are: `count` parameters, which may be NULL for none, and `identity`, which may be NULL.
-// A set as a whole is taken or, for NARX_ERROR_UNKNOWN_PARAMETER and NARX_ERROR_OUT_OF_RANGE, refused: the memory is as it was. A set that is taken and
-// does not build leaves a drive that refuses to start: NARX_PARAMETER_REJECTED_PARAMETER says for which parameter.
+// Makes a drive as narx_drive_init does, with stored parameters and an identity. `stored` has `count`
+// parameters and may be NULL if `count` is 0; `identity` may be NULL. A set is accepted or rejected as a
+// whole: with NARX_ERROR_UNKNOWN_PARAMETER or NARX_ERROR_OUT_OF_RANGE the memory is unchanged. If no working
+// controller can be built from an accepted set, the drive refuses to start;
+// NARX_PARAMETER_REJECTED_PARAMETER holds the number of the parameter.
 narx_status_t narx_drive_init_stored(struct narx_drive_t *drive,
                                      size_t size,
                                      const struct narx_board_t *board,
@@ -2266,338 +2308,371 @@ narx_status_t narx_drive_init_stored(struct narx_drive_t *drive,
                                      const struct narx_stored_t *stored,
                                      size_t count);
 
-// One control tick: takes the samples of this period and answers what to apply. Tick half: call it from the control
-// interrupt, once a PWM period; it may interrupt every other call for the same drive but narx_drive_init and itself.
+// Runs one control tick: takes the samples of this period and writes the command to apply. Tick half: call
+// it from the control interrupt, once a PWM period. It may interrupt every other call for the same drive
+// except narx_drive_init and itself.
 //
-// On an error the command, if there is one to write, is coast at duty 0: a caller who overlooks the status turns the
-// bridge off.
+// On an error the command, if `command` is a valid pointer, is coast at duty 0: a caller that ignores the
+// status still turns the bridge off.
 narx_status_t narx_drive_step(struct narx_drive_t *drive,
                               const struct narx_samples_t *samples,
                               struct narx_pwm_command_t *command);
 
-// Takes a frame that has arrived. Frames that are not for this drive, or not well formed, are counted or ignored as
-// PROTOCOL.md says. Background half.
+// Takes a frame that has arrived. Frames that are not for this drive, or not well formed, are counted or
+// ignored (PROTOCOL.md). Background half.
 narx_status_t narx_drive_handle_frame(struct narx_drive_t *drive,
                                       const struct narx_frame_t *frame);
 
-// Advances the drive's background to the control tick `now` and passes on what has come from the tick and what goes
-// there. Call it once a period or more seldom, after narx_drive_handle_frame and before narx_drive_poll_frame.
-// Background half.
+// Advances the drive's background to the control tick `now` and exchanges data with the tick half. Call it
+// once a period or less often, after narx_drive_handle_frame and before narx_drive_poll_frame. Background
+// half.
 narx_status_t narx_drive_run(struct narx_drive_t *drive,
                              uint64_t now);
 
-// The next frame to send, or NARX_NOTHING. Call it until there is nothing. Background half.
-narx_status_t narx_drive_poll_frame(struct narx_drive_t *drive, struct narx_frame_t *frame);
+// Writes the next frame to send, or returns NARX_NOTHING. Call it until it returns NARX_NOTHING. Background
+// half.
+narx_status_t narx_drive_poll_frame(struct narx_drive_t *drive,
+                                    struct narx_frame_t *frame);
 
-// The next frame of a download that the master has asked for, or NARX_NOTHING; nothing while narx_drive_poll_frame has
-// frames. Call it when no more than one frame is in the controller, the one that is on the bus: more would delay what
-// the drive has to say next. A program that never calls it serves no downloads. Background half.
+// Writes the next frame of a download that the master has requested, or returns NARX_NOTHING, as it does
+// while narx_drive_poll_frame has frames. Call it when no more than one frame is in the controller, the one
+// that is on the bus: more would delay the drive's other messages. A program that never calls it serves no
+// downloads. Background half.
 narx_status_t narx_drive_poll_bulk_frame(struct narx_drive_t *drive,
                                          struct narx_frame_t *frame);
 
-// Writes a parameter as the master does: number, access, range and state are checked, then it acts as PROTOCOL.md
-// says. `value` is the raw value: its unit and scale stand there, too; a 32-bit unsigned one is passed as its bits.
-// Background half.
+// Writes a parameter as the master does: number, access, range and state are checked, then it takes effect
+// as described in PROTOCOL.md. `value` is the raw value, with the unit and scale of PROTOCOL.md; a 32-bit
+// unsigned value is passed as its bits. Background half.
 narx_status_t narx_drive_set_parameter(struct narx_drive_t *drive,
                                        uint16_t number,
                                        int32_t value);
 
-// Reads a parameter, raw as in narx_drive_set_parameter, live ones included. Background half.
+// Reads a parameter, raw as in narx_drive_set_parameter, measured values included. Background half.
 narx_status_t narx_drive_get_parameter(struct narx_drive_t *drive, uint16_t number, int32_t *value);
 
-// Bytes that a TX-Driver needs on this processor: at most sizeof(narx_tx_driver_t). Any context.
+// Returns the bytes that a TX-Driver needs on this processor: at most sizeof(narx_tx_driver_t). Any context.
 size_t narx_tx_driver_size(void);
 
-// Makes a TX-Driver at power-up in `size` bytes of memory: sizeof(narx_tx_driver_t), or narx_tx_driver_size() of your own. `values` are the
-// NARX_TX_VALUES values that were stored, or NULL for factory state. NARX_ERROR_VARIANT if there is no such driver, NARX_ERROR_OUT_OF_RANGE
-// for a stored value that its entry does not take.
+// Makes a TX-Driver at power-up in `size` bytes of memory: sizeof(narx_tx_driver_t), or
+// narx_tx_driver_size() of your own. `values` are the NARX_TX_VALUES values that were stored, or NULL for
+// factory state. Returns NARX_ERROR_VARIANT if there is no such driver, NARX_ERROR_OUT_OF_RANGE for a stored
+// value outside the range of its entry.
 narx_status_t narx_tx_driver_init(struct narx_tx_driver_t *driver,
                                   size_t size,
                                   const struct narx_tx_variant_t *variant,
                                   const uint32_t *values);
 
-// Takes a frame that arrived at `now`, microseconds. A frame that is not for this node, or none of its protocol, changes nothing.
+// Takes a frame that arrived at `now`, microseconds. A frame for another node or of another protocol changes
+// nothing.
 narx_status_t narx_tx_driver_handle_frame(struct narx_tx_driver_t *driver,
                                           const struct narx_frame_t *frame,
                                           uint64_t now);
 
-// Takes a sample, at the variant's rate: positions in 2^-27 mm (the second does not count on a driver of one channel), and the encoder's
-// counter, four counts to a period, running free.
+// Takes a sample, at the variant's rate: positions in 2^-27 mm (the second is ignored on a driver with one
+// channel), and the encoder's free-running counter, four counts to a period.
 narx_status_t narx_tx_driver_handle_sample(struct narx_tx_driver_t *driver,
                                            int32_t position_1,
                                            int32_t position_2,
                                            uint16_t counter);
 
-// Takes the state of the CAN controller, whenever it was looked at. Off the bus no frame is handed out, and positions and answers
-// that wait are dropped; drop what waits in the controller, too. An error that was among that is told again.
+// Takes the state of the CAN controller, as often as the board reads it. Off the bus no frame is handed out,
+// and positions and answers that wait are dropped; drop the frames that wait in the controller, too. An
+// error message among them is sent again.
 narx_status_t narx_tx_driver_handle_bus_state(struct narx_tx_driver_t *driver,
                                               const struct narx_bus_state_t *state);
 
 // Advances time to `now`, microseconds.
 narx_status_t narx_tx_driver_poll(struct narx_tx_driver_t *driver, uint64_t now);
 
-// When to poll again at the latest if nothing is handled until then, microseconds; UINT64_MAX for never.
+// Writes the latest time of the next poll, microseconds, if nothing is handled until then; UINT64_MAX for
+// never.
 narx_status_t narx_tx_driver_next_poll(struct narx_tx_driver_t *driver,
                                        uint64_t *at);
 
-// The next frame to send, or NARX_NOTHING.
+// Writes the next frame to send, or returns NARX_NOTHING.
 narx_status_t narx_tx_driver_poll_frame(struct narx_tx_driver_t *driver,
                                         struct narx_frame_t *frame);
 
-// The NARX_TX_VALUES values to store, or NARX_NOTHING. Nothing more is handed out before narx_tx_driver_handle_store has said what became
-// of them.
+// Writes the NARX_TX_VALUES values to store, or returns NARX_NOTHING. It hands out nothing more until
+// narx_tx_driver_handle_store was called with the result.
 narx_status_t narx_tx_driver_poll_store(struct narx_tx_driver_t *driver,
                                         uint32_t *values);
 
-// Takes whether what narx_tx_driver_poll_store handed out is stored: not 0 if it is. A board that could not read its memory at power-up says
-// 0, too.
+// Takes the result of storing the values of narx_tx_driver_poll_store: not 0 if they are stored. A board
+// that could not read its memory at power-up passes 0, too.
 narx_status_t narx_tx_driver_handle_store(struct narx_tx_driver_t *driver,
                                           uint8_t done);
 
-// NARX_OK when the board is to restart now, said once: narx_tx_driver_init with the stored values; NARX_NOTHING otherwise.
+// Returns NARX_OK, once, when the board must restart the driver now: call narx_tx_driver_init with the
+// stored values. Returns NARX_NOTHING otherwise.
 narx_status_t narx_tx_driver_take_reset(struct narx_tx_driver_t *driver);
 
-// What the board has to know.
+// Writes the state that the board needs.
 narx_status_t narx_tx_driver_report(struct narx_tx_driver_t *driver,
                                     struct narx_tx_driver_report_t *report);
 
-// Bytes that a TX-Driver's master needs on this processor: at most sizeof(narx_tx_master_t). Any context.
+// Returns the bytes that a TX-Driver's master needs on this processor: at most sizeof(narx_tx_master_t). Any
+// context.
 size_t narx_tx_master_size(void);
 
-// Makes the master of node `number` (1 to 127) with this layout, in `size` bytes of memory: sizeof(narx_tx_master_t), or
-// narx_tx_master_size() of your own. It sends nothing until it is asked for something; it waits 100 ms for an answer, asks three times, and
-// takes a node for gone that has said nothing for 5 s.
+// Makes the master of node `number` (1 to 127) with this layout, in `size` bytes of memory:
+// sizeof(narx_tx_master_t), or narx_tx_master_size() of your own. It sends nothing until it gets a command
+// or a request. It waits 100 ms for an answer, sends a request up to three times, and counts a node as gone
+// after 5 s without a message.
 narx_status_t narx_tx_master_init(struct narx_tx_master_t *master,
                                   size_t size,
                                   uint8_t number,
                                   const struct narx_tx_layout_t *layout);
 
-// Takes a frame that arrived at `now`, microseconds. Frames of others are not heard.
+// Takes a frame that arrived at `now`, microseconds. Frames of other nodes are ignored.
 narx_status_t narx_tx_master_handle_frame(struct narx_tx_master_t *master,
                                           const struct narx_frame_t *frame,
                                           uint64_t now);
 
-// The next frame that is due at `now`, microseconds, or NARX_NOTHING.
+// Writes the next frame that is due at `now`, microseconds, or returns NARX_NOTHING.
 narx_status_t narx_tx_master_poll_frame(struct narx_tx_master_t *master,
                                         uint64_t now,
                                         struct narx_frame_t *frame);
 
-// When to poll again at the latest if no frame arrives and nothing is asked for until then, microseconds; UINT64_MAX for never.
+// Writes the latest time of the next poll, microseconds, if no frame arrives and nothing is requested until
+// then; UINT64_MAX for never.
 narx_status_t narx_tx_master_next_poll(struct narx_tx_master_t *master,
                                        uint64_t now,
                                        uint64_t *at);
 
-// Commands the node, or with `all` not 0 every node of the bus: 1 start, 2 stop, 128 pre-operational, 129 reset. NARX_ERROR_FULL while four
-// messages wait for the bus, NARX_ERROR_FIELD for another command.
+// Commands the node, or with `all` not 0 every node of the bus: 1 start, 2 stop, 128 pre-operational, 129
+// reset. Returns NARX_ERROR_FULL while four messages wait for the bus, NARX_ERROR_FIELD for another command.
 narx_status_t narx_tx_master_command(struct narx_tx_master_t *master,
                                      uint8_t command,
                                      uint8_t all);
 
-// Sends a SYNC: every node of the bus samples and sends PDO2. NARX_ERROR_FULL while four messages wait for the bus.
+// Sends a SYNC: every node of the bus samples and sends PDO2. Returns NARX_ERROR_FULL while four messages
+// wait for the bus.
 narx_status_t narx_tx_master_sync(struct narx_tx_master_t *master);
 
-// Asks the node for PDO3. NARX_ERROR_FULL while four messages wait for the bus.
+// Asks the node for PDO3. Returns NARX_ERROR_FULL while four messages wait for the bus.
 narx_status_t narx_tx_master_ask_positions(struct narx_tx_master_t *master);
 
-// Asks for an entry (NARX_TX_ENTRY_*). Answers come in the order of the requests; NARX_ERROR_FULL with eight whose answers were not taken.
+// Requests the value of an entry (NARX_TX_ENTRY_*). Answers come in the order of the requests. Returns
+// NARX_ERROR_FULL while there are eight requests whose answers were not taken.
 narx_status_t narx_tx_master_read(struct narx_tx_master_t *master,
                                   uint8_t number);
 
-// Writes an entry (NARX_TX_ENTRY_*), likewise.
+// Requests to write an entry (NARX_TX_ENTRY_*). Order and errors are those of narx_tx_master_read.
 narx_status_t narx_tx_master_write(struct narx_tx_master_t *master, uint8_t number, uint32_t value);
 
-// The next answer, or NARX_NOTHING.
+// Writes the next answer, or returns NARX_NOTHING.
 narx_status_t narx_tx_master_poll_answer(struct narx_tx_master_t *master,
                                          struct narx_tx_answer_t *answer);
 
-// What the node has said, as known at `now`, microseconds.
+// Writes the state of the node as known at `now`, microseconds.
 narx_status_t narx_tx_master_report(struct narx_tx_master_t *master,
                                     uint64_t now,
                                     struct narx_tx_node_report_t *report);
 
-// What a frame says on a bus whose nodes have this layout. NARX_ERROR_NOT_A_MESSAGE if it is no eddyCAN message, or one of another
-// layout; NARX_ERROR_FIELD if a field has a value that means nothing. Any context; no state.
+// Decodes a frame of a bus whose nodes have this layout. Returns NARX_ERROR_NOT_A_MESSAGE if it is no
+// eddyCAN message, or one of another layout; NARX_ERROR_FIELD if a field has an undefined value. Any
+// context; no state.
 narx_status_t narx_tx_message_decode(const struct narx_frame_t *frame,
                                      const struct narx_tx_layout_t *layout,
                                      struct narx_tx_message_t *message);
 
-// The frame of a message on a bus whose nodes have this layout. NARX_ERROR_NOT_A_MESSAGE if `kind` is no narx_tx_kind_t; NARX_ERROR_FIELD
-// or NARX_ERROR_NODE if a field has a value that means nothing. Any context; no state.
+// Encodes a message as a frame of a bus whose nodes have this layout. Returns NARX_ERROR_NOT_A_MESSAGE if
+// `kind` is no narx_tx_kind_t; NARX_ERROR_FIELD or NARX_ERROR_NODE if a field has an undefined value. Any
+// context; no state.
 narx_status_t narx_tx_message_encode(const struct narx_tx_message_t *message,
                                      const struct narx_tx_layout_t *layout,
                                      struct narx_frame_t *frame);
 
-// Q16 of a whole number of thousandths (mV, mA, 0.001 degrees), rounded to nearest; saturates beyond 32 767 999. Any context.
+// Converts a whole number of thousandths (mV, mA, 0.001 degrees) to Q16, rounded to nearest; saturates
+// beyond 32 767 999. Any context.
 int32_t narx_q16_from_milli(int32_t milli);
 
-// Thousandths of a Q16, rounded to nearest; saturates. Any context.
+// Converts a Q16 to thousandths, rounded to nearest; saturates. Any context.
 int32_t narx_milli_from_q16(int32_t value);
 
-// Q16 sum, saturating. Any context.
+// Returns the sum of two Q16, saturating. Any context.
 int32_t narx_q16_add(int32_t a, int32_t b);
 
-// Q16 difference, saturating. Any context.
+// Returns the difference of two Q16, saturating. Any context.
 int32_t narx_q16_subtract(int32_t a, int32_t b);
 
-// Q16 product, rounded down, saturating. Any context.
+// Returns the product of two Q16, rounded down, saturating. Any context.
 int32_t narx_q16_multiply(int32_t a, int32_t b);
 
-// Q16 quotient, rounded towards 0, saturating; divided by 0 the largest or smallest value, 0 for 0. Not for a control interrupt: a processor
-// without a 64-bit division takes hundreds of instructions. Any context.
+// Returns the quotient of two Q16, rounded towards 0, saturating; a division by 0 gives the largest or
+// smallest value, or 0 for 0 / 0. Not for a control interrupt: a processor without a 64-bit division takes
+// hundreds of instructions. Any context.
 int32_t narx_q16_divide(int32_t a,
                         int32_t b);
 
-// IQ24 of a Q16, exact; saturates beyond 127.99999994. Any context.
+// Converts a Q16 to IQ24, exactly; saturates beyond 127.99999994. Any context.
 int32_t narx_iq24_from_q16(int32_t value);
 
-// Q16 of an IQ24, rounded down. Any context.
+// Converts an IQ24 to Q16, rounded down. Any context.
 int32_t narx_q16_from_iq24(int32_t value);
 
-// Q15 of a Q16, rounded down; saturates beyond 0.99997. Any context.
+// Converts a Q16 to Q15, rounded down; saturates beyond 0.99997. Any context.
 int16_t narx_q15_from_q16(int32_t value);
 
-// Q16 of a Q15, exact. Any context.
+// Converts a Q15 to Q16, exactly. Any context.
 int32_t narx_q16_from_q15(int16_t value);
 
-// Q12 of a Q16, rounded down; saturates beyond 7.9998. Any context.
+// Converts a Q16 to Q12, rounded down; saturates beyond 7.9998. Any context.
 int16_t narx_q12_from_q16(int32_t value);
 
-// Q16 of a Q12, exact. Any context.
+// Converts a Q12 to Q16, exactly. Any context.
 int32_t narx_q16_from_q12(int16_t value);
 
-// Takes a reading of the slow inputs, about every 10 ms. Temperature and pressure limits act from the first one on. Background half.
+// Takes a reading of the slow inputs, about every 10 ms. Temperature and pressure limits act from the first
+// reading on. Background half.
 narx_status_t narx_drive_handle_inputs(struct narx_drive_t *drive,
                                        const struct narx_slow_inputs_t *inputs);
 
-// Takes the state of the CAN controller, whenever it was looked at (parameters 293 to 296). Off the bus no frame is handed out, and what
-// waits is dropped; drop what waits in the controller, too. Background half.
+// Takes the state of the CAN controller, as often as the board reads it (parameters 293 to 296). Off the bus
+// no frame is handed out, and frames that wait are dropped; drop those that wait in the controller, too.
+// Background half.
 narx_status_t narx_drive_handle_bus_state(struct narx_drive_t *drive,
                                           const struct narx_bus_state_t *state);
 
-// What the board's lines shall do now. Background half.
+// Writes the levels that the board's lines must have now. Background half.
 narx_status_t narx_drive_outputs(struct narx_drive_t *drive, struct narx_outputs_t *outputs);
 
-// NARX_OK when the master has asked for a reboot and its acknowledgement was polled, said once: reset, or narx_drive_init; NARX_NOTHING
-// otherwise. Background half.
+// Returns NARX_OK, once, when the master has requested a reboot and the acknowledgement was polled: reset
+// the processor, or call narx_drive_init. Returns NARX_NOTHING otherwise. Background half.
 narx_status_t narx_drive_take_reboot(struct narx_drive_t *drive);
 
-// A master at power-up as Figure 9 of the specification has it, to change what differs.
+// Writes the default configuration, with the values of Figure 9 of the specification, as a start for your
+// own.
 narx_status_t narx_master_config_default(struct narx_master_config_t *config);
 
-// Bytes that a master needs on this processor: at most sizeof(narx_master_t). Any context.
+// Returns the bytes that a master needs on this processor: at most sizeof(narx_master_t). Any context.
 size_t narx_master_size(void);
 
-// Makes a master that has asked for nothing yet in `size` bytes of memory: sizeof(narx_master_t), or narx_master_size() of your own.
-// `config` may be NULL for the default. It sends set-points of 0, which keep measurements coming, and neither stops a motor nor
-// acknowledges a fault.
+// Makes a master without a command yet in `size` bytes of memory: sizeof(narx_master_t), or
+// narx_master_size() of your own. `config` may be NULL for the default. The master sends set-points of 0,
+// which keep measurements coming, but neither stops a motor nor acknowledges a fault.
 narx_status_t narx_master_init(struct narx_master_t *master,
                                size_t size,
                                const struct narx_master_config_t *config);
 
-// Takes a frame that arrived at `now`, microseconds. Frames of others are not heard.
+// Takes a frame that arrived at `now`, microseconds. Frames of other nodes are ignored.
 narx_status_t narx_master_handle_frame(struct narx_master_t *master,
                                        const struct narx_frame_t *frame,
                                        uint64_t now);
 
-// The next frame that is due at `now`, microseconds, or NARX_NOTHING. Call it until there is nothing, at the latest when
-// narx_master_next_poll says.
+// Writes the next frame that is due at `now`, microseconds, or returns NARX_NOTHING. Call it until it
+// returns NARX_NOTHING, at the latest at the time of narx_master_next_poll.
 narx_status_t narx_master_poll_frame(struct narx_master_t *master,
                                      uint64_t now,
                                      struct narx_frame_t *frame);
 
-// When to poll again at the latest if no frame arrives and nothing is asked for until then, microseconds; UINT64_MAX for never.
+// Writes the latest time of the next poll, microseconds, if no frame arrives and nothing is requested until
+// then; UINT64_MAX for never.
 narx_status_t narx_master_next_poll(struct narx_master_t *master,
                                     uint64_t now,
                                     uint64_t *at);
 
-// Asks for a speed, mechanical rpm, negative in reverse, and repeats that as long as it holds. A drive takes a start once it has seen Standby since it last
-// stopped: narx_master_stop first. NARX_ERROR_SPEED for what is beyond the limits of narx_master_speed_limits, as far as they were heard; open loop
-// turns at parameter 88 whatever is asked for. What the drive uses is `accepted_speed` of narx_master_report.
+// Requests a start at a speed, mechanical rpm, negative in reverse, and repeats the request every period. A
+// drive accepts a start only if it received Standby since it last stopped: call narx_master_stop first.
+// Returns NARX_ERROR_SPEED for a speed outside the limits of narx_master_speed_limits, or, before they were
+// heard, outside the range of MOTOR_CMD. Open loop runs at parameter 88, whatever speed is requested.
+// `accepted_speed` of narx_master_report is the speed that the drive uses.
 narx_status_t narx_master_start(struct narx_master_t *master,
                                 int32_t rpm);
 
-// Asks for another speed in the direction that was asked for, rpm. NARX_ERROR_SPEED as narx_master_start.
+// Requests another speed in the same direction, rpm. Returns NARX_ERROR_SPEED as narx_master_start does.
 narx_status_t narx_master_set_speed(struct narx_master_t *master,
                                     uint16_t rpm);
 
-// Limits of the set-point in the mode that the drive's parameters enable; NARX_NOTHING before they were heard (78, 81 to 83, and those of
-// narx_speed_limits_t): narx_master_config_t has `read_parameters` for that.
+// Writes the limits of the set-point in the mode that the drive's parameters enable. Returns NARX_NOTHING
+// before those parameters were heard (78, 81 to 83, and those of narx_speed_limits_t); `read_parameters` of
+// narx_master_config_t makes the master read them.
 narx_status_t narx_master_speed_limits(struct narx_master_t *master,
                                        struct narx_speed_limits_t *limits);
 
-// Asks for Standby, which also acknowledges a fault.
+// Requests Standby, which also acknowledges a fault.
 narx_status_t narx_master_stop(struct narx_master_t *master);
 
-// Asks for a shutdown (motor mode 3): fault bit 28.
+// Requests a shutdown (motor mode 3): fault bit 28.
 narx_status_t narx_master_shut_down(struct narx_master_t *master);
 
-// What the drive has said of itself, as known at `now`, microseconds.
+// Writes the state of the drive as known at `now`, microseconds.
 narx_status_t narx_master_report(struct narx_master_t *master,
                                  uint64_t now,
                                  struct narx_drive_report_t *report);
 
-// The last measurement frame of one kind, NARX_MESSAGE_MEASUREMENT_0 to _8, as a message, and when it came (microseconds; `at` may be NULL);
-// NARX_NOTHING before the first.
+// Writes the last measurement frame of one kind, NARX_MESSAGE_MEASUREMENT_0 to _8, as a message, and the
+// time of its reception (microseconds; `at` may be NULL). Returns NARX_NOTHING before the first.
 narx_status_t narx_master_measurement(struct narx_master_t *master,
                                       uint16_t kind,
                                       struct narx_message_t *message,
                                       uint64_t *at);
 
-// A parameter as it was last heard, raw, and when (microseconds; `at` may be NULL); NARX_NOTHING while it was not. It asks nothing of the bus:
-// a NARX_REQUEST_KIND_READ does.
+// Writes the value of a parameter as last heard, raw, and the time of its reception (microseconds; `at` may
+// be NULL). Returns NARX_NOTHING while it was not heard. It sends nothing on the bus; to read a parameter
+// anew use NARX_REQUEST_KIND_READ.
 narx_status_t narx_master_parameter(struct narx_master_t *master,
                                     uint16_t number,
                                     int32_t *value,
                                     uint64_t *at);
 
-// Begins a download: a narx_download_kind_t with what it needs, 0 for what it does not. NARX_ERROR_FULL while there is another whose end was
-// not taken, NARX_ERROR_SILENT for a silent master, NARX_ERROR_REQUEST for a kind that does not exist.
+// Begins a download: a narx_download_kind_t with its arguments, 0 for those that it does not need. Returns
+// NARX_ERROR_FULL while there is another whose result was not taken, NARX_ERROR_SILENT for a silent master,
+// NARX_ERROR_REQUEST for an undefined kind.
 narx_status_t narx_master_download(struct narx_master_t *master,
                                    uint8_t kind,
                                    uint32_t first,
                                    uint32_t count);
 
-// The next words of the download, or NARX_NOTHING. Words may come more than once, each time the same.
+// Writes the next words of the download, or returns NARX_NOTHING. Words may come more than once, each time
+// the same.
 narx_status_t narx_master_poll_chunk(struct narx_master_t *master,
                                      struct narx_chunk_t *chunk);
 
-// The end of the download, once all its chunks were taken: NARX_OK and its length in words, NARX_NOTHING before, or what went wrong:
-// NARX_ERROR_NO_ANSWER, NARX_ERROR_NO_LOG, NARX_ERROR_SPOILED, NARX_ERROR_ABORTED, or why the drive refuses.
+// Returns the result of the download, once all its chunks were taken: NARX_OK, with its length in words,
+// NARX_NOTHING before the end, or the error: NARX_ERROR_NO_ANSWER, NARX_ERROR_NO_LOG, NARX_ERROR_SPOILED,
+// NARX_ERROR_ABORTED, or the reason of the drive's refusal.
 narx_status_t narx_master_poll_download(struct narx_master_t *master,
                                         uint32_t *words);
 
-// Ends the download; its end is NARX_ERROR_ABORTED.
+// Aborts the download; its result is NARX_ERROR_ABORTED.
 narx_status_t narx_master_abort_download(struct narx_master_t *master);
 
-// Asks the drive for something once. Answers come in the order of the requests; NARX_ERROR_FULL with eight whose answers were not taken
-// yet, NARX_ERROR_SILENT for a silent master, NARX_ERROR_REQUEST for a kind or a number that does not exist.
+// Queues a request to the drive. Answers come in the order of the requests. Returns NARX_ERROR_FULL while
+// there are eight requests whose answers were not taken, NARX_ERROR_SILENT for a silent master,
+// NARX_ERROR_REQUEST for an undefined kind or number.
 narx_status_t narx_master_request(struct narx_master_t *master,
                                   const struct narx_request_t *request);
 
-// The next answer, or NARX_NOTHING.
+// Writes the next answer, or returns NARX_NOTHING.
 narx_status_t narx_master_poll_answer(struct narx_master_t *master, struct narx_answer_t *answer);
 
-// What a frame says. NARX_ERROR_NOT_A_MESSAGE if it is none of narx_message_kind_t, or not well formed; NARX_ERROR_FIELD if a field has
-// a value that means nothing. The priority in the identifier does not count. Any context; no state.
+// Decodes a frame. Returns NARX_ERROR_NOT_A_MESSAGE if it is none of narx_message_kind_t, or not well
+// formed; NARX_ERROR_FIELD if a field has an undefined value. The priority in the identifier is ignored. Any
+// context; no state.
 narx_status_t narx_message_decode(const struct narx_frame_t *frame,
                                   struct narx_message_t *message);
 
-// The frame of a message. NARX_ERROR_NOT_A_MESSAGE if `kind` is no narx_message_kind_t; NARX_ERROR_FIELD if a field has a value that means
-// nothing or needs more bits than it has. Any context; no state.
+// Encodes a message as a frame. Returns NARX_ERROR_NOT_A_MESSAGE if `kind` is no narx_message_kind_t;
+// NARX_ERROR_FIELD if a field has an undefined value or one that does not fit in its bits. Any context; no
+// state.
 narx_status_t narx_message_encode(const struct narx_message_t *message,
                                   struct narx_frame_t *frame);
 
-// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length` bytes.
+// Runs a drive from a recording's initial state through all of its ticks. `bytes` is the recording, `length`
+// bytes.
 //
-// The drive that it runs lives on the stack. Any context.
+// The drive is on the stack. Any context.
 narx_status_t narx_replay(const uint8_t *bytes,
                           size_t length,
                           struct narx_outcome_t *outcome);
 
-// The same for the first `ticks` ticks, or all of a shorter recording; `recorded_digest` is 0 then. Writes what the
-// last one of them answered, all fields in one line, into `text`, which has `text_size` bytes: NARX_OUTPUTS_TEXT_SIZE
-// are enough, a longer text is cut, a 0 closes it. The line is empty if no tick was run. If the recording cannot be
-// replayed, it says why and where.
+// Runs the first `ticks` ticks of a recording, or all of a shorter one, as narx_replay does;
+// `recorded_digest` is then 0. Writes all outputs of the last tick in one line into `text`, which has
+// `text_size` bytes: NARX_OUTPUTS_TEXT_SIZE are enough. A longer text is cut; a closing 0 ends it. The line
+// is empty if no tick was run. If the recording cannot be replayed, the line holds the reason and the place.
 //
 // `text` may be NULL if `text_size` is 0.
 narx_status_t narx_replay_until(const uint8_t *bytes,
@@ -2607,51 +2682,54 @@ narx_status_t narx_replay_until(const uint8_t *bytes,
                                 char *text,
                                 size_t text_size);
 
-// Powers up a drive's node, or a TX-Driver, as a transcript says, and tells and asks it what stands there: its first `calls` calls, or all of a
-// shorter one (UINT64_MAX: all). `bytes` is the transcript, `length` bytes. In the outcome `ticks` are calls, and `recorded_digest` is 0 unless all
-// were asked for.
+// Powers up a drive's node, or a TX-Driver, as described in a transcript, and makes the first `calls` calls
+// of the transcript, or all of a shorter one (UINT64_MAX: all). `bytes` is the transcript, `length` bytes.
+// In the outcome `ticks` counts calls, and `recorded_digest` is 0 unless all calls were requested.
 //
-// What it runs lives on the stack. Any context.
+// The device is on the stack. Any context.
 narx_status_t narx_replay_transcript(const uint8_t *bytes,
                                      size_t length,
                                      uint64_t calls,
                                      struct narx_outcome_t *outcome);
 
-// Bytes that a scope with room for `samples` needs on this processor. Any context.
+// Returns the bytes that a scope with room for `samples` needs on this processor. Any context.
 size_t narx_scope_size(uint16_t samples);
 
-// Gives the drive's virtual scope its memory: `size` bytes, sizeof(narx_scope_t), or narx_scope_size() of memory of your own that is aligned like
-// one; NARX_ERROR_SIZE if there is no room for one sample in it. Without it the scope cannot be armed. Call it after narx_drive_init and before
-// the first narx_drive_step; narx_drive_init takes it away again.
+// Gives the drive's virtual scope its memory of `size` bytes: sizeof(narx_scope_t), or narx_scope_size() of
+// memory of your own that is aligned like a narx_scope_t. Returns NARX_ERROR_SIZE if it has no room for one
+// sample. Without memory the scope cannot be armed. Call it after narx_drive_init and before the first
+// narx_drive_step; narx_drive_init detaches the memory again.
 narx_status_t narx_drive_attach_scope(struct narx_drive_t *drive,
                                       struct narx_scope_t *memory,
                                       size_t size);
 
-// Version of the library, "major.minor.patch". A constant string.
+// Returns the version of the library, "major.minor.patch": a constant string.
 const char *narx_version(void);
 
-// A status in words, for a log: a constant string, never NULL, whatever the number.
+// Returns a status in words, for a log: a constant string, never NULL, whatever the number.
 const char *narx_status_text(int32_t status);
 
-// Bytes that a storage needs on this processor: at most sizeof(narx_storage_t). Any context.
+// Returns the bytes that a storage needs on this processor: at most sizeof(narx_storage_t). Any context.
 size_t narx_storage_size(void);
 
-// Makes a storage in `size` bytes of memory. `flash` is copied; its calls, none of which may be NULL, are made within narx_storage_init_drive and
-// narx_storage_serve only.
+// Makes a storage in `size` bytes of memory. `flash` is copied. Its functions, none of which may be NULL,
+// are called only within narx_storage_init_drive and narx_storage_serve.
 narx_status_t narx_storage_init(struct narx_storage_t *storage,
                                 size_t size,
                                 const struct narx_flash_t *flash);
 
-// narx_drive_init with what the flash holds: reads it, and makes a drive with the stored parameters, factory values where there are none, whose
-// parameters and log stay on this flash. What it finds is told on the bus, fault bits 26, 30 and 31 included. `identity` may be NULL.
+// Makes a drive as narx_drive_init does, with the parameters that the flash holds, or factory values for
+// those that it does not hold. The drive then keeps its parameters and its log on this flash. The drive
+// reports the state of the flash on the bus, including fault bits 26, 30 and 31. `identity` may be NULL.
 narx_status_t narx_storage_init_drive(struct narx_storage_t *storage,
                                       struct narx_drive_t *drive,
                                       size_t size,
                                       const struct narx_board_t *board,
                                       const struct narx_identity_t *identity);
 
-// Does what the drive asks of its flash, one bounded step: a store, a record of the log, a piece of an erase. NARX_NOTHING when nothing is asked.
-// Call it in every pass of the main loop; it takes as long as your flash does, and some 6 KiB of stack. Background half.
+// Runs one bounded step of the drive's work on its flash: a store, a record of the log, a piece of an erase.
+// Returns NARX_NOTHING if there is none. Call it in every pass of the main loop. It takes as long as your
+// flash does, and some 6 KiB of stack. Background half.
 narx_status_t narx_storage_serve(struct narx_storage_t *storage,
                                  struct narx_drive_t *drive);
 

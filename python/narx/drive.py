@@ -338,7 +338,7 @@ class Drive:
         find order, polarity and offset of the sensors.
 
         With `run` that start is made now, and time runs until the motor is at rest again, some 5 s. The drive
-        uses the result from then on (parameters 79, 80, 262 and 263; `parameters.store_once` stores it).
+        uses the result from then on (parameters 79, 80, 262 and 263), and stores it like every other parameter (`parameters.store`).
         Raises StartError if nothing was found.
         """
         if run:
