@@ -3,32 +3,32 @@
 
 /** A classic CAN frame. */
 export interface Frame {
-    /** Identifier, a number of 29 bits, or of 11. */
+    /** Identifier, 29 or 11 bits. */
     readonly id: number;
-    /** It has 29 bits, as all of the drive's have; default true. */
+    /** True for an identifier of 29 bits, as all of the drive's have; default true. */
     readonly extended?: boolean;
-    /** A remote frame; default false. */
+    /** True for a remote frame; default false. */
     readonly remote?: boolean;
-    /** Up to 8 bytes; of a remote frame as many zeros as it asks for. */
+    /** Up to 8 bytes; of a remote frame as many zeros as it requests bytes. */
     readonly data: Uint8Array;
 }
 
 
 
-/** A message of the drive or its master. Its name tells what is in it. */
+/** A message of the drive or its master. `name` determines the type of `values`. */
 export type DriveMessage = {
     [Name in keyof DriveValues]: {
         readonly protocol: "narmotion";
-        /** As in the CAN database. */
+        /** Name in the CAN database. */
         readonly name: Name;
         readonly opcode: number;
-        /** Sent by a drive, else by its master. */
+        /** True if a drive sends it, false if its master does. */
         readonly fromDrive: boolean;
         readonly source: number;
         readonly destination: number;
-        /** By field: numbers in their units, names of what has names. */
+        /** Values by field: numbers in their units, names of named values. */
         readonly values: DriveValues[Name];
-        /** By field; empty for plain numbers. */
+        /** Units by field; empty for plain numbers. */
         readonly units: { readonly [Field in keyof DriveValues[Name]]: string };
     };
 }[keyof DriveValues];
@@ -37,11 +37,11 @@ export type DriveMessage = {
 export type NodeMessage = {
     [Name in keyof NodeValues]: {
         readonly protocol: "eddycan";
-        /** As Table 3 of the specification prints it. */
+        /** Name in Table 3 of the specification. */
         readonly name: Name;
-        /** Sent by a node, else by its master. */
+        /** True if a node sends it, false if its master does. */
         readonly fromNode: boolean;
-        /** By signal; what a PDO does not carry is not there. */
+        /** Values by signal. Signals that a PDO does not carry are absent. */
         readonly values: NodeValues[Name];
         readonly units: { readonly [Signal in keyof NodeValues[Name]]: string };
     };
@@ -49,48 +49,52 @@ export type NodeMessage = {
 
 
 
-/** An `Error` of a master by its `name`: nothing answers, the drive (or this master) does not do it now, a parameter cannot have the value, or an image is none for
- * this drive. */
+/** An `Error` of a master. Its `name` tells the kind: no answer, a refusal by the drive or this master in its
+ * present state, a parameter value that is not allowed, or an image that is invalid for this drive. */
 export interface MasterError extends Error {
     readonly name: "NoAnswerError" | "RefusedError" | "ParameterError" | "ImageError";
 }
 
-/** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or why it was not done. */
+/** The answer to a request: the value that a parameter has now, in its unit (0 for other requests), or the
+ * error. */
 export type Answer = { readonly value: number; readonly error?: undefined } | { readonly error: MasterError };
 
-/** What a digital line is: an input, or an output of this level. */
+/** State of the digital lines: each is an input, or an output of a level. */
 export interface Outputs {
-    /** `undefined`: an input. */
+    /** Level of the output; `undefined`: an input. */
     dsio1?: boolean;
     dsio2?: boolean;
 }
 
 
 
-/** What a master must know of its TX-Driver. */
+/** Configuration of a TX-Driver's master. */
 export interface TxMasterOptions {
-    /** 1 to 127. */
+    /** Node-id, 1 to 127. */
     nodeId: number;
-    /** Sensors of it; default 1. */
+    /** Number of sensors; default 1. */
     channels?: 1 | 2;
-    /** How long an answer may take, 0.003 to 10 s; default 0.1. */
+    /** Longest time until an answer, 0.003 to 10 s; default 0.1. */
     timeout?: number;
 }
 
 /** The last positions of a TX-Driver. */
 export interface Reading {
-    /** From the start of the measuring range, mm; of as many channels as it has. */
+    /** Positions from the start of the measuring range, mm, one for each channel. */
     readonly positions: readonly number[];
-    /** Counts, of a linear encoder with their sign once 2005h was read; absent where PDOs do not carry the encoder. */
+    /** Counts; of a linear encoder with their sign once 2005h was read. Absent if PDOs do not carry the
+     * encoder. */
     readonly encoder?: number;
-    /** Position of a linear encoder, mm: counts times resolution; absent before 2005h and 2009h were read, and of a rotary one. */
+    /** Position of a linear encoder, mm: counts times resolution. Absent before 2005h and 2009h were read,
+     * and for a rotary one. */
     readonly encoderPosition?: number;
     readonly trigger: "timer" | "sync" | "remote";
-    /** When they came, s. */
+    /** Time of reception, s. */
     readonly time: number;
 }
 
-/** An entry of the object dictionary (eddyCAN specification, Table 4). Limits and factory value are in its unit. */
+/** An entry of the object dictionary (eddyCAN specification, Table 4). Limits and factory value are in its
+ * unit. */
 export interface TxObject {
     readonly index: number;
     readonly subindex: number;
@@ -106,145 +110,70 @@ export interface TxObject {
     readonly description: string;
 }
 
-/** The raw value that was read or written, or why not; `abort` is the code of a node that refuses. */
+/** The raw value that was read or written, or the error; `abort` is the code of a node's refusal. */
 export type TxAnswer =
 | { readonly value: number; readonly error?: undefined }
 | { readonly error: MasterError; readonly abort?: number };
 
 
 
-/** What an image says of itself. */
-export interface ImageInfo {
-    /** Hardware id. */
-    readonly hardware: number;
-    /** Name of the board that has it; absent for one that this version does not know. */
-    readonly board?: string;
-    /** MAJOR.MINOR.PATCH+BUILD. */
-    readonly version: string;
-    /** Bytes. */
-    readonly length: number;
-}
-
-/** How far an update is. */
-export interface UpdateProgress {
-    readonly stage: UpdateStage;
-    /** Bytes of the stage that are done: erased, received or verified. */
-    readonly done: number;
-    /** Length of the image, bytes. */
-    readonly total: number;
-}
-
-
-
-/** What there is to know of one parameter but its value. Limits and factory value are in its unit. */
-export interface Parameter {
-    readonly number: number;
-    readonly name: ParameterName;
-    readonly category: string;
-    /** Empty for plain numbers. */
-    readonly unit: string;
-    readonly type: "uint16" | "int32" | "uint32";
-    /** Value of a raw 1. */
-    readonly scale: number;
-    readonly min: number;
-    readonly max: number;
-    readonly factory: number;
-    /** Who may write it: nobody, a master while the drive is stopped, or at any time. */
-    readonly access: "read-only" | "stopped" | "live";
-    /** Writing 0, then 1 is a command. */
-    readonly command: boolean;
-    /** When a written value acts. */
-    readonly acts: "at once" | "next start" | "reboot";
-    readonly description: string;
-}
-
-/** A signal of the virtual scope. */
-export interface ScopeSignal {
-    /** Its bit in parameter 22. */
-    readonly bit: number;
-    readonly name: ScopeSignalName;
-    readonly unit: string;
-    /** Value of a sample of 4096. */
-    readonly base: number;
-}
-
-/** A signal of the broadcast measurements. */
-export interface MeasurementSignal {
-    readonly name: MeasurementName;
-    readonly unit: string;
-    readonly opcode: number;
-    /** Place in its frame, 0 to 3. */
-    readonly word: number;
-    /** Value of a raw 1. */
-    readonly scale: number;
-}
-
-/** A record of the log as it was downloaded. */
-export interface LogRecord {
-    readonly index: number;
-    /** Since power-up, s. */
-    readonly time: number;
-    /** What each value is (the slot's number, and what is kept of it in bits 15 and 14), and its raw number. */
-    readonly values: readonly (readonly [what: number, raw: number])[];
-}
-
-
-
-/** Whom a master talks to, and how. */
+/** Configuration of a master. */
 export interface MasterOptions {
     /** Address of the drive, 0 to 255; default 170. */
     slave?: number;
     /** Address of the master, 0 to 255; default 85. */
     monitor?: number;
-    /** Between two set-points, 0.001 to 10 s; default 0.05. */
+    /** Period of the set-points, 0.001 to 10 s; default 0.05. */
     setpointPeriod?: number;
-    /** Transmits nothing and hears everything; default false. */
+    /** Listens only and transmits nothing; default false. */
     silent?: boolean;
-    /** Reads every parameter in the background when the drive is first heard, and after what changes many of them; default true. */
+    /** Reads every parameter in the background when the drive is first heard, and after an action that
+     * changes many of them; default true. */
     readParameters?: boolean;
-    /** How long an answer may take, 0.001 to 10 s; default 0.1. */
+    /** Longest time until an answer, 0.001 to 10 s; default 0.1. */
     timeout?: number;
 }
 
-/** A measurement that was heard. */
+/** A received measurement. */
 export interface Measurement {
     readonly name: MeasurementName;
     readonly unit: string;
     readonly value: number;
-    /** When, s. */
+    /** Time of reception, s. */
     readonly time: number;
 }
 
-/** CRITICAL_FAULT as it was last heard. */
+/** The last CRITICAL_FAULT. */
 export interface CriticalFault {
     readonly faults: FaultName[];
     /** Extended fault code. */
     readonly code: number;
-    /** What that means; absent for a code of another firmware. */
+    /** Meaning of the code; absent for a code that this version does not know. */
     readonly meaning?: string;
 }
 
 /** BUILD_INFO. */
 export interface BuildInfo {
     readonly number: number;
-    /** Built from sources that were not committed. */
+    /** True if built from sources that were not committed. */
     readonly modified: boolean;
-    /** YYYYMMDD. */
+    /** Date of the build, YYYYMMDD. */
     readonly date: number;
 }
 
-/** What the drive tells of its description before that is downloaded. */
+/** Length and check value of a drive's description. */
 export interface DescriptionInfo {
     readonly words: number;
-    /** CRC-32 of the words; 0 from a drive that does not tell it. */
+    /** CRC-32 of the words; 0 if the drive does not report it. */
     readonly check: number;
 }
 
-/** Set-points that the drive takes as they are, in the control mode that its enables select: magnitudes, rpm. It clamps every other one. */
+/** Set-points that the drive accepts unchanged, in the control mode that its enables select: magnitudes, rpm.
+ * It clamps all others. */
 export interface SpeedLimits {
     readonly min: number;
     readonly max: number;
-    /** The drive turns at one speed whatever is asked for: open loop at parameter 88. */
+    /** True if the drive runs at one speed, whatever is requested: open loop at parameter 88. */
     readonly fixed: boolean;
 }
 
@@ -261,13 +190,13 @@ export interface DeviceInfo {
 
 /** Words of a download. */
 export interface Chunk {
-    /** Place of the first one in the download, words. */
+    /** Place of the first word in the download, words. */
     readonly offset: number;
-    /** High byte first. */
+    /** Bytes of the words, high byte first. */
     readonly bytes: Uint8Array;
 }
 
-/** How far a download is, words. */
+/** Progress of a download, words. */
 export interface Progress {
     readonly received: number;
     readonly total: number;
@@ -275,86 +204,172 @@ export interface Progress {
 
 
 
+/** Header of an image. */
+export interface ImageInfo {
+    /** Hardware id. */
+    readonly hardware: number;
+    /** Name of the board with this id; absent for one that this version does not know. */
+    readonly board?: string;
+    /** Version, MAJOR.MINOR.PATCH+BUILD. */
+    readonly version: string;
+    /** Length, bytes. */
+    readonly length: number;
+}
+
+/** Progress of an update. */
+export interface UpdateProgress {
+    readonly stage: UpdateStage;
+    /** Number of bytes that are done in this stage: erased, received or verified. */
+    readonly done: number;
+    /** Length of the image, bytes. */
+    readonly total: number;
+}
+
+
+
+/** Properties of one parameter, without its value. Limits and factory value are in its unit. */
+export interface Parameter {
+    readonly number: number;
+    readonly name: ParameterName;
+    readonly category: string;
+    /** Unit; empty for plain numbers. */
+    readonly unit: string;
+    readonly type: "uint16" | "int32" | "uint32";
+    /** Value of a raw 1. */
+    readonly scale: number;
+    readonly min: number;
+    readonly max: number;
+    readonly factory: number;
+    /** Write access of masters: never, while the drive is stopped, or at any time. */
+    readonly access: "read-only" | "stopped" | "live";
+    /** True for a command: writing 0, then 1 executes it. */
+    readonly command: boolean;
+    /** Time at which a written value takes effect. */
+    readonly acts: "at once" | "next start" | "reboot";
+    readonly description: string;
+}
+
+/** A signal of the virtual scope. */
+export interface ScopeSignal {
+    /** Bit of the signal in parameter 22. */
+    readonly bit: number;
+    readonly name: ScopeSignalName;
+    readonly unit: string;
+    /** Value of a sample of 4096. */
+    readonly base: number;
+}
+
+/** A signal of the broadcast measurements. */
+export interface MeasurementSignal {
+    readonly name: MeasurementName;
+    readonly unit: string;
+    readonly opcode: number;
+    /** Index of its word in the frame, 0 to 3. */
+    readonly word: number;
+    /** Value of a raw 1. */
+    readonly scale: number;
+}
+
+/** A record of a log download. */
+export interface LogRecord {
+    readonly index: number;
+    /** Time since power-up, s. */
+    readonly time: number;
+    /** Each value's source (the number in its slot, with the kind of kept value in bits 15 and 14), and its
+     * raw number. */
+    readonly values: readonly (readonly [what: number, raw: number])[];
+}
+
+
+
 /**
- * The other end of a drive's bus: it has no clock and no bus of its own. Times are seconds from any beginning and never run back. Give it every frame that
- * arrives, and send what `poll` has, at `nextPoll` at the latest. `narx/drive` waits for its answers.
+ * The master of a drive, at the other end of its bus. It has no clock and no bus of its own. Times are
+ * seconds from any beginning and never decrease. Pass it every frame that arrives, and send the frames of
+ * `poll`, at the latest at `nextPoll`. Calls that wait for answers are in `narx/drive`.
  */
 export class Master {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * Ends the download.
+     * Aborts the download.
      */
     abortDownload(): void;
     /**
-     * Ends the update. An image that is swapped in already is not confirmed then, and its drive goes back.
+     * Aborts the update. An image that is swapped in already is not confirmed, so the drive goes back to the
+     * previous one.
      */
     abortUpdate(): void;
     /**
-     * Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp, as far as its limits were heard. It names the limit's parameter and the range.
+     * Throws a `RangeError` for a set-point, rpm, negative in reverse, that the drive would clamp. The error
+     * names the limit's parameter and the range. Before the drive's limits were heard, only the range of
+     * MOTOR_CMD is checked.
      */
     checkSpeed(rpm: number): void;
     /**
-     * From now on the drive is what its description says, the bytes of its download; without one it is this package's own. `check`: the CRC-32 that the drive tells
-     * of it. Throws for a text that cannot be read, and has the tables of before then.
+     * Replaces the tables of the drive by those of its description, the bytes of a download; without `text`
+     * by those of this package. `check` is the CRC-32 that the drive reports for it. Throws for a text that
+     * cannot be read, and then keeps the previous tables.
      */
     describe(text?: Uint8Array | number[] | null, check?: number | null): void;
     /**
-     * Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first` on. Throws for a silent master, and while
-     * another one goes on.
+     * Begins a download: "description", "scope" with `count` words, "log" with `count` records from `first`
+     * on. Throws for a silent master, and during another download.
      */
     download(what: "description" | "scope" | "log", count?: number | null, first?: number | null): void;
     /**
-     * Takes a frame that arrived at `now`, s. Only messages of its drive to this master are heard.
+     * Takes a frame that arrived at `now`, s. Only messages of its drive to this master are used.
      */
     handleFrame(frame: Frame, now: number): void;
     /**
-     * Signals of the drive's measurements in the order of its description.
+     * Returns the signals of the drive's measurements in the order of its description.
      */
     measurementSignals(): MeasurementSignal[];
     /**
-     * What the drive measures, as far as it was heard, in the order of Figure 14.
+     * Returns the measurements that were received, in the order of Figure 14.
      */
     measurements(): Measurement[];
     /**
-     * A master that has heard of nothing yet. Throws where an option cannot be.
+     * Makes a master that has received nothing yet. Throws for an invalid option.
      */
     constructor(options?: MasterOptions);
     /**
-     * When to poll again at the latest if nothing arrives and nothing is asked for until then, s; infinity without a reason.
+     * Returns the latest time of the next poll, s, if no frame arrives and nothing is requested until then;
+     * infinity if there is none.
      */
     nextPoll(now: number): number;
     /**
-     * Value of a parameter as it was last heard, in its unit; `undefined` before.
+     * Returns the value of a parameter as last heard, in its unit; `undefined` before.
      */
     parameter(key: ParameterName | number): number | undefined;
     /**
-     * Every parameter of the drive in the order of its description.
+     * Returns every parameter of the drive in the order of its description.
      */
     parameters(): Parameter[];
     /**
-     * The next answer; `undefined` before it is there.
+     * Returns the next answer; `undefined` before it has come.
      */
     pollAnswer(): Answer | undefined;
     /**
-     * Words that have come since the last call. Words may come more than once, each time the same.
+     * Returns the words that have come since the previous call. Words may come more than once, each time the
+     * same.
      */
     pollChunks(): Chunk[];
     /**
-     * The end of the download, once all its chunks were taken: its length in words. Throws a `MasterError` for one that came to nothing.
+     * Returns the length of the download in words, once all its chunks were taken. Throws a `MasterError`
+     * for one that failed.
      */
     pollDownload(): number | undefined;
     /**
-     * The next frame that is due at `now`, s.
+     * Returns the next frame that is due at `now`, s.
      */
     pollFrame(now: number): Frame | undefined;
     /**
-     * Whether the update has come to its end: the drive runs the image now and keeps it. Throws a `MasterError` for one that came to nothing; what ran before then
-     * still runs.
+     * Returns whether the update has succeeded: the drive runs the image now and keeps it. Throws a
+     * `MasterError` for one that failed; the previous image then still runs.
      */
     pollUpdate(): boolean;
     /**
-     * Every frame that is due at `now`, s.
+     * Returns every frame that is due at `now`, s.
      */
     poll(now: number): Frame[];
     /**
@@ -362,98 +377,103 @@ export class Master {
      */
     readParameters(): void;
     /**
-     * Asks for a parameter's value.
+     * Requests a parameter's value.
      */
     read(key: ParameterName | number): void;
     /**
-     * Asks the drive for something. Answers come in the order of the requests. Throws a `MasterError` for a silent master, and while eight answers were not
-     * taken.
+     * Queues a request to the drive. Answers come in the order of the requests. Throws a `MasterError` for a
+     * silent master, and while there are eight answers that were not taken.
      */
     request(what: RequestName): void;
     /**
-     * Asks for factory values of everything but what is the board's own. `serial`: parameter 1 of the board that is meant.
+     * Requests factory values, except for the board's own parameters. `serial`: parameter 1 of the addressed
+     * board.
      */
     restoreFactory(serial: number): void;
     /**
-     * Signals of the drive's scope in the order of its description.
+     * Returns the signals of the drive's scope in the order of its description.
      */
     scopeSignals(): ScopeSignal[];
     /**
-     * Asks for the digital lines to be inputs, or outputs of a level.
+     * Requests the digital lines to be inputs, or outputs of a level.
      */
     setOutputs(outputs: Outputs): void;
     /**
-     * Asks for another speed in the same direction, rpm.
+     * Requests another speed in the same direction, rpm.
      */
     setSpeed(rpm: number): void;
     /**
-     * Asks for a shutdown: fault bit 28.
+     * Requests a shutdown: fault bit 28.
      */
     shutDown(): void;
     /**
-     * Asks for a speed, mechanical rpm, negative in reverse. A drive takes a start once it has seen Standby: `stop` first.
+     * Requests a start at a speed, mechanical rpm, negative in reverse. A drive accepts a start only after
+     * Standby: call `stop` first.
      */
     start(rpm: number): void;
     /**
-     * Asks for Standby, which also acknowledges a fault.
+     * Requests Standby, which also acknowledges a fault.
      */
     stop(): void;
     /**
-     * Begins to program the drive with an image, the bytes of a `.narximg` file. Blocks are then among what `poll` has. Throws a `MasterError` for what is no
-     * whole image, for a silent master, and while another update goes on.
+     * Begins to program the drive with an image, the bytes of a `.narximg` file. `poll` then also returns
+     * blocks of the image. Throws a `MasterError` for an incomplete image, for a silent master, and during
+     * another update.
      */
     update(image: Uint8Array | number[]): void;
     /**
-     * Asks the drive to give a parameter a value, in its unit, to the nearest step of its scale. Throws a `RangeError` for one that it cannot have: outside the range,
-     * not a number, a fraction of a whole parameter.
+     * Requests to write a parameter, in its unit, rounded to the nearest step of its scale. Throws a
+     * `RangeError` for a value that is not allowed: outside the range, not a number, a fraction of a whole
+     * parameter.
      */
     write(key: ParameterName | number, value: number): void;
     /**
-     * The set-point that the drive has accepted, rpm.
+     * Set-point that the drive has accepted, rpm.
      */
     readonly acceptedSpeed: number | undefined;
     /**
-     * Whether the last request was for a turning motor.
+     * True if the last request was Drive or Reverse.
      */
     readonly asksToTurn: boolean;
     /**
-     * BUILD_INFO as it was last heard.
+     * The last BUILD_INFO.
      */
     readonly build: BuildInfo | undefined;
     /**
-     * Whether the drive was heard lately.
+     * True if the drive was heard within the last 0.5 s, or within three of its broadcast periods if that is
+     * longer.
      */
     readonly connected: boolean;
     /**
-     * CRITICAL_FAULT as it was last heard. Whether it still holds, `faults` says.
+     * The last CRITICAL_FAULT. `faults` shows whether it still holds.
      */
     readonly critical: CriticalFault | undefined;
     /**
-     * What the drive tells of its description, as it was last heard.
+     * Length and check value of the drive's description, as last heard.
      */
     readonly descriptionInfo: DescriptionInfo | undefined;
     /**
-     * DEVICE_INFO as it was last heard.
+     * The last DEVICE_INFO.
      */
     readonly device: DeviceInfo | undefined;
     /**
-     * How far the download is; `undefined` before its length is known, and without one.
+     * Progress of the download; `undefined` before its length is known, and without one.
      */
     readonly downloadProgress: Progress | undefined;
     /**
-     * Names of the set bits of FAULT_WORD; `undefined` before it was heard.
+     * Names of the set bits of FAULT_WORD; `undefined` before the first.
      */
     readonly faults: FaultName[] | undefined;
     /**
-     * When anything was last heard of the drive, s.
+     * Time at which any message of the drive was last heard, s.
      */
     readonly lastHeard: number | undefined;
     /**
-     * Parameters that are still to be read in the background.
+     * Number of parameters that are still to be read in the background.
      */
     readonly parametersToRead: number;
     /**
-     * From one set-point to the next, s.
+     * Time between two set-points, s.
      */
     readonly setpointPeriod: number;
     /**
@@ -461,15 +481,16 @@ export class Master {
      */
     readonly setpoint: number;
     /**
-     * Transmits nothing.
+     * True for a master that transmits nothing.
      */
     readonly silent: boolean;
     /**
-     * Set-points that the drive takes as they are; `undefined` before those of `speedParameters` that say so were heard.
+     * Set-points that the drive accepts unchanged; `undefined` before the needed ones of `speedParameters`
+     * were heard.
      */
     readonly speedLimits: SpeedLimits | undefined;
     /**
-     * Mechanical speed by what the control mode uses, rpm.
+     * Mechanical speed from the source that the control mode uses, rpm.
      */
     readonly speed: number | undefined;
     /**
@@ -477,47 +498,48 @@ export class Master {
      */
     readonly stateName: StateName | undefined;
     /**
-     * State of the drive, 0 to 7; `undefined` while it is not known.
+     * State of the drive, 0 to 7; `undefined` while unknown.
      */
     readonly state: number | undefined;
     /**
-     * STATUS_WORD as it was last heard (Table 8).
+     * The last STATUS_WORD (Table 8).
      */
     readonly status: DriveValues["STATUS_WORD"] | undefined;
     /**
-     * How far the update is; `undefined` without one.
+     * Progress of the update; `undefined` without one.
      */
     readonly updateProgress: UpdateProgress | undefined;
 }
 
 /**
- * Frames out of the bytes that come from an slcan adapter. Everything else that it says is counted or left.
+ * Decoder of the bytes from an slcan adapter. Lines that are no frames are counted or ignored.
  */
 export class SlcanLines {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * Takes bytes as they arrived, and returns the frames that are complete with them.
+     * Takes bytes as they arrived, and returns the frames that they complete.
      */
     handleBytes(bytes: Uint8Array | number[]): Frame[];
     /**
-     * Before the first byte.
+     * Makes a decoder before the first byte.
      */
     constructor();
     /**
-     * How often the adapter has said no.
+     * Number of commands that the adapter has refused.
      */
     readonly refusals: number;
 }
 
 /**
- * The other end of a TX-Driver's bus. Times are seconds from any beginning and never run back.
+ * The master of a TX-Driver, at the other end of its bus. Times are seconds from any beginning and never
+ * decrease.
  */
 export class TxMaster {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * Asks for PDO3.
+     * Requests PDO3.
      */
     askPositions(): void;
     /**
@@ -525,27 +547,27 @@ export class TxMaster {
      */
     command(command: "start" | "stop" | "pre-operational" | "reset"): void;
     /**
-     * Takes a frame that arrived at `now`, s. Only messages of its node are heard.
+     * Takes a frame that arrived at `now`, s. Only messages of its node are used.
      */
     handleFrame(frame: Frame, now: number): void;
     /**
-     * A master that sends nothing until it is asked for something.
+     * Makes a master that sends nothing until it gets a command or a request.
      */
     constructor(options: TxMasterOptions);
     /**
-     * When to poll again at the latest, s; infinity without a reason.
+     * Returns the latest time of the next poll, s; infinity if there is none.
      */
     nextPoll(now: number): number;
     /**
-     * The next answer; `undefined` before it is there.
+     * Returns the next answer; `undefined` before it has come.
      */
     pollAnswer(): TxAnswer | undefined;
     /**
-     * Every frame that is due at `now`, s.
+     * Returns every frame that is due at `now`, s.
      */
     poll(now: number): Frame[];
     /**
-     * Reads an entry, or writes a raw value to it.
+     * Queues a request that reads an entry, or writes a raw value to it.
      */
     request(index: number, subindex: number, value?: number | null): void;
     /**
@@ -553,88 +575,92 @@ export class TxMaster {
      */
     sync(): void;
     /**
-     * Boot-up messages.
+     * Number of boot-up messages.
      */
     readonly boots: number;
     /**
-     * Error messages.
+     * Number of error messages.
      */
     readonly errors: number;
     /**
-     * What the last error message meant (Table 13).
+     * Meaning of the last error message (Table 13).
      */
     readonly lastError: string | undefined;
     /**
-     * Frames of the node that mean nothing: most likely PDOs of another layout.
+     * Number of the node's frames that cannot be decoded: most likely PDOs of another layout.
      */
     readonly malformed: number;
     /**
-     * Whether the node was heard lately.
+     * Returns whether the node was heard within 5 s.
      */
     readonly present: boolean;
     /**
-     * The last positions, if some have come since the node booted.
+     * The last positions since the node booted, if there are any.
      */
     readonly reading: Reading | undefined;
     /**
-     * The state of the last heartbeat.
+     * State in the last heartbeat.
      */
     readonly state: "boot-up" | "stopped" | "operational" | "pre-operational" | undefined;
 }
 
 /**
- * What closes an adapter.
+ * Returns the command that closes an adapter.
  */
 export function closeSlcan(): Uint8Array;
 
 /**
- * The message in a frame, by the tables of PROTOCOL.md: of the drive with 29 bits, of TX-Drivers with 11; `undefined` if neither protocol has such a
- * frame. `encoder`: PDOs of 8 bytes have the encoder in them, which they do not tell themselves.
+ * Decodes a frame, by the tables of PROTOCOL.md: of the drive with 29 bits, of TX-Drivers with 11;
+ * `undefined` if neither protocol has such a frame. `encoder`: PDOs of 8 bytes contain the encoder, which
+ * the frame itself does not show.
  */
 export function decode(frame: Frame, encoder?: boolean | null): DriveMessage | NodeMessage | undefined;
 
 /**
- * A frame as an adapter takes it.
+ * Encodes a frame for an adapter.
  */
 export function encodeSlcan(frame: Frame): Uint8Array;
 
 /**
- * What an image (the bytes of a `.narximg` file) says of itself. Throws a `MasterError` for what is no whole image.
+ * Returns the header of an image (the bytes of a `.narximg` file). Throws a `MasterError` for an incomplete
+ * image.
  */
 export function imageInfo(image: Uint8Array | number[]): ImageInfo;
 
 /**
- * The records of a log download, each of `size` bytes (parameter 69); those that the drive could not read are left out.
+ * Decodes the records of a log download, each of `size` bytes (parameter 69); those that the drive could not
+ * read are left out.
  */
 export function logRecords(bytes: Uint8Array | number[], size: number): LogRecord[];
 
 /**
- * Signals of the measurements in the order of Figure 14.
+ * Returns the signals of the measurements in the order of Figure 14.
  */
 export function measurementSignals(): MeasurementSignal[];
 
 /**
- * What opens an adapter at so many bit/s (default 500 000, those of the drive): it is closed before, whatever it was told.
+ * Returns the commands that open an adapter at this bit rate, bit/s (default 500 000, that of the drive).
+ * The adapter is closed first, whatever its state.
  */
 export function openSlcan(bitrate?: number | null, listen?: boolean | null): Uint8Array;
 
 /**
- * Every parameter in the order of the numbers.
+ * Returns every parameter in the order of the numbers.
  */
 export function parameters(): Parameter[];
 
 /**
- * Signals of the virtual scope in the order of their bits.
+ * Returns the signals of the virtual scope in the order of their bits.
  */
 export function scopeSignals(): ScopeSignal[];
 
 /**
- * Numbers of the parameters that decide about `speedLimits`.
+ * Returns the numbers of the parameters that determine `speedLimits`.
  */
 export function speedParameters(): Uint16Array;
 
 /**
- * The object dictionary in order.
+ * Returns the object dictionary in order.
  */
 export function txObjects(): TxObject[];
 
@@ -802,7 +828,7 @@ export type RequestName =
     | "auto-calibrate"
     | "calibrate hall";
 
-/** What an update is about. */
+/** Stages of an update. */
 export type UpdateStage =
     | "asking"
     | "erasing"
@@ -1037,7 +1063,7 @@ export type ScopeSignalName =
     | "Digital inputs"
     | "Mechanical position";
 
-/** What is in the drive's messages, by their names in the CAN database. */
+/** Fields of the drive's messages, by the names of the CAN database. */
 export interface DriveValues {
     readonly BUILD_INFO_REQUEST: {};
     readonly BUILD_INFO: {
@@ -1203,7 +1229,7 @@ export interface DriveValues {
     readonly MEASUREMENT_8: {};
 }
 
-/** What is in the messages of TX-Drivers. */
+/** Fields of the TX-Drivers' messages. */
 export interface NodeValues {
     readonly "NMT": {
         readonly "Node": number;

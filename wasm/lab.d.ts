@@ -3,14 +3,65 @@
 
 /** A classic CAN frame. */
 export interface Frame {
-    /** Identifier, a number of 29 bits, or of 11. */
+    /** Identifier, 29 or 11 bits. */
     readonly id: number;
-    /** It has 29 bits, as all of the drive's have; default true. */
+    /** True for an identifier of 29 bits, as all of the drive's have; default true. */
     readonly extended?: boolean;
-    /** A remote frame; default false. */
+    /** True for a remote frame; default false. */
     readonly remote?: boolean;
-    /** Up to 8 bytes; of a remote frame as many zeros as it asks for. */
+    /** Up to 8 bytes; of a remote frame as many zeros as it requests bytes. */
     readonly data: Uint8Array;
+}
+
+
+
+/** Addresses and nodes whose messages are decoded. */
+export interface LogOptions {
+    /** Address of the drive; default 170, `null` for any. */
+    slave?: number | null;
+    /** Address of its master; default 85, `null` for any. */
+    monitor?: number | null;
+    /** Node-ids of TX-Drivers whose PDOs of 8 bytes carry the encoder. */
+    encoders?: readonly number[];
+}
+
+/** Every message of one kind: columns of the same length. */
+export interface MessageTable {
+    /** Name in the CAN database or in Table 3 of the eddyCAN specification. */
+    readonly name: MessageName;
+    /** True if a drive or node sends it, false if its master does. */
+    readonly fromDevice: boolean;
+    /** Time stamps, s. */
+    readonly time: Float64Array;
+    /** Values by signal, in its unit. Named values are numbers; NaN if a message does not carry the
+     * signal. */
+    readonly columns: Readonly<Record<string, Float64Array>>;
+    /** Units by signal; empty for plain numbers. */
+    readonly units: Readonly<Record<string, string>>;
+    /** Names of a signal's numbers, by signal, for signals that have names. */
+    readonly names: Readonly<Record<string, Readonly<Record<number, string>>>>;
+}
+
+/** A log as columns. Every line is a frame, blank, or an error. */
+export interface CanLog {
+    readonly lines: number;
+    /** All frames. */
+    readonly frames: {
+        /** Time stamps, s. */
+        readonly time: Float64Array;
+        readonly id: Uint32Array;
+        /** Bits: 1 29-bit identifier, 2 remote, 4 error frame, 8 CAN FD, 16 received. */
+        readonly flags: Uint8Array;
+        readonly dlc: Uint8Array;
+        /** First 8 bytes of each frame, zeros behind the last one. */
+        readonly data: Uint8Array;
+        /** Index of the frame's table in `tables`; 255 unknown, 254 malformed, 253 an error frame. */
+        readonly message: Uint8Array;
+    };
+    /** The tables that have rows. */
+    readonly tables: readonly MessageTable[];
+    /** Lines that are no frame. */
+    readonly errors: readonly { readonly line: number; readonly text: string; readonly reason: string }[];
 }
 
 
@@ -19,6 +70,34 @@ export interface Frame {
 export interface Signal {
     readonly name: SignalName;
     readonly unit: string;
+}
+
+
+
+/** Result of a replay. Digests are 16 lower-case hexadecimal digits. */
+export interface Replay {
+    /** Number of ticks that were run. */
+    readonly ticks: number;
+    /** Digest of the outputs of this replay. */
+    readonly digest: string;
+    /** Digest of the outputs when they were recorded; absent for a prefix. */
+    readonly recordedDigest?: string;
+    /** Behaviour version of the recorder, if it differs from this version's: digests may then rightly
+     * differ. */
+    readonly otherBehaviour?: number;
+    /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
+    readonly outputs?: string;
+}
+
+/** The scope's record of the inputs of every control tick, as a recording. */
+export interface ScopeRecording {
+    /** Bytes of the recording, for `replay` or a `.narxrec` file. */
+    readonly recording: Uint8Array;
+    /** Number of its first tick since the drive's power-up. */
+    readonly firstTick: number;
+    /** True if the replay's state equals the drive's own at the record's second checkpoint; absent if the
+     * record has none. */
+    readonly agrees?: boolean;
 }
 
 
@@ -47,21 +126,21 @@ export interface RampOptions {
 export interface HallOptions {
     /** Ticks a second; default 10 000. */
     tickRate?: number;
-    /** Which permutation of the lines, 0 to 5 (parameter 262); default 0. */
+    /** Permutation of the lines, 0 to 5 (parameter 262); default 0. */
     order?: number;
     /** Lines to invert, 0 to 7 (parameter 263); default 0. */
     polarity?: number;
-    /** How far the edges lie beyond their place, electrical degrees (parameter 80); default 0. */
+    /** Offset of the edges beyond their place, electrical degrees (parameter 80); default 0. */
     offset?: number;
 }
 
-/** What hall sensors say after a tick. */
+/** Reading of the hall sensors after a tick. */
 export interface HallReading {
-    /** 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; absent until the first valid code. */
+    /** Sector, 0 to 5: sector s spans 30 + 60 s to 90 + 60 s degrees; absent until the first valid code. */
     readonly sector?: number;
-    /** Electrical degrees, 0 to 360. */
+    /** Electrical angle, degrees, 0 to 360. */
     readonly angle: number;
-    /** Electrical rev/s, negative in reverse. */
+    /** Electrical speed, rev/s, negative in reverse. */
     readonly speed: number;
     readonly invalid: boolean;
     readonly jump: boolean;
@@ -69,7 +148,8 @@ export interface HallReading {
     readonly doubtful: boolean;
 }
 
-/** What a commutation answers: the step of a period, and its changes within it. Steps are numbered as `Observation.step`. */
+/** Result of a commutation: the step of a period, and its changes within it. Steps are numbered as
+ * `Observation.step`. */
 export interface Pattern {
     readonly step: number;
     readonly changes: readonly { /** In periods. */ readonly instant: number; readonly step: number }[];
@@ -81,165 +161,92 @@ export interface Pattern {
 export interface ZeroCrossingOptions {
     /** Ticks a second, 1 000 to 100 000; default 10 000. */
     tickRate?: number;
-    /** Of the converter that voltages are rounded to, V, up to 0.0625; default 0.019 531. */
+    /** Scale of the converter to which voltages are rounded, V, up to 0.0625; default 0.019 531. */
     voltsPerCode?: number;
     /** Smallest signal, 1 to 255 codes; default 4. */
     noiseCodes?: number;
     /** Least time after a commutation, s (parameter 86); default 200e-6. */
     blanking?: number;
-    /** Of the next commutation, electrical degrees, 0 to 30; default 0. */
+    /** Advance of the next commutation, electrical degrees, 0 to 30; default 0. */
     advance?: number;
-    /** Line to line, V a mechanical rpm (parameter 267); default 0: not known. */
+    /** Line-to-line back-EMF, V a mechanical rpm (parameter 267); default 0: unknown. */
     backEmf?: number;
-    /** 1 to 100; default 1. */
+    /** Pole pairs, 1 to 100; default 1. */
     polePairs?: number;
-    /** No crossing for so long is standstill, s (parameter 85); default 0.05. */
+    /** No crossing for this long is standstill, s (parameter 85); default 0.05. */
     timeout?: number;
 }
 
-/** What a `ZeroCrossing` sees of a period. */
+/** Inputs of a `ZeroCrossing` for one period. */
 export interface Terminals {
-    /** A, B and C against ground, V. */
+    /** Terminal voltages of A, B and C against ground, V. */
     phaseVoltage: readonly [number, number, number];
-    /** V. */
+    /** Bus voltage, V. */
     busVoltage: number;
-    /** The step that was in force in the period that has ended, and its changes: the `Pattern` of the tick before. */
+    /** Pattern that was in force in the period that has ended: the `Pattern` of the previous tick. */
     pattern: Pattern;
-    /** Sampled in the on-time, else in the off-time; default true. */
+    /** True if sampled in the on-time, false in the off-time; default true. */
     onTime?: boolean;
-    /** Torque in reverse; default false. */
+    /** True for torque in reverse; default false. */
     reverse?: boolean;
 }
 
-/** What the terminals say after a tick. */
+/** Reading of the terminals after a tick. */
 export interface ZeroCrossingReading {
-    /** A crossing was seen: how long before the present boundary, s; negative is after it. */
+    /** Age of a crossing that was seen in this tick: time from it to the present boundary, s; negative is
+     * after the boundary. */
     readonly crossing?: number;
-    /** What became of the last step's crossing. */
+    /** Outcome of the last step's crossing. */
     readonly why: "none" | "accepted" | "filtered" | "blind" | "demag-late" | "listened";
-    /** How far the last accepted crossing lay behind its prediction, electrical degrees. */
+    /** Lag of the last accepted crossing behind its prediction, electrical degrees. */
     readonly margin: number;
-    /** Crossings accepted. */
+    /** Number of accepted crossings. */
     readonly accepted: number;
-    /** Electrical degrees, 0 to 360. */
+    /** Electrical angle, degrees, 0 to 360. */
     readonly angle: number;
-    /** Electrical rev/s, negative in reverse; 0 while it is not known. */
+    /** Electrical speed, rev/s, negative in reverse; 0 while unknown. */
     readonly speed: number;
-    /** How long until the next commutation, s; absent while it is not known. */
+    /** Time until the next commutation, s; absent while unknown. */
     readonly commutation?: number;
-    /** Six consistent crossings: the loop may be closed. */
+    /** Six consistent crossings were seen: the loop may be closed. */
     readonly running: boolean;
-    /** The rotor was lost in this tick. */
+    /** Reason why the rotor was lost in this tick. */
     readonly lost?: "stall" | "desynchronised" | "wrong-lock";
 }
 
 
 
-/** What a replay found. Digests are 16 lower-case hexadecimal digits. */
-export interface Replay {
-    /** Ticks run. */
-    readonly ticks: number;
-    /** Digest of the outputs now. */
-    readonly digest: string;
-    /** Digest of the outputs when they were recorded; absent for a prefix. */
-    readonly recordedDigest?: string;
-    /** The recorder's behaviour version, where it is another one than ours: digests may then rightly differ. */
-    readonly otherBehaviour?: number;
-    /** For a prefix: every output of its last tick, in one line of raw bits; absent if no tick was run. */
-    readonly outputs?: string;
-}
-
-/** What a scope has recorded of the inputs of every control tick. */
-export interface ScopeRecording {
-    /** What `replay` takes, and a `.narxrec` file holds. */
-    readonly recording: Uint8Array;
-    /** Number of its first tick since the drive's power-up. */
-    readonly firstTick: number;
-    /** Whether the replay came to what the drive did itself, from its second checkpoint on; absent where the record has none. */
-    readonly agrees?: boolean;
-}
-
-
-
-/** Whose messages count. */
-export interface LogOptions {
-    /** Address of the drive; default 170, `null` for any. */
-    slave?: number | null;
-    /** Address of its master; default 85, `null` for any. */
-    monitor?: number | null;
-    /** Node-ids of TX-Drivers whose PDOs of 8 bytes carry the encoder. */
-    encoders?: readonly number[];
-}
-
-/** Every message of one kind: columns of the same length. */
-export interface MessageTable {
-    /** As the CAN database or Table 3 of the eddyCAN specification has it. */
-    readonly name: MessageName;
-    /** A drive or node sends it, else its master. */
-    readonly fromDevice: boolean;
-    /** As stamped, s. */
-    readonly time: Float64Array;
-    /** By signal, in its unit; values with names as their numbers, NaN where a message does not carry it. */
-    readonly columns: Readonly<Record<string, Float64Array>>;
-    /** By signal; empty for plain numbers. */
-    readonly units: Readonly<Record<string, string>>;
-    /** By signal: the names of its numbers, where they have some. */
-    readonly names: Readonly<Record<string, Readonly<Record<number, string>>>>;
-}
-
-/** A log as columns. Every line is a frame, blank, or an error. */
-export interface CanLog {
-    readonly lines: number;
-    /** All frames. */
-    readonly frames: {
-        /** As stamped, s. */
-        readonly time: Float64Array;
-        readonly id: Uint32Array;
-        /** Bits: 1 29-bit identifier, 2 remote, 4 error frame, 8 CAN FD, 16 received. */
-        readonly flags: Uint8Array;
-        readonly dlc: Uint8Array;
-        /** The first 8 bytes of each, zeros behind the last one. */
-        readonly data: Uint8Array;
-        /** Place of its table in `tables`; 255 unknown, 254 malformed, 253 an error frame. */
-        readonly message: Uint8Array;
-    };
-    /** The tables that have rows. */
-    readonly tables: readonly MessageTable[];
-    /** Lines that are no frame. */
-    readonly errors: readonly { readonly line: number; readonly text: string; readonly reason: string }[];
-}
-
-
-
 /**
- * The commutation of the drive: a rotor's position to steps of the bridge.
+ * The commutation of the drive: steps of the bridge from a rotor's position.
  */
 export class Commutation {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * A commutation that has not seen a rotor. `advance`: electrical degrees ahead of its place, 0 to 30; default 0. `tickRate`: default 10 000.
+     * Makes a commutation that knows no rotor position yet. `advance`: timing advance, electrical degrees, 0
+     * to 30; default 0. `tickRate`: default 10 000.
      */
     constructor(advance?: number | null, tickRate?: number | null);
     /**
-     * The step at the earliest instant of a period, and up to two changes later in it. `angle`: electrical degrees at the period's boundary. `speed`: electrical
-     * rev/s, negative in reverse. `reverse`: torque in reverse.
+     * Returns the step at the earliest instant of a period, and up to two changes later in it. `angle`:
+     * electrical degrees at the period's boundary. `speed`: electrical rev/s, negative in reverse.
+     * `reverse`: torque in reverse.
      */
     step(angle: number, speed: number, reverse?: boolean | null): Pattern;
 }
 
 /**
- * The hall sensors of the drive: codes to sector, angle and speed. The level alone is looked at, once a tick.
+ * The hall sensors of the drive: sector, angle and speed from codes. Only the level is read, once a tick.
  */
 export class Hall {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * Sensors of which nothing was seen. Throws for a setting out of range.
+     * Makes a station that has not seen the sensors yet. Throws for a setting out of range.
      */
     constructor(options?: HallOptions);
     /**
-     * One tick. `code`: the lines now, bit 0 is A.
+     * Runs one tick. `code`: the lines now, bit 0 is A.
      */
     step(code: number): HallReading;
 }
@@ -251,15 +258,15 @@ export class Pi {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * The integrator alone gives `output` from now on.
+     * Sets the integrator so that it alone gives `output`.
      */
     hold(output: number): void;
     /**
-     * A controller at rest. Throws for a setting out of range.
+     * Makes a controller at rest. Throws for a setting out of range.
      */
     constructor(options: PiOptions);
     /**
-     * The output for `error`.
+     * Returns the output for `error`.
      */
     step(error: number): number;
 }
@@ -271,7 +278,7 @@ export class Ramp {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * A ramp at 0. Throws for a setting out of range.
+     * Makes a ramp at 0. Throws for a setting out of range.
      */
     constructor(options: RampOptions);
     /**
@@ -279,7 +286,7 @@ export class Ramp {
      */
     set(value: number): void;
     /**
-     * One step towards `target`: where it is then.
+     * Moves one step towards `target`; returns the new value.
      */
     step(target: number): number;
 }
@@ -292,15 +299,15 @@ export class Trace {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * The values of one signal: 64 bits for time and counts, 32 for what is measured. A copy.
+     * Returns a copy of the values of one signal: 64 bits for time and counts, 32 for measured values.
      */
     column(name: SignalName): Float32Array | Float64Array;
     /**
-     * Rows.
+     * Number of rows.
      */
     readonly length: number;
     /**
-     * The signals in the order of the columns of `run.csv`.
+     * Returns the signals in the order of the columns of `run.csv`.
      */
     readonly signals: Signal[];
     /**
@@ -310,51 +317,53 @@ export class Trace {
 }
 
 /**
- * The zero crossings of the drive: terminal voltages of a driven or coasting motor to crossing, angle, speed and the next commutation. Align the rotor,
- * `start`, and commutate as it says.
+ * The zero crossings of the drive: crossing, angle, speed and next commutation from the terminal voltages of
+ * a driven or coasting motor. Align the rotor, call `start`, and commutate at the instants of the readings.
  */
 export class ZeroCrossing {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * On by a step without any evidence: the rotor that is being brought up has not moved.
+     * Goes on by a step without any evidence: the rotor that is being brought up has not moved.
      */
     forceStep(): void;
     /**
-     * A motor that nothing has been seen of. Throws for a setting out of range.
+     * Makes a station that has not seen the motor yet. Throws for a setting out of range.
      */
     constructor(options?: ZeroCrossingOptions);
     /**
-     * The bridge is about to bring up a rotor that rests at `angle`, electrical degrees.
+     * Begins to bring up a rotor that rests at `angle`, electrical degrees.
      */
     start(angle: number, reverse?: boolean | null): void;
     /**
-     * One tick.
+     * Runs one tick.
      */
     step(terminals: Terminals): ZeroCrossingReading;
 }
 
 /**
- * A log of can-utils (`candump -L`), decoded: text or its bytes.
+ * Decodes a log of can-utils (`candump -L`), given as text or bytes.
  */
 export function readLog(text: string | Uint8Array, options?: LogOptions): CanLog;
 
 /**
- * Runs a recording again, bit for bit: all of it, or its first `until` ticks.
+ * Replays a recording bit for bit: all of it, or its first `until` ticks.
  *
- * Throws an `Error` that names the byte where a damaged recording is wrong, and a `RangeError` for an `until`
- * that is not a count of ticks.
+ * Throws an `Error` that names the first wrong byte of a damaged recording, and a `RangeError` for an
+ * `until` that is not a number of ticks.
  */
 export function replay(bytes: Uint8Array | number[], until?: number | null): Replay;
 
 /**
- * The trace of a recording that runs again, or of its first `until` ticks: what the drive was given, what it answered, and what it thought meanwhile. Its
- * speeds are electrical, because a recording does not tell the pole pairs. Throws as `replay`.
+ * Replays a recording, or its first `until` ticks, and returns its trace: inputs, outputs and internal
+ * values of the drive. Its speeds are electrical, because a recording does not contain the pole pairs.
+ * Throws as `replay` does.
  */
 export function replayTrace(bytes: Uint8Array | number[], until?: number | null): Trace;
 
 /**
- * The recording that a scope's record of inputs is: the bytes of the download. Throws an `Error` for one of another version, or one that is damaged.
+ * Converts a scope's record of inputs, the bytes of the download, to a recording. Throws an `Error` for a
+ * record of another version, or one that is damaged.
  */
 export function scopeRecording(bytes: Uint8Array | number[], label: string): ScopeRecording;
 

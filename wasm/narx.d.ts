@@ -3,13 +3,13 @@
 
 /** A classic CAN frame. */
 export interface Frame {
-    /** Identifier, a number of 29 bits, or of 11. */
+    /** Identifier, 29 or 11 bits. */
     readonly id: number;
-    /** It has 29 bits, as all of the drive's have; default true. */
+    /** True for an identifier of 29 bits, as all of the drive's have; default true. */
     readonly extended?: boolean;
-    /** A remote frame; default false. */
+    /** True for a remote frame; default false. */
     readonly remote?: boolean;
-    /** Up to 8 bytes; of a remote frame as many zeros as it asks for. */
+    /** Up to 8 bytes; of a remote frame as many zeros as it requests bytes. */
     readonly data: Uint8Array;
 }
 
@@ -19,17 +19,18 @@ export interface Frame {
 export interface BusFrame extends Frame {
     readonly extended: boolean;
     readonly remote: boolean;
-    /** End of the frame, s since power-up. */
+    /** Time of its end, s since power-up. */
     readonly time: number;
-    /** It came by `send`, or from the bench's operator. */
+    /** True if it was sent by `send`, or by the bench's operator. */
     readonly sent: boolean;
 }
 
-/** What a fault is told besides its name. */
+/** Arguments of a fault. */
 export interface InjectionOptions {
-    /** "ambient" in degrees Celsius, "supply" and "pressure" in V, "leak" in ohm, "hall-glitches" per second. */
+    /** Value of "ambient" in degrees Celsius, of "supply" and "pressure" in V, of "leak" in ohm, of
+     * "hall-glitches" per second. */
     value?: number;
-    /** Of "driver", "open-phase", "hall-stuck" and "hall-swapped". */
+    /** Phase of "driver", "open-phase", "hall-stuck" and "hall-swapped". */
     phase?: "A" | "B" | "C";
     /** Level of "hall-stuck"; default false. */
     high?: boolean;
@@ -37,13 +38,13 @@ export interface InjectionOptions {
 
 /** An eddyCAN TX-Driver on the bus and the shaft of a bench. */
 export interface TxDriverOptions {
-    /** 1 to 127. */
+    /** Node-id, 1 to 127. */
     nodeId: number;
-    /** Sensors of it; default 1. */
+    /** Number of sensors; default 1. */
     channels?: 1 | 2;
     /** Counts per revolution of an incremental encoder on the shaft, 1 to 65 535; default none. */
     encoder?: number;
-    /** mm; default 2. */
+    /** Measuring range, mm; default 2. */
     measuringRange?: number;
 }
 
@@ -57,41 +58,87 @@ export interface Input {
 
 
 
-/** A load on the shaft. All torques oppose the motion; the constant one also holds at standstill. All default to 0. */
+/** A load on the shaft. All torques oppose the motion; the constant one also acts at standstill. All default
+ * to 0. */
 export interface LoadOptions {
-    /** N m. */
+    /** Constant torque, N m. */
     constant?: number;
-    /** N m s/rad. */
+    /** Torque proportional to the speed, N m s/rad. */
     viscous?: number;
-    /** N m s2/rad2. */
+    /** Torque proportional to the square of the speed, N m s2/rad2. */
     quadratic?: number;
-    /** kg m2, rigidly coupled. */
+    /** Inertia, rigidly coupled, kg m2. */
     inertia?: number;
 }
 
-/** What is on the bench, and how the drive is set up. A plain object: the same options and calls give the same bits. */
+/** Set-up of a bench and its drive: a plain object. The same options and calls give the same bits. */
 export interface BenchOptions {
-    /** V. */
+    /** Supply voltage, V. */
     supplyVoltage: number;
     load?: LoadOptions;
     /** Control mode; default "hall". */
     mode?: Mode;
     /** Speed of the mode "open-loop", rpm; default the slowest closed-loop speed. */
     openLoopSpeed?: number;
-    /** The hall sensors come this much late, electrical degrees; commissioning does not know it. Default 0. */
+    /** Delay of the hall sensors' edges, electrical degrees, unknown to commissioning. Default 0. */
     hallOffset?: number;
-    /** Parameters of the drive by name or number, in their units; they win over those of commissioning. */
+    /** Parameters of the drive by name or number, in their units; they override those of commissioning. */
     parameters?: Record<string | number, number>;
-    /** Degrees Celsius; default 25. */
+    /** Ambient temperature, degrees Celsius; default 25. */
     ambient?: number;
     /** Seed of all noise, a whole number; default 1. */
     seed?: number;
-    /** The bench has an operator of its own, who obeys `start`, `setSpeed` and `stop`; default true. Without, the drive obeys the frames of `send`. */
+    /** True if the bench has an operator of its own, which carries out `start`, `setSpeed` and `stop`;
+     * default true. Without it, the drive is commanded by the frames of `send`. */
     operator?: boolean;
-    /** Keep every frame of the bus for `takeFrames`; default where there is no operator. */
+    /** Keep every frame of the bus for `takeFrames`; default true if there is no operator. */
     frames?: boolean;
     /** Record for `recording` and `digest`; default true. */
     recording?: boolean;
+}
+
+
+
+/** Cause of the drive's stop. */
+export interface Fault {
+    /** Extended fault code. */
+    readonly code: number;
+    readonly meaning: string;
+}
+
+/** True values of an instant, which no drive can measure, and the state of the gates, for pictures. Arrays
+ * are of phases A, B, C. */
+export interface Observation {
+    /** Time since power-up, s. */
+    readonly time: number;
+    /** Mechanical speed, rpm. */
+    readonly speed: number;
+    /** Mechanical angle of the shaft, rad, unwrapped. */
+    readonly position: number;
+    /** Electrical angle, degrees, 0 to 360; 0 is the rising zero crossing of phase A's back-EMF. */
+    readonly angle: number;
+    /** Phase currents into the motor, A. */
+    readonly current: Float64Array;
+    /** Terminal voltages against ground, V. */
+    readonly voltage: Float64Array;
+    /** Back-EMF against the star point, V. */
+    readonly backEmf: Float64Array;
+    /** Star point against ground, V. */
+    readonly neutral: number;
+    /** Bus voltage, V. */
+    readonly busVoltage: number;
+    /** Mean bus current of the last period, A. */
+    readonly busCurrent: number;
+    /** Mean torque of the last period, N m. */
+    readonly torque: number;
+    /** Conducting switch of each leg: 1 high, -1 low, 0 none. */
+    readonly gates: Int8Array;
+    /** Hall lines: bit 0 is A. */
+    readonly hall: number;
+    /** Pattern: 0 coast, 1 AB, 2 AC, 3 BC, 4 BA, 5 CA, 6 CB, more: rotor lock. */
+    readonly step: number;
+    /** Duty of this period, 0 to 1. */
+    readonly duty: number;
 }
 
 
@@ -107,180 +154,146 @@ export interface Signal {
 /** Shape of the phase back-EMF against the rotor's angle. */
 export type BackEmf = "trapezoidal" | "sinusoidal";
 
-/** A star-connected three-phase motor with equal phases; resistance and inductance line to line, as data sheets print them. */
+/** A star-connected three-phase motor with equal phases; resistance and inductance line to line, as data
+ * sheets print them. */
 export interface MotorOptions {
-    /** 1 to 255. */
+    /** Pole pairs, 1 to 255. */
     polePairs: number;
-    /** Line to line, ohm. */
+    /** Resistance line to line, ohm. */
     resistance: number;
-    /** Line to line, H. */
+    /** Inductance line to line, H. */
     inductance: number;
     /** Mean torque per DC ampere in ideal six-step, N m/A: 60 / (2 pi speed constant in rpm/V). */
     torqueConstant: number;
-    /** Rotor, kg m2. */
+    /** Inertia of the rotor, kg m2. */
     inertia: number;
     /** Coulomb friction, N m; default 0. */
     staticFriction?: number;
     /** Viscous friction, N m s/rad; default 0. */
     viscousFriction?: number;
-    /** Default "trapezoidal", with a flat top of 120 degrees. */
+    /** Shape of the back-EMF; default "trapezoidal", with a flat top of 120 degrees. */
     backEmf?: BackEmf;
-    /** Rated DC current, A, from which commissioning takes the current that the motor needs; default the drive's 6 A. */
+    /** Rated DC current, A, from which commissioning takes the current that the motor needs; default the
+     * drive's 6 A. */
     ratedCurrent?: number;
 }
 
 
 
-/** Why the drive stopped. */
-export interface Fault {
-    /** Extended fault code. */
-    readonly code: number;
-    readonly meaning: string;
-}
-
-/** The true values of an instant, which no drive sees, and what the gates do then: enough for a picture. Arrays are of phases A, B, C. */
-export interface Observation {
-    /** s. */
-    readonly time: number;
-    /** Mechanical, rpm. */
-    readonly speed: number;
-    /** Mechanical angle of the shaft, rad, unwrapped. */
-    readonly position: number;
-    /** Electrical angle, degrees, 0 to 360; 0 is the rising zero crossing of phase A's back-EMF. */
-    readonly angle: number;
-    /** Phase currents into the motor, A. */
-    readonly current: Float64Array;
-    /** Terminal voltages against ground, V. */
-    readonly voltage: Float64Array;
-    /** Back-EMF against the star point, V. */
-    readonly backEmf: Float64Array;
-    /** Star point against ground, V. */
-    readonly neutral: number;
-    /** V. */
-    readonly busVoltage: number;
-    /** Mean of the last period, A. */
-    readonly busCurrent: number;
-    /** Mean of the last period, N m. */
-    readonly torque: number;
-    /** Which switch of each leg is on: 1 high, -1 low, 0 none. */
-    readonly gates: Int8Array;
-    /** Hall lines: bit 0 is A. */
-    readonly hall: number;
-    /** Pattern: 0 coast, 1 AB, 2 AC, 3 BC, 4 BA, 5 CA, 6 CB, more: rotor lock. */
-    readonly step: number;
-    /** Duty of this period, 0 to 1. */
-    readonly duty: number;
-}
-
-
-
 /**
- * A drive with its motor on a simulated bench. Same options and calls, same bits.
+ * A drive with its motor on a simulated bench. The same options and calls give the same bits.
  */
 export class Bench {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * Powers up an eddyCAN TX-Driver on the drive's bus, in factory state. Its sensors watch the shaft's surface, a quarter of a revolution apart.
+     * Powers up an eddyCAN TX-Driver on the drive's bus, in factory state. Its sensors measure the distance
+     * of the shaft's surface, a quarter of a revolution apart.
      */
     addTxDriver(options: TxDriverOptions): void;
     /**
-     * Mends one fault of `inject`, or everything.
+     * Removes one fault of `inject`, or all faults.
      */
     clear(fault?: InjectionName, options?: InjectionOptions): void;
     /**
-     * The bench as it stands, motor, drive, bus, recording and all: a second one, which goes on by itself. Keep some to return to an instant; the digest is then
-     * what it would have been.
+     * Returns an independent copy of the bench in its present state, with motor, drive, bus and recording.
+     * Keep copies to return to an instant; the digest then continues as it would have from there.
      */
     copy(): Bench;
     /**
-     * Breaks something, until `clear`: what has a physical cause, not the fault bit that comes of it.
+     * Injects a fault, until `clear`. A fault is a physical cause, not the fault bit that results from it.
      */
     inject(fault: InjectionName, options?: InjectionOptions): void;
     /**
-     * Names of what `inject` can break.
+     * Returns the names of the faults that `inject` knows.
      */
     static injections(): InjectionName[];
     /**
-     * The inputs of the board and what they take.
+     * Returns the inputs of the board and their ranges.
      */
     static inputs(): Input[];
     /**
-     * Control modes.
+     * Returns the names of the control modes.
      */
     static modes(): Mode[];
     /**
-     * Commissions the drive for the motor and powers it up; it stays in Standby until `start`. Throws where an
-     * option cannot be.
+     * Commissions the drive for the motor and powers it up; it stays in Standby until `start`. Throws for an
+     * invalid option.
      */
     constructor(motor: Motor, options: BenchOptions);
     /**
-     * What is true now, for pictures.
+     * Returns the true values of the present instant.
      */
     observe(): Observation;
     /**
-     * Recording of the drive since it last booted: what `replay` of `narx/core` takes, and a `.narxrec` file holds. Empty without recording.
+     * Returns the recording of the drive since it last booted, for `replay` of `narx/lab` or a `.narxrec`
+     * file. It is empty if nothing is recorded.
      */
     recording(): Uint8Array;
     /**
-     * Lets time run, to the nearest control tick, and returns the rows since the last ones that were taken, one for each tick. `trace` false: without
-     * rows, which is faster.
+     * Runs the simulation for `seconds`, to the nearest control tick, and returns the rows since the
+     * previous ones were taken, one for each tick. With `trace` false it keeps no rows, which is faster.
      */
     run(seconds: number, trace?: boolean | null): Trace;
     /**
-     * Queues a frame at the host's place of the bus, as from now. Throws a `RangeError` where 64 of them wait already.
+     * Queues a frame at the host's place of the bus, with the present time. Throws a `RangeError` if 64
+     * frames wait already.
      */
     send(frame: Frame): void;
     /**
-     * Puts a value on an input of the board, in the unit of what it measures. Throws where no wire can carry it.
+     * Sets an input of the board to a value, in the unit of its measured quantity. Throws for a value that
+     * the input cannot have.
      */
     setInput(input: InputName, value: number): void;
     /**
-     * Another load on the shaft from now on; commissioning does not know of it.
+     * Replaces the load on the shaft; commissioning is not repeated.
      */
     setLoad(options: LoadOptions): void;
     /**
-     * The operator asks for another speed, rpm, in the direction of `start`.
+     * Requests another speed through the operator, rpm, in the direction of `start`.
      */
     setSpeed(rpm: number): void;
     /**
-     * Signals of every trace, and of `value`.
+     * Returns the signals of every trace, and of `value`.
      */
     static signals(): Signal[];
     /**
-     * The operator asks for a speed, mechanical rpm, negative in reverse, and repeats it while time runs. It waits for the drive's self-tests.
+     * Requests a speed through the operator, mechanical rpm, negative in reverse, and repeats it while time
+     * runs. The request waits for the drive's self-tests.
      */
     start(rpm: number): void;
     /**
-     * Lets so many control ticks pass, default one. Their rows are those of the next `takeTrace`, or `run`.
+     * Runs this many control ticks, default one. The next `takeTrace` or `run` returns their rows.
      */
     step(ticks?: number | null): void;
     /**
-     * The operator asks for Standby, which also acknowledges a fault.
+     * Requests Standby through the operator, which also acknowledges a fault.
      */
     stop(): void;
     /**
-     * The frames that have passed on the bus since the last call, those that were sent among them; at most 65 536, the last ones. None if they are not kept.
+     * Returns the frames that have passed on the bus since the previous call, including those that were
+     * sent: at most the last 65 536. It returns none if frames are not kept.
      */
     takeFrames(): BusFrame[];
     /**
-     * The rows since the last ones that were taken.
+     * Returns the rows since the previous ones were taken.
      */
     takeTrace(): Trace;
     /**
-     * The present value of a signal.
+     * Returns the present value of a signal.
      */
     value(name: SignalName): number;
     /**
-     * The present value of every signal, in the order of `signals()`.
+     * Returns the present value of every signal, in the order of `signals()`.
      */
     values(): Float64Array;
     /**
-     * Digest of everything that the drive has answered since it last booted, as 16 lower-case hexadecimal digits: that of its recording.
+     * Returns the digest of all outputs of the drive since it last booted, as in its recording: 16
+     * lower-case hexadecimal digits.
      */
     readonly digest: string;
     /**
-     * Why the drive stopped, if it did.
+     * Cause of the drive's stop; `undefined` if it has not stopped.
      */
     readonly fault: Fault | undefined;
     /**
@@ -288,7 +301,7 @@ export class Bench {
      */
     readonly faults: FaultName[];
     /**
-     * Where a limit of the drive holds the motor back, in words.
+     * Limits of the drive that restrict this motor, a sentence each.
      */
     readonly notes: string[];
     /**
@@ -328,23 +341,23 @@ export class Motor {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * A motor from its data sheet. Throws where a figure is missing or cannot be.
+     * Makes a motor from its data sheet. Throws for a missing or invalid value.
      */
     constructor(options: MotorOptions);
     /**
-     * A real motor by its name; every figure's source is in `sim/src/presets.rs`.
+     * Returns a real motor by its name; `sim/src/presets.rs` has the source of every figure.
      */
     static preset(name: MotorName): Motor;
     /**
-     * Names of the real motors that `preset` knows.
+     * Returns the names of the real motors that `preset` knows.
      */
     static presets(): MotorName[];
     /**
-     * Line to line, H.
+     * Inductance line to line, H.
      */
     readonly inductance: number;
     /**
-     * Rotor, kg m2.
+     * Inertia of the rotor, kg m2.
      */
     readonly inertia: number;
     /**
@@ -368,7 +381,7 @@ export class Motor {
      */
     readonly ratedCurrent: number | undefined;
     /**
-     * Line to line, ohm.
+     * Resistance line to line, ohm.
      */
     readonly resistance: number;
     /**
@@ -385,15 +398,15 @@ export class Trace {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * The values of one signal: 64 bits for time and counts, 32 for what is measured. A copy.
+     * Returns a copy of the values of one signal: 64 bits for time and counts, 32 for measured values.
      */
     column(name: SignalName): Float32Array | Float64Array;
     /**
-     * Rows.
+     * Number of rows.
      */
     readonly length: number;
     /**
-     * The signals in the order of the columns of `run.csv`.
+     * Returns the signals in the order of the columns of `run.csv`.
      */
     readonly signals: Signal[];
     /**
@@ -567,7 +580,7 @@ export type FaultName =
     | "store_absent"
     | "store_version";
 
-/** What can break. */
+/** Faults that can be injected. */
 export type InjectionName =
     | "ambient"
     | "supply"

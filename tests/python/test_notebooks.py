@@ -55,7 +55,7 @@ def test_notebook(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     work.mkdir()
     notebook = nbformat.read(ROOT / f"{name}.ipynb", as_version=4)  # type: ignore[no-untyped-call]
     claims = notebook.cells[-1]
-    assert claims.source.startswith("# What this notebook says, as limits.\n") and "\nassert " in claims.source
+    assert claims.source.startswith("# The results of this notebook, as limits.\n") and "\nassert " in claims.source
     NotebookClient(notebook, timeout=CELL_MAX, kernel_name="python3", resources={"metadata": {"path": str(work)}}).execute()
     for cell in notebook.cells:
         if cell.cell_type == "code":

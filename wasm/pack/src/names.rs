@@ -21,7 +21,7 @@ pub(crate) fn bench() -> Result<String, fmt::Error> {
     union(&mut text, "MotorName", "Real motors.", PRESETS.iter().map(|preset| preset.name))?;
     union(&mut text, "Mode", "Control modes.", Mode::ALL.iter().map(|mode| mode.name()))?;
     union(&mut text, "FaultName", "Bits of the fault word.", faults())?;
-    union(&mut text, "InjectionName", "What can break.", Injection::NAMES)?;
+    union(&mut text, "InjectionName", "Faults that can be injected.", Injection::NAMES)?;
     union(&mut text, "InputName", "Inputs of the board that are read slowly.", Input::ALL.map(Input::name))?;
     Ok(text)
 }
@@ -32,7 +32,7 @@ pub(crate) fn core() -> Result<String, fmt::Error> {
     union(&mut text, "FaultName", "Bits of the fault word.", faults())?;
     union(&mut text, "StateName", "States of the drive, 0 to 7.", State::ALL.map(State::name))?;
     union(&mut text, "RequestName", "Requests without a value.", Request::NAMED.map(|(name, _)| name))?;
-    union(&mut text, "UpdateStage", "What an update is about.", UpdateStage::ALL.map(UpdateStage::label))?;
+    union(&mut text, "UpdateStage", "Stages of an update.", UpdateStage::ALL.map(UpdateStage::label))?;
     union(&mut text, "ParameterName", "Parameters of the drive.", Dictionary::rows().map(|row| row.name()))?;
     let measured = MEASUREMENTS.iter().map(|signal| signal.name);
     union(&mut text, "MeasurementName", "Signals of the measurements.", measured)?;
@@ -58,7 +58,7 @@ pub(crate) fn lab() -> Result<String, fmt::Error> {
 fn drive_messages(text: &mut String) -> fmt::Result {
     write!(
         text,
-        "\n/** What is in the drive's messages, by their names in the CAN database. */\nexport interface DriveValues {{"
+        "\n/** Fields of the drive's messages, by the names of the CAN database. */\nexport interface DriveValues {{"
     )?;
     for message in &MESSAGES {
         write!(text, "\n    readonly {}: {{", message_name(message))?;
@@ -84,7 +84,7 @@ fn shape(field: &Field) -> String {
 
 /// Writes the types of the TX-Drivers' messages.
 fn node_messages(text: &mut String) -> fmt::Result {
-    write!(text, "\n/** What is in the messages of TX-Drivers. */\nexport interface NodeValues {{")?;
+    write!(text, "\n/** Fields of the TX-Drivers' messages. */\nexport interface NodeValues {{")?;
     for (place, message) in node::MESSAGES.iter().enumerate() {
         write!(text, "\n    readonly \"{}\": {{", message.name)?;
         let signals = node::signals(place);
